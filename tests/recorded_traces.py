@@ -23,7 +23,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spoilt:
-    """How machine and recorder differ from the record."""
+    """How machine and recorder differ from the record.
+
+    ``lag``: what was measured is recorded so much late; ``behind``: the setpoint is [s].
+    """
 
     frequency: float = 1.0
     damping: float = 1.0
@@ -35,6 +38,7 @@ class Spoilt:
     grain: float = 1e-9
     step: float = 125e-6
     lag: float = 0.0
+    behind: float = 0.0
     ignores_jerk: bool = False
     slower: float = 1.0
     offset: float = 0.0
@@ -74,7 +78,7 @@ def record_moves(
     pieces, x = [], 0.0
     for _ in range(how.repeats):
         t = np.arange(0.0, t_v[-1] - how.lag, how.step)
-        ref = sample_setpoint(setpoint, t - begin)[:, 0]
+        ref = sample_setpoint(setpoint, t - begin - how.behind)[:, 0]
         tool, encoder, force = (
             np.interp(t - how.lag, t_v, out[:, k]) for k in (0, 1, 3 + plant.force)
         )

@@ -125,7 +125,7 @@ def test_without_room_for_parts_limits_are_found_and_the_sheet_says_what_is_miss
     assert record["limits"]["rules"] == record["limits"]["modes"] == []
     page = (out / "sheet.html").read_text("utf-8")
     for missing in (
-        "Not computed, since it would take too long",
+        "Not computed for this sheet, and not needed for its verdict",
         "the rules of makers and textbooks",
         "limits for the machining modes",
         "Not all loops were tried",

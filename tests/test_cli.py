@@ -386,20 +386,6 @@ def test_schema_is_json(run: Run) -> None:
     assert "properties" in json.loads(out)
 
 
-def test_run_writes_everything_and_the_sheet_prints_again(run: Run, tmp_path: Path) -> None:
-    """A sheet printed from the record alone must equal the one of the run."""
-    first, second = tmp_path / "first", tmp_path / "second"
-    code, out, _ = run("run", PAPER, "-o", first)
-    assert code == 0
-    names = {"record.json", "sheet.html", "sheet.pdf", "setpoint.csv"}
-    assert {file.name for file in first.iterdir()} == names
-    assert max(map(len, out.split("written:")[0].splitlines())) <= 80
-    assert f"next: mtcommission export {first / 'record.json'} --control NAME" in out
-    assert run("sheet", first / "record.json", "-o", second)[0] == 0
-    for name in ("sheet.html", "sheet.pdf"):
-        assert (first / name).read_bytes() == (second / name).read_bytes()
-
-
 def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> None:
     """The limits that are recommended must do in `simulate` what `limits` says."""
     profile = tmp_path / "plain.toml"

@@ -29,6 +29,7 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
+from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.data import list_data
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
@@ -305,6 +306,49 @@ def test_the_motor_is_shown_with_the_acceleration_of_its_setpoint() -> None:
     )
     assert response.max_force == pytest.approx(20.0)
     assert not response.saturated
+
+
+@pytest.mark.parametrize("item", [None, SetpointFilter(kind="zvd", frequency_hz=48.0)])
+@pytest.mark.parametrize("acceleration", [19.7, 50.3])
+def test_the_acceleration_judged_is_the_one_that_the_steps_ask_of_the_motor(
+    item: SetpointFilter | None, acceleration: float
+) -> None:
+    """A second program sends each step when the setpoint behind its filter passes it.
+
+    The second divided difference of the instants is an acceleration that the motor has in between.
+    """
+    machine = read_shipped("printer-belt").machine
+    move, step = machine.moves[0], 12.5e-6
+    assert isinstance(move, Positioning)
+    limits = replace(without_jerk_limit(machine, acceleration), setpoint_filter=item)
+    response = simulate(
+        tune_loop(machine).loops[0], plan_setpoint(move, limits), drive=machine.drive, band=20e-6
+    )
+    v = min(move.max_velocity, sqrt(acceleration * move.distance))
+    ramp, begin = v / acceleration, move.distance / v
+    edges = np.array([0.0, ramp, begin, begin + ramp])
+    impulses = item.impulses if item else None
+    delays, shares = (impulses.delays, impulses.shares) if impulses else ((0.0,), (1.0,))
+    t = np.arange(0.0, edges[-1] + limits.jerk_time + delays[-1], 5e-7)
+
+    def way(t: np.ndarray) -> np.ndarray:  # of the plain trapezoid of velocity
+        inside = np.clip(t, 0.0, edges[-1])
+        return sum(
+            0.5 * sign * acceleration * np.clip(inside - edge, 0.0, None) ** 2
+            for sign, edge in zip((1.0, -1.0, -1.0, 1.0), edges, strict=True)
+        )
+
+    def way_behind_ramp(t: np.ndarray) -> np.ndarray:
+        mids = limits.jerk_time * (np.arange(20) + 0.5) / 20
+        return np.mean([way(t - mid) for mid in mids], axis=0)
+
+    x = sum(share * way_behind_ramp(t - d) for share, d in zip(shares, delays, strict=True))
+    instants = np.interp(step * np.arange(1, int(move.distance / step)), x, t)[::8]
+    rate = 8 * step / np.diff(instants)
+    asked = np.abs(2.0 * np.diff(rate) / (instants[2:] - instants[:-2])).max()
+    assert response.max_force == pytest.approx(asked, rel=5e-3)
+    said = Catalogue("en", follows=True).say(tune_loop(machine).remarks[0])
+    assert "acceleration judged is that of the setpoint behind its filter" in said
 
 
 def test_states_have_the_sign_of_the_base_excited_equation() -> None:

@@ -19,6 +19,7 @@ import tomllib
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -322,12 +323,15 @@ def test_killed_by_force_and_resumed(
 def test_asked_to_end_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame, name: str) -> None:
     """A shutdown or a closed terminal ends a sweep with a sentence, not with leaked semaphores."""
     line = [*command(tmp_path), "--workers", "2"]
+    number = getattr(signal, name)
+    # Under nohup and on some CI runners the signal is ignored, and children inherit that.
     running = subprocess.Popen(
-        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=partial(signal.signal, number, signal.SIG_DFL),
+    )  # fmt: skip
     while running.poll() is None and lines_in(tmp_path) <= 1:
         time.sleep(0.002)
-    os.killpg(running.pid, getattr(signal, name))
+    os.killpg(running.pid, number)
     _, told = running.communicate()
     assert running.returncode == 130
     assert re.fullmatch(r"stopped: \d+ of 24 cases are on disk in .* --resume\n", told), told

@@ -30,6 +30,7 @@ from mtcommission.verify.read import read_trace
 from mtcommission.verify.refine import refine
 from mtcommission.verify.renew import renew_profile
 from mtcommission.verify.verify import Verification, verify
+from mtcommission.verify.wording import check_row
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -133,7 +134,15 @@ def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_bla
     assert found.obeyed is False
     assert found.verdict is Verdict.FAILS
     assert found.warnings[0].kind == "verify-planner-exceeds"
-    assert find(found, "setpoint jerk").verdict is Verdict.FAILS
+    jerk = find(found, "setpoint jerk")
+    assert jerk.verdict is Verdict.FAILS
+    # What it is compared with stands in its row, and what was entered in the reason.
+    words = words_of(found)
+    row = check_row(jerk, words)
+    planned = words.format.quantity(found.warnings[0].values["planned"], jerk.unit)
+    assert row[1].startswith(planned)
+    assert row[2] == "–"
+    assert words.format.quantity(limits_of(found.record).jerk, jerk.unit) in row[4]
     assert find(found, "setpoint acceleration").verdict is Verdict.HOLDS
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
@@ -159,6 +168,15 @@ def test_what_cannot_be_told_is_not_said(how: Spoilt, reason: str, tmp_path: Pat
     assert (residual.verdict, residual.reason.kind) == (Verdict.UNKNOWN, reason)
 
 
+@pytest.mark.parametrize("step", [5e-4, 7e-4, 1e-3])
+def test_a_ramp_that_falls_between_the_samples_does_not_blame_the_planner(
+    step: float, tmp_path: Path
+) -> None:
+    """Steps of the acceleration within a cycle: what a mean shows of them hangs on the phase."""
+    found = verified("printer-belt", tmp_path, Spoilt(step=step, dwell=0.3))
+    assert find(found, "setpoint jerk").verdict is not Verdict.FAILS
+
+
 def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_path: Path) -> None:
     found = verified(MILLING, tmp_path, Spoilt(), only=("encoder",))
     assert found.verdict is Verdict.UNKNOWN
@@ -168,6 +186,60 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
 
 def test_a_position_that_comes_late_is_a_finding_beyond_a_cycle(tmp_path: Path) -> None:
     found = verified(MILLING, tmp_path, Spoilt(lag=8e-3))
+    assert find(found, "reference delay").verdict is Verdict.FAILS
+
+
+@pytest.mark.parametrize("name", [MILLING, GANTRY])
+@pytest.mark.parametrize("step", [2.5e-4, 1e-3])
+def test_a_setpoint_recorded_behind_the_delay_is_recognised(
+    name: str, step: float, tmp_path: Path
+) -> None:
+    """What the loop compares already is the delayed setpoint: no deviation of the machine."""
+    tau = rebuilt_of(name).controller.reference_delay
+    how = Spoilt(step=step, noise=1e-7, payload=20.0)
+    before = verified(name, tmp_path, how)
+    behind = verified(name, tmp_path, replace(how, behind=tau))
+    assert before.warnings == ()
+    assert behind.warnings[0].kind == "verify-behind-delay"
+    assert behind.warnings[0].values["delay"] == tau
+    assert behind.verdict is before.verdict is Verdict.HOLDS
+    for key in ("settling time", "residual deviation", "peak deviation", "max force"):
+        one, other = (find(found, f"move 1: {key}") for found in (before, behind))
+        assert other.verdict is one.verdict, key
+        apart = one.uncertainty + other.uncertainty
+        assert other.measured == pytest.approx(one.measured, abs=apart), key
+    # Behind the delay nobody sees the delay.
+    assert find(behind, "reference delay").measured is None
+    parameters = {one.name: one for one in refine(behind).parameters}
+    assert "delay" not in parameters
+    assert not any(one.has_changed for key, one in parameters.items() if "frequency" in key)
+
+
+@pytest.mark.parametrize("name", [MILLING, GANTRY])
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path: Path) -> None:
+    record, rebuilt = record_of(name), rebuilt_of(name)
+    tau = rebuilt.controller.reference_delay
+    how = Spoilt(step=5e-4, behind=share * tau)
+    columns = record_moves(rebuilt, limits_of(record), how)
+    late = np.interp(columns["t"] - (1.0 - share) * tau, columns["t"], columns["x_ref"])
+    own = {"t": columns["t"], "x_ref": columns["x_ref"],
+           "following_error": late - columns["encoder"]}  # fmt: skip
+    file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    said = [warning.kind for warning in found.warnings]
+    assert said == ["verify-behind-delay"] * (share == 1.0)
+    residual = find(found, "move 1: residual deviation")
+    assert residual.measured == pytest.approx(
+        residual.predicted, abs=residual.uncertainty + 0.05 * residual.predicted
+    )
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_another_shift_than_the_delay_is_still_a_finding(share: float, tmp_path: Path) -> None:
+    tau = rebuilt_of(MILLING).controller.reference_delay
+    found = verified(MILLING, tmp_path, Spoilt(behind=share * tau))
+    assert all(warning.kind != "verify-behind-delay" for warning in found.warnings)
     assert find(found, "reference delay").verdict is Verdict.FAILS
 
 
@@ -315,8 +387,11 @@ def test_on_a_rotary_axis_torque_stands_for_force(tmp_path: Path) -> None:
     found = verified("rotary-table", tmp_path, Spoilt(before=0.3, dwell=0.6))
     assert find(found, "move 1: max force").unit == "N m"
     assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
-    # The second move of the record was not recorded.
+    # The second move of the record was not recorded: what was recorded holds all the same.
     assert found.verdict is Verdict.UNKNOWN
+    assert words_of(found).say(found.headline) == (
+        "Cannot tell for all moves: move 1 holds, move 2 was not recorded"
+    )
 
 
 def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path) -> None:

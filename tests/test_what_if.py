@@ -29,6 +29,7 @@ from mtcommission.messages.languages import LANGUAGES
 from mtcommission.options.simulate import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.schema.what_if import WhatIfPart
 from mtcommission.record.what_if import what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -339,6 +340,11 @@ addEventListener("load", () => {
   slider.value = 900;
   slider.dispatchEvent(new Event("input", {bubbles: true}));
   seen.slid = [state.acceleration, document.getElementById("wi-acceleration").value];
+  const label = box.closest(".knob").querySelector("label");
+  const mark = () => [box.value, getComputedStyle(label, "::after").content, complaint.textContent];
+  seen.still = mark();
+  document.getElementById("wi-load-0").click();
+  seen.loaded = mark();
   requestAnimationFrame(() => requestAnimationFrame(() => {
     seen.margins.push(margin());
     tell(seen);
@@ -362,8 +368,33 @@ def test_map_sizes_and_notch_answer_to_a_finger_and_wrong_entries_are_said(tmp_p
     assert found["margins"][0] != found["margins"][1]
     assert found["wrong"][0] == "true"
     assert found["wrong"][1].startswith("Jerk: a number from ")
+    # As long as it stands there it is marked, and what is computed instead is said.
+    entry, sign, complaint = found["still"]
+    assert entry == "many"
+    assert "✗" in sign
+    assert complaint == found["wrong"][1]
+    assert "computed with " in complaint
+    assert found["loaded"][0] != "many"
+    assert found["loaded"][1:] == ["none", ""]
     assert found["kept"] == sizes
     assert found["slid"][0] == pytest.approx(float(found["slid"][1]), rel=1e-9)
+
+
+@pytest.mark.parametrize(("language", "today"), [("en", "today"), ("de", "heut")])
+def test_the_page_speaks_of_todays_values_only_where_there_are_some(
+    language: str, today: str
+) -> None:
+    """A curve that is not there would be looked for."""
+    bench, words = build_bench("modal-two-modes", language), Catalogue(language)
+    part = what_if_part(bench.machine, bench.plant, bench.tuned, bench.recommended, None)
+    with_today = replace(part, limits=[replace(part.limits[0], name="today"), *part.limits])
+
+    def speaks(part: WhatIfPart) -> set[str]:
+        texts = what_if(part, words, profile="axis.toml").texts
+        return {key for key, text in texts.items() if today in text.lower()}
+
+    assert speaks(part) == set()
+    assert speaks(with_today) == {"intro", "response", "landscape"}
 
 
 TAKE = """

@@ -39,7 +39,7 @@ def describe_verification(found: Verification, refined: Refined, limits: NewLimi
     obeyed = {True: "yes", False: "no", None: "unknown"}[found.obeyed]
     parts: list[RenderableType] = [
         heading(f"{found.record.machine.name}, {say('axis')} {found.record.machine.axis}"),
-        Text(say_verdict(found.verdict, spoken), style=STYLES[found.verdict]),
+        Text(spoken.say(found.headline), style=STYLES[found.verdict]),
         Text(say("verify-detail", moves=len(found.recorded), obeyed=obeyed)),
         *warn(spoken, found.warnings),
         Text(),

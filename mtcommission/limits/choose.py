@@ -11,6 +11,9 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import inf, isfinite
 
+import numpy as np
+
+from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.digits import limits_about, round_limits
 from mtcommission.limits.explore import Found, explore
@@ -22,7 +25,7 @@ from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, 
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
 from mtcommission.verdict.assess import Assessment, assess
 from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
 from mtcommission.verdict.every_size import SizeCheck, judge_every_size
@@ -168,7 +171,7 @@ def _type(
     machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, largest_jerk: float
 ) -> Typed | None:
     """The nearest limits that can be typed in and hold; None where that does not end."""
-    a, jerk_time, item = found.acceleration, found.jerk_time, found.setpoint_filter
+    (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
     largest = machine.drive.motion_force / moving_mass(machine)
     for _ in range(MOST_SCALED):
         limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
@@ -180,8 +183,11 @@ def _type(
         return None
     best, scaled = Typed(limits=limits, sizes=sizes), min(limits.acceleration / used, largest)
     # Rounding, and what the search saw too dark, may leave a little: the next ones up.
-    above = limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
-    above = [each for each in above if each.jerk <= largest_jerk and each.acceleration <= largest]
+    above = [
+        each
+        for each in limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
+        if each.jerk <= largest_jerk and each.acceleration <= largest
+    ]
     soonest = _duration(machine, limits)
     for each in sorted(above, key=partial(_duration, machine))[:MOST_RAISED]:
         raised = replace(each, setpoint_filter=item)
@@ -191,6 +197,23 @@ def _type(
         if used <= 1.0:
             return Typed(limits=raised, sizes=sizes)
     return best
+
+
+def _reached(machine: Machine, found: Found) -> tuple[float, float]:
+    """The same motions by the acceleration that the listed moves reach, and its jerk time.
+
+    More of it changes nothing, so that how much more would be up to the last digit of a sum.
+    """
+    a, t_j = found.acceleration, found.jerk_time
+    if machine.control.kind.jerk is Jerk.NONE:  # the ramp follows from a: there more of it counts
+        return a, t_j
+    jerk = np.array([a / t_j])
+    ramps = [
+        float(jerk_steps(move, acceleration=np.array([a]), jerk=jerk).times[0, 1])
+        for move in machine.moves
+    ]
+    reached = min(max(ramps), t_j)
+    return a * reached / t_j, reached
 
 
 def _duration(machine: Machine, limits: MotionLimits) -> float:

@@ -16,6 +16,9 @@ from mtcommission.sheet.verdict_part import acceleration, jerk
 KV_UNIT = 1000.0 / 60.0
 """Kv of 1 (m/min)/mm in 1/s."""
 
+TYPED_POINT = re.compile(r"(?<=\d)\.(?=\d+ m?s\b)")
+"""The decimal point of a time that is typed into a mask."""
+
 MOTION_UNIT = re.compile(r" \[[^\]]*/s\^[23][^\]]*\]")
 """Units of acceleration and jerk in the text about a parameter."""
 
@@ -27,7 +30,7 @@ def entries(record: Record, words: Catalogue) -> Table:
     """Return every value to enter: its name in the control, old beside new."""
     text, old = words.text, todays_values(record, words)
     rows = entry_rows(record, words)
-    own = _own_names(record, rows)
+    own = _own_names(record, rows, words.format.decimal_mark)
     # One text of a control may hold several values: it stands at the first of them.
     shown = [
         text("entry-above") if name and name in own[:k] else name for k, name in enumerate(own)
@@ -131,9 +134,9 @@ def _names(record: Record) -> dict[str, str]:
     return named
 
 
-def _own_names(record: Record, rows: list[Row]) -> list[str]:
+def _own_names(record: Record, rows: list[Row], mark: str) -> list[str]:
     """Return what the control calls each row; of its setpoint filter what is typed, if known."""
-    named, typed = _names(record), iter(_typed_filter(record))
+    named, typed = _names(record), iter(_typed_filter(record, mark))
     return [
         next(typed, "") or named.get(feature, "")
         if feature == "setpoint_filters"
@@ -142,19 +145,21 @@ def _own_names(record: Record, rows: list[Row]) -> list[str]:
     ]
 
 
-def _typed_filter(record: Record) -> tuple[str, ...]:
+def _typed_filter(record: Record, mark: str) -> tuple[str, ...]:
     """Return what is typed in for the setpoint filter, for each of its rows; empty if not read."""
     kind, item = KINDS[record.loop.kind], record.limits.recommended.setpoint_filter
     choice = kind.find_filter(item.kind) if item else None
     if not item or not choice:
         return ()
-    return choice.enter(
+    entered = choice.enter(
         time=item.time,
         second_time=item.second_time,
         frequency_hz=item.frequency_hz,
         damping_ratio=item.damping_ratio,
         axis=record.machine.axis,
     )
+    # A quantity is read like every other one here; a line of a file keeps its own decimal point.
+    return tuple(TYPED_POINT.sub(mark, text) for text in entered)
 
 
 def _gain(kv: float, words: Catalogue) -> str:

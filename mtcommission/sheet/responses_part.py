@@ -33,6 +33,7 @@ def response_blocks(record: Record, words: Catalogue) -> tuple[Block, ...]:
     number = slowest_move(record)
     return (
         _yardsticks(record, words),
+        Paragraph(text=words.text("yardstick-note"), tone=Tone.NOTE),
         *_missing_yardsticks(record, words),
         response_plot(record, number, words),
         *size_plot(record, number, words),

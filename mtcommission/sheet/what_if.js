@@ -32,6 +32,14 @@ const whatIf = (() => {
     id(`${key}-slider`).setAttribute("aria-valuetext", `${show(value / item.size)} ${item.unit}`);
     if (text) id(key).value = String(Number((value / item.size).toPrecision(10))).replace(".", data.decimal_mark);
     id(key).removeAttribute("aria-invalid");
+    complain();
+  }
+
+  // Every wrong entry, as long as it stands there; what is computed is the value before it.
+  function complain() {
+    const wrong = fields.filter(item => id(item.key).getAttribute("aria-invalid") === "true");
+    const range = item => say("out_of_range", {name: item.label, low: `${show(item.least / item.size)} ${item.unit}`, high: `${show(item.most / item.size)} ${item.unit}`, value: `${show(state[item.key] / item.size)} ${item.unit}`});
+    id("complaint").textContent = wrong.map(range).join(". ");
   }
 
   function load(number) {
@@ -46,7 +54,7 @@ const whatIf = (() => {
     filter = key;
     id("filter").value = key;
     if (field.time) {
-      if (isAverage() && time) put("time", time);
+      put("time", isAverage() && time ? time : state.time);
       id("time").closest(".knob").hidden = !isAverage();
     }
   }
@@ -452,7 +460,7 @@ const whatIf = (() => {
       const value = Number(event.target.value.trim().replace(",", ".").replace("−", "-")) * item.size;
       const isGood = event.target.value.trim() !== "" && Number.isFinite(value) && value >= item.least && value <= item.most;
       event.target.setAttribute("aria-invalid", String(!isGood));
-      id("complaint").textContent = isGood ? "" : say("out_of_range", {name: item.label, low: `${show(item.least / item.size)} ${item.unit}`, high: `${show(item.most / item.size)} ${item.unit}`});
+      complain();
       if (isGood) { put(item.key, value, {text: false}); after(); }
     });
   }

@@ -78,8 +78,9 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     names = {"today": words.text("what-if-today"), "recommended": words.text("what-if-recommended")}
     units = _units(part, words)
     known = [_known(item, filters) for item in part.limits]
+    today = "yes" if any(item.name == "today" for item in part.limits) else "no"
     return Panel(
-        texts={key.replace("-", "_"): words.text(f"what-if-{key}") for key in TEXTS},
+        texts={key.replace("-", "_"): words.text(f"what-if-{key}", today=today) for key in TEXTS},
         moves=tuple(
             words.text("what-if-move-named", number=number, size=_say_size(move, words))
             for number, move in enumerate(part.moves, start=1)

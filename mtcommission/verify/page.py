@@ -110,7 +110,7 @@ def _headline(found: Verification, words: Catalogue) -> Headline:
     ][:4]
     return Headline(
         is_met=found.verdict is Verdict.HOLDS,
-        verdict=say_verdict(found.verdict, words),
+        verdict=words.say(found.headline),
         detail=words.text("verify-detail", moves=len(found.recorded), obeyed=_obeyed(found)),
         values=tuple(
             BigValue(
@@ -258,7 +258,7 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
     return LinePlot(
         key=key,
         caption=say("verify-plot-caption", file=one.trace.file, begin=motion.begin),
-        alt=say("verify-plot-alt", verdict=say_verdict(found.verdict, words)),
+        alt=say("verify-plot-alt", verdict=words.say(found.headline)),
         x_label=say("verify-plot-time", unit=form.with_unit("", "ms").strip()),
         x_is_log=False,
         link="moves",

@@ -39,7 +39,7 @@ def number_of(motion: Motion, moves: tuple[Move, ...], entered: MotionLimits) ->
             if motion.coasts and _alike(abs(motion.final_velocity), move.velocity_step):
                 return number
         elif not motion.coasts and _alike(abs(motion.travel), move.distance):
-            top = _peak(plan_setpoint(move, entered), 1, motion.velocity)
+            top = _peaks(plan_setpoint(move, entered), 1, motion.velocity).max()
             slower = motion.velocity.value < (1.0 - SAME_SIZE) * top - motion.velocity.uncertainty
             faster = motion.velocity.value > (1.0 + SAME_SIZE) * move.max_velocity
             # With a lower feed it is another move; one that is slower all along is this one.
@@ -72,13 +72,13 @@ def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoin
         return None
 
 
-def _peak(setpoint: Setpoint, order: int, reached: Reached) -> float:
-    """Largest difference quotient of a plan over the width of the recorded one."""
+def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
+    """Largest difference quotient of a plan over the width of the recorded one, at each phase."""
     width = reached.width / order
     times = np.arange(-order, setpoint.duration / width + order + 1, dtype=np.float64) * width
     phases = width * np.arange(PHASES, dtype=np.float64)[:, None] / PHASES
     x: Array = sample_setpoint(setpoint, (times + phases).ravel())[:, 0].reshape(PHASES, -1)
-    return float(np.abs(np.diff(x, n=order, axis=1)).max()) / width**order
+    return np.asarray(np.abs(np.diff(x, n=order, axis=1)).max(axis=1) / width**order)
 
 
 def check_planner(
@@ -98,8 +98,9 @@ def check_planner(
         Of the axis.
     """
     top = inf
-    if setpoint is not None and isinstance(setpoint.move, Positioning):
-        top = setpoint.move.max_velocity
+    if setpoint is not None:
+        move = setpoint.move
+        top = move.max_velocity if isinstance(move, Positioning) else move.velocity_step
     rows = (
         ("setpoint velocity", 1, motion.velocity, top, units.velocity.si),
         ("setpoint acceleration", 2, motion.acceleration, entered.acceleration,
@@ -107,33 +108,38 @@ def check_planner(
         ("setpoint jerk", 3, motion.jerk, entered.jerk, units.jerk.si),
     )  # fmt: skip
     return tuple(
-        _check(key, reached, limit, unit, _peak(setpoint, order, reached) if setpoint else None)
+        _check(key, reached, limit, unit, _peaks(setpoint, order, reached) if setpoint else None)
         for key, order, reached, limit, unit in rows
     )
 
 
-def _check(key: str, reached: Reached, limit: float, unit: str, plan: float | None) -> Check:
+def _check(key: str, reached: Reached, limit: float, unit: str, plan: Array | None) -> Check:
+    """What was measured against the plan's means over the same width; without one, the limit."""
     value, error = reached.value, reached.uncertainty
+    low = high = predicted = None
     verdict, kind = Verdict.UNKNOWN, "verify-setpoint-coarse"
     if plan is None:
         verdict = Verdict.FAILS if value - error > ABOVE * limit else Verdict.UNKNOWN
         kind = "verify-setpoint-above" if verdict is Verdict.FAILS else "verify-setpoint-no-plan"
-    elif value - error > ABOVE * plan:
-        verdict, kind = Verdict.FAILS, "verify-setpoint-above"
-    elif value + error < BELOW * plan:
-        verdict, kind = Verdict.FAILS, "verify-setpoint-below"
-    elif error <= TELLING * plan:
-        verdict, kind = Verdict.HOLDS, "verify-setpoint-obeyed"
+    else:
+        # The samples of the record lie at one phase, which nobody knows.
+        low, high, predicted = BELOW * plan.min(), ABOVE * plan.max(), float(plan.max())
+        if value - error > high:
+            verdict, kind = Verdict.FAILS, "verify-setpoint-above"
+        elif value + error < low:
+            verdict, kind = Verdict.FAILS, "verify-setpoint-below"
+        elif error <= TELLING * predicted:
+            verdict, kind = Verdict.HOLDS, "verify-setpoint-obeyed"
     return Check(
         key=key,
         unit=unit,
-        predicted=plan,
-        low=None if plan is None else BELOW * plan,
-        high=None if plan is None else ABOVE * plan,
-        limit=limit if limit < inf else None,
+        predicted=predicted,
+        low=low,
+        high=high,
+        limit=limit if plan is None and limit < inf else None,
         measured=value,
         uncertainty=error,
         verdict=verdict,
-        reason=Message(kind, width=reached.width),
+        reason=Message(kind, width=reached.width, entered=limit, unit=unit),
         decides=key != "setpoint jerk",
     )

@@ -283,8 +283,12 @@ def _delay_check(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     if not isfinite(recorded.shift_error):
         return []
     tau, slack = rebuilt.controller.reference_delay, allowed_shift(rebuilt, recorded.trace)
-    measured = tau + recorded.shift
-    verdict = within(measured, recorded.shift_error, tau - slack, tau + slack)
+    measured = error = None
+    verdict, reason = Verdict.UNKNOWN, Message("verify-delay-not-recorded")
+    if not recorded.trace.is_delayed:
+        measured, error = tau + recorded.shift, recorded.shift_error
+        verdict = within(measured, error, tau - slack, tau + slack)
+        reason = _reason(verdict)
     return [
         Check(
             key="reference delay",
@@ -293,9 +297,9 @@ def _delay_check(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
             low=tau - slack,
             high=tau + slack,
             measured=measured,
-            uncertainty=recorded.shift_error,
+            uncertainty=error,
             verdict=verdict,
-            reason=_reason(verdict),
+            reason=reason,
         )
     ]
 

@@ -164,7 +164,7 @@ def _estimate(
 
 
 def _delay(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> tuple[Parameter, ...]:
-    known = [one for one in recorded if np.isfinite(one.shift_error)]
+    known = [one for one in recorded if np.isfinite(one.shift_error) and not one.trace.is_delayed]
     if not known:
         return ()
     shifts = [one.shift for one in known]

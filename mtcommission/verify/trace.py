@@ -77,7 +77,7 @@ class Trace:
     gaps
         Begin and end of stretches without samples [s].
     is_delayed
-        Whether the setpoint is the one that is compared with the position, τ late.
+        Whether the setpoint is the one that is compared with the position, recorded behind τ.
     remarks
         What was done to it, what was assumed and what is doubtful.
     """
@@ -127,14 +127,15 @@ def resolution(values: Array) -> float:
     levels = np.unique(values)
     steps = np.diff(levels)
     least = FINEST * float(np.ptp(values))
-    steps = steps[steps > least][:2000]
+    steps = np.sort(steps[steps > least])[:2000]
     if not steps.size:
         return 0.0
-    grain = float(steps.min())
+    grain = float(steps[0])
     while grain > least:
         rest = np.abs(steps - grain * np.rint(steps / grain))
         off = rest[rest > max(WHOLE * grain, least)]
         if not off.size:
             return grain
-        grain = float(off.min())
+        # Of the smallest step: the error of what is left grows with the multiples taken off.
+        grain = float(off[0])
     return 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 
 import numpy as np
 
@@ -25,6 +25,14 @@ from mtcommission.verify.trace import Role, Trace
 MOST_MOTIONS = 40
 """Moves of all traces together that are looked at; more say nothing new."""
 
+SAME_DELAY = 0.25
+"""Of τ, by which the shift of a setpoint that was recorded behind it may differ from it (design
+choice: the columns of a recorder are some samples apart)."""
+
+FITS_BETTER = 0.5
+"""Share of what the prediction left unexplained that a setpoint behind τ leaves at most where only
+a following error was recorded (design choice)."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Verification:
@@ -40,8 +48,10 @@ class Verification:
         Moves, each beside its prediction.
     checks
         The worst of each promise over all repetitions, the setpoint's first.
+    missing
+        Numbers of the record's moves that were not recorded, from 1.
     verdict
-        Over all of them.
+        Over all checks; where a move is missing, no more than "cannot tell".
     warnings
         What the reader must know; the first one speaks of the planner if it did not obey.
     """
@@ -51,6 +61,7 @@ class Verification:
     traces: tuple[Trace, ...]
     recorded: tuple[Recorded, ...]
     checks: tuple[Check, ...]
+    missing: tuple[int, ...]
     verdict: Verdict
     warnings: tuple[Message, ...]
 
@@ -63,23 +74,22 @@ class Verification:
         return None if Verdict.UNKNOWN in own or not own else True
 
     @property
+    def headline(self) -> Message:
+        """The verdict in words; what was recorded holds although the rest cannot be told."""
+        if self.verdict is Verdict.UNKNOWN and judge_all(self.checks) is Verdict.HOLDS:
+            known = tuple(sorted({one.number for one in self.recorded if one.number}))
+            return Message("verify-verdict-in-part", known=known, missing=self.missing)
+        return Message(f"verify-verdict-{self.verdict.value.replace(' ', '-')}")
+
+    @property
     def shift(self) -> float | None:
         """By which positions come later than predicted, middle of all moves [s]."""
-        known = [one.shift for one in self.recorded if isfinite(one.shift_error)]
-        return float(np.median(known)) if known else None
+        return _middle_shift(self.recorded)
 
     @property
     def unexplained(self) -> float | None:
         """Share of the deviation that the nominal prediction leaves, by RMS; None: no position."""
-        missed = total = 0.0
-        for move in self.recorded:
-            for one in move.beside:
-                if one.is_position:
-                    moving = one.after(move.motion.begin)
-                    apart = one.deviation - one.predicted_deviation[0]
-                    missed += float(np.sum(apart[moving] ** 2))
-                    total += float(np.sum(one.deviation[moving] ** 2))
-        return sqrt(missed / total) if total > 0.0 else None
+        return _unexplained(self.recorded)
 
     @property
     def noise_floor(self) -> float | None:
@@ -107,13 +117,29 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         No trace holds a move from rest.
     """
     rebuilt = rebuild(record)
+    tau = rebuilt.controller.reference_delay
     entered = read_limits(record.limits.recommended)
     recorded: list[Recorded] = []
+    behind: list[Message] = []
     warnings: list[Message] = []
+    read: list[Trace] = []
     for trace in traces:
-        motions, more = _motions(rebuilt, entered, trace)
+        own, more = _lay_out_all(rebuilt, entered, trace)
+        if not trace.is_delayed and tau > 0.0:
+            late = replace(trace, is_delayed=True)
+            if (shift := _middle_shift(own)) is not None and abs(shift + tau) < SAME_DELAY * tau:
+                trace = late
+            elif _has_error_alone(trace):
+                # No position comes earlier then: the deviation itself does.
+                other, _ = _lay_out_all(rebuilt, entered, late)
+                before, after = _unexplained(own), _unexplained(other)
+                trace = late if (after or inf) < FITS_BETTER * (before or 0.0) else trace
+            if trace is late:
+                own, more = _lay_out_all(rebuilt, entered, trace)
+                behind.append(Message("verify-behind-delay", file=trace.file, delay=tau))
+        read.append(trace)
         warnings += more
-        recorded += [lay_out(rebuilt, entered, trace, motion) for motion in motions]
+        recorded += own
     if not recorded:
         files = tuple(trace.file for trace in traces)
         raise InputError([Fault(where=files[0], message=Message("verify-no-move"))])
@@ -122,14 +148,10 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         recorded = recorded[:MOST_MOTIONS]
     rows = [check_recorded(rebuilt, record, entered, one) for one in recorded]
     checks = _gather(rows)
-    verdict = judge_all(checks)
-    missing = [
-        number
-        for number in range(1, len(rebuilt.machine.moves) + 1)
-        if not any(one.number == number for one in recorded)
-    ]
+    verdict, numbers = judge_all(checks), {one.number for one in recorded}
+    missing = tuple(n for n in range(1, len(rebuilt.machine.moves) + 1) if n not in numbers)
     if missing:
-        warnings.append(Message("verify-moves-missing", moves=tuple(missing)))
+        warnings.append(Message("verify-moves-missing", moves=missing))
         if verdict is Verdict.HOLDS:
             verdict = Verdict.UNKNOWN
     planner = [check for check in checks if check.key.startswith("setpoint ")]
@@ -138,12 +160,45 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
     return Verification(
         record=record,
         rebuilt=rebuilt,
-        traces=tuple(traces),
+        traces=tuple(read),
         recorded=tuple(recorded),
         checks=checks,
+        missing=missing,
         verdict=verdict,
-        warnings=tuple(dict.fromkeys([*first, *warnings, *remarks])),
+        warnings=tuple(dict.fromkeys([*behind, *first, *warnings, *remarks])),
     )
+
+
+def _lay_out_all(
+    rebuilt: Rebuilt, entered: MotionLimits, trace: Trace
+) -> tuple[list[Recorded], list[Message]]:
+    """Every move of a trace beside its prediction, and what was left out."""
+    motions, warnings = _motions(rebuilt, entered, trace)
+    return [lay_out(rebuilt, entered, trace, motion) for motion in motions], warnings
+
+
+def _middle_shift(recorded: Sequence[Recorded]) -> float | None:
+    """By which positions come later than predicted, middle of all moves [s]."""
+    known = [one.shift for one in recorded if isfinite(one.shift_error)]
+    return float(np.median(known)) if known else None
+
+
+def _has_error_alone(trace: Trace) -> bool:
+    """Whether only a following error tells where the axis is."""
+    return trace.find(Role.ENCODER) is None and trace.find(Role.TOOL) is None
+
+
+def _unexplained(recorded: Sequence[Recorded]) -> float | None:
+    """Share of the deviation that the nominal prediction leaves, by RMS; None: no position."""
+    missed = total = 0.0
+    for move in recorded:
+        for one in move.beside:
+            if one.is_position:
+                moving = one.after(move.motion.begin)
+                apart = one.deviation - one.predicted_deviation[0]
+                missed += float(np.sum(apart[moving] ** 2))
+                total += float(np.sum(one.deviation[moving] ** 2))
+    return sqrt(missed / total) if total > 0.0 else None
 
 
 def _planner_says(check: Check) -> Message:

@@ -13,7 +13,7 @@ HEADS = ("what", "predicted", "allowed", "measured", "verdict")
 
 
 def say_verdict(verdict: Verdict, words: Catalogue) -> str:
-    """Return a verdict in words."""
+    """Return the verdict of one check in words."""
     return words.text(f"verify-verdict-{verdict.value.replace(' ', '-')}")
 
 

@@ -42,7 +42,7 @@ class SetpointFilterEntry:
 class ForceFilterEntry:
     """A filter in the set-force path: (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), or the low-pass.
 
-    ``natural_frequency`` is ω [rad/s], ``damping`` ζ and ``width`` d [-].
+    ``natural_frequency`` is ω [rad/s], not a frequency in Hz, ``damping`` ζ and ``width`` d [-].
     """
 
     kind: str

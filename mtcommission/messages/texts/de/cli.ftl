@@ -52,7 +52,7 @@ cli-failed-cases = { $count } gescheitert
 stage-optimal-controls = optimale Steuerungen
 stage-feedback-loop = Regelkreis
 stage-limits = Grenzwerte
-stage-responses = Antworten und Faustregeln
+stage-responses = Zeitverläufe und Faustregeln
 stage-attainable = was einzuhalten wäre
 stage-machining-modes = Bearbeitungsarten
 stage-comparison = Vergleich mit den Optima
@@ -60,7 +60,7 @@ stage-robustness = Robustheit
 stage-sheet = Blatt
 stage-time-optimal = zeitoptimale Steuerung
 stage-damping-optimal = dämpfungsoptimale Steuerung
-stage-response = Antwort
+stage-response = Zeitverlauf
 
 # Gains of the loop, as the profile names them
 simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: simuliert mit einer Rampe von einem Takt, { TIME($cycle, digits: 3) }.

@@ -65,4 +65,4 @@ budget-rule-asks = für ein Band von { SI($band, "LENGTH", digits: 3) } verlangt
 budget-check-band = die Einheit von tcp_deviation prüfen
 budget-asked-for = verlangt sind
 budget-check-options = die Einheiten von --acceleration und --jerk prüfen
-loop-motor-follows = kein Regelkreis einzustellen: der Motor folgt dem Sollwert, um { TIME($delay) } verspätet, so lange wie zwei Sollwerte brauchen
+loop-motor-follows = kein Regelkreis einzustellen: der Motor folgt dem Sollwert, um { TIME($delay) } verspätet, so lange wie zwei Sollwerte brauchen; beurteilt wird die Beschleunigung des gefilterten Sollwerts, sie ist die des Motors

@@ -255,7 +255,7 @@ state-feedback-used = Zustandsrückführung
 
 ## Motion
 
-responses-heading = Antworten
+responses-heading = Zeitverläufe
 responses-caption = { $axis ->
     [rotary] { $move }: Sollwert, Werkzeugabweichung, Moment; Nennmaschine
    *[linear] { $move }: Sollwert, Werkzeugabweichung, Kraft; Nennmaschine
@@ -267,6 +267,10 @@ responses-alt = { $axis ->
 yardstick-caption = { $axis ->
     [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Moment erlaubt (so viel länger dauert sie)
    *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die Kraft erlaubt (so viel länger dauert sie)
+}
+yardstick-note = { $axis ->
+    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Moment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
+   *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der Kraft dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
 }
 move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe
@@ -420,7 +424,7 @@ phase = Phase in °
 open-loop = offener Kreis
 closed-velocity = geschlossener Geschwindigkeitsregelkreis
 remarks = Bemerkungen
-corners-caption = { $move }: Antwort in jedem Eckfall
+corners-caption = { $move }: Verlauf in jedem Eckfall
 payload = Zuladung
 frequencies = Frequenzen
 dampings = Dämpfungen

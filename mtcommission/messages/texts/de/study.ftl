@@ -140,7 +140,7 @@ glance-force = { $axis ->
 glance-time = Zeit in ms
 
 # was zu lange dauerte; $parts: eines oder mehrere der folgenden
-left-out = Nicht berechnet, weil es zu lange dauerte (in Schritten gezählt, auf jedem Rechner gleich): { $parts }. Weniger oder kürzere Bewegungen, weniger Zuladungen oder ein längerer velocity_cycle schaffen Raum.
+left-out = Für dieses Blatt nicht berechnet und für sein Urteil nicht nötig: { $parts }. Eine Rechnung mit weniger oder kürzeren Bewegungen oder weniger Zuladungen lässt Zeit dafür.
 left-out-listed = was den genannten Weiten allein diente
 left-out-rules = die Regeln von Herstellern und Lehrbüchern
 left-out-shapers = Eingangsformer und Ruckfilter neben der Empfehlung

@@ -8,6 +8,7 @@ verify-title = Nachweis an der Maschine
 verify-verdict-holds = Eingehalten
 verify-verdict-does-not-hold = Nicht eingehalten
 verify-verdict-cannot-tell = Nicht zu entscheiden
+verify-verdict-in-part = Nicht für alle Bewegungen zu entscheiden: Bewegung { $known } eingehalten, Bewegung { $missing } nicht aufgezeichnet
 verify-detail = { $moves ->
     [one] Eine Bewegung
    *[other] { $moves } Bewegungen
@@ -42,9 +43,9 @@ verify-damping-ratio = Dämpfungsgrad
 verify-kept = eingehalten, die Unsicherheit eingeschlossen
 verify-missed = um mehr als die Unsicherheit verfehlt
 verify-within-noise = die Unsicherheit reicht über die Grenze; mit feinerer Auflösung oder weniger Rauschen wiederholen
-verify-setpoint-obeyed = wie geplant (Mittel über { TIME($width) })
-verify-setpoint-above = über dem geplanten Wert (Mittel über { TIME($width) })
-verify-setpoint-below = erreicht den geplanten Wert nie (Mittel über { TIME($width) })
+verify-setpoint-obeyed = wie mit der Eingabe { QUANTITY($entered, $unit) } geplant (Mittelwerte über { TIME($width) })
+verify-setpoint-above = über dem, was mit der Eingabe { QUANTITY($entered, $unit) } geplant ist (Mittelwerte über { TIME($width) })
+verify-setpoint-below = erreicht nie, was mit der Eingabe { QUANTITY($entered, $unit) } geplant ist (Mittelwerte über { TIME($width) })
 verify-setpoint-coarse = der Sollwert ist zu grob aufgezeichnet (Mittel über { TIME($width) }); mehr Stellen oder kürzeren Takt aufzeichnen
 verify-setpoint-no-plan = für diese Bewegung gibt es keinen Plan (Mittel über { TIME($width) })
 verify-cut = die Aufzeichnung endet vor dem Sollwert
@@ -59,9 +60,11 @@ verify-no-force = { $axis ->
    *[linear] Kraft
 } nicht aufgezeichnet
 verify-dwell-not-recorded = die Bewegung ist nicht samt ihrer Verweilzeit von { TIME($dwell) } aufgezeichnet
+verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, der deshalb nicht zu sehen ist
 verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
 
 # Warnungen
+verify-behind-delay = { $file }: das Gemessene kommt um { TIME($delay) } früher als vorhergesagt, so viel wie der Verzug der Steuerung: der Sollwert ist hinter diesem Verzug aufgezeichnet und wird so beurteilt. Ist er davor aufgezeichnet, so wirkt der Verzug in der Steuerung nicht.
 verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
 verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
 verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } des Protokolls. Was es dafür zusagt, ist nicht zu entscheiden.

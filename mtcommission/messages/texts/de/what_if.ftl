@@ -4,7 +4,10 @@ what-if-title = Werte zum Probieren
 what-if-skip = Zu den Werten springen
 cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
-what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Protokolls neu, in jeder Ecke, wie der Befehl simulate. Die heutigen Werte und die Empfehlung stehen für dieselbe Bewegung daneben.
+what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Protokolls neu, in jeder Ecke, wie der Befehl simulate. { $today ->
+    [yes] Die heutigen Werte und die Empfehlung stehen
+   *[no] Die Empfehlung steht
+} für dieselbe Bewegung daneben.
 what-if-no-script = Werte zu probieren braucht JavaScript. Ohne beantwortet der Befehl simulate dieselben Fragen.
 what-if-slider = Schieber
 what-if-move = Bewegung
@@ -21,11 +24,17 @@ what-if-take = Diese nehmen
 what-if-taken = Kopiert.
 what-if-command = Befehlszeile, die die probierten Werte simuliert, und die Zeilen für die Steuerung
 what-if-response-caption = Abweichung des Werkzeugs
-what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün; heute: orange. Ab der senkrechten Linie zählt das Band für das Probierte.
+what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün{ $today ->
+    [yes] ; heute: orange
+   *[no] {""}
+}. Ab der senkrechten Linie zählt das Band für das Probierte.
 what-if-sizes-caption = Restabweichung über der Größe der Bewegung
 what-if-sizes = Schlechteste aller Maschinen, mit den probierten Werten. Tippen oder ziehen, um eine Größe zu probieren.
 what-if-landscape-caption = Einschwingzeit über Beschleunigung und Ruckzeit
-what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. Ringe: empfohlen (grün), heute (orange).
+what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. { $today ->
+    [yes] Ringe: empfohlen (grün), heute (orange).
+   *[no] Ring: empfohlen (grün).
+}
 what-if-bode-caption = Offener Kreis mit Bandsperre
 what-if-bode = An der Sollkraft geschnitten; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
 what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)
@@ -112,4 +121,4 @@ what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der
 what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.
 what-if-landscape-range = Einschwingzeiten von { $least } bis { $most }.
 what-if-landscape-none = Bisher erfüllen keine Werte dieser Karte alle Anforderungen.
-what-if-out-of-range = { $name }: eine Zahl von { $low } bis { $high }
+what-if-out-of-range = { $name }: eine Zahl von { $low } bis { $high }; gerechnet wird mit { $value }

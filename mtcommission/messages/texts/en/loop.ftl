@@ -79,4 +79,4 @@ budget-rule-asks = to keep a band of { SI($band, "LENGTH", digits: 3) } the comm
 budget-check-band = check the unit of tcp_deviation
 budget-asked-for = asked for are
 budget-check-options = check the units of --acceleration and --jerk
-loop-motor-follows = no loop to tune: the motor follows its setpoint, { TIME($delay) } late, which is what two setpoints take
+loop-motor-follows = no loop to tune: the motor follows its setpoint, { TIME($delay) } late, which is what two setpoints take; the acceleration judged is that of the setpoint behind its filter, which is the motor's own

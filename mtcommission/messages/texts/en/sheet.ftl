@@ -265,6 +265,10 @@ yardstick-caption = { $axis ->
     [rotary] Each move on the nominal machine; least times that the torque allows (move takes longer by)
    *[linear] Each move on the nominal machine; least times that the force allows (move takes longer by)
 }
+yardstick-note = { $axis ->
+    [rotary] Least times (time-optimal): with the torque of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
+   *[linear] Least times (time-optimal): with the force of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
+}
 move-head = Move
 exact-rest = Least time, exact rest
 within-band = Least time, in the band

@@ -144,7 +144,7 @@ glance-force = { $axis ->
 glance-time = time in ms
 
 # what would have taken too long; $parts: one or more of those that follow
-left-out = Not computed, since it would take too long (counted in steps, the same on every computer): { $parts }. Fewer or shorter moves, fewer payloads or a longer velocity_cycle make room.
+left-out = Not computed for this sheet, and not needed for its verdict: { $parts }. A run with fewer or shorter moves or fewer payloads leaves time for it.
 left-out-listed = what would serve the listed sizes alone
 left-out-rules = the rules of makers and textbooks
 left-out-shapers = input shapers and jerk filters beside the recommendation

@@ -8,6 +8,7 @@ verify-title = Verification
 verify-verdict-holds = Holds
 verify-verdict-does-not-hold = Does not hold
 verify-verdict-cannot-tell = Cannot tell
+verify-verdict-in-part = Cannot tell for all moves: move { $known } holds, move { $missing } was not recorded
 verify-detail = { $moves ->
     [one] One move
    *[other] { $moves } moves
@@ -42,9 +43,9 @@ verify-damping-ratio = damping ratio
 verify-kept = kept, uncertainty included
 verify-missed = missed by more than the uncertainty
 verify-within-noise = the uncertainty reaches across the bound; repeat it with finer resolution or less noise
-verify-setpoint-obeyed = as planned (mean over { TIME($width) })
-verify-setpoint-above = above what was planned (mean over { TIME($width) })
-verify-setpoint-below = never reaches what was planned (mean over { TIME($width) })
+verify-setpoint-obeyed = as planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
+verify-setpoint-above = above what was planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
+verify-setpoint-below = never reaches what was planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
 verify-setpoint-coarse = the setpoint is recorded too coarsely (mean over { TIME($width) }); record more digits or a shorter cycle
 verify-setpoint-no-plan = no plan for this move (mean over { TIME($width) })
 verify-cut = the record ends before the setpoint does
@@ -59,9 +60,11 @@ verify-no-force = { $axis ->
    *[linear] force
 } was not recorded
 verify-dwell-not-recorded = the whole move with its dwell of { TIME($dwell) } was not recorded
+verify-delay-not-recorded = the setpoint was recorded behind the delay, which is therefore not seen
 verify-mode-not-seen = the mode does not stand out in the dwell
 
 # Warnings
+verify-behind-delay = { $file }: what was measured comes earlier than predicted by { TIME($delay) }, which is the delay of the control: the setpoint was recorded behind this delay, and is judged so. If it was recorded before it, the delay does not act in the control.
 verify-planner-exceeds = The control exceeds what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look there before at the mechanics: axis or dynamic mode, jerk limit switched off, another parameter set.
 verify-planner-below = The control never reaches what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look for another limit: override, path acceleration, dynamic mode, setpoint filter.
 verify-moves-missing = Not recorded: move { $moves } of the record. What it promises there cannot be told.

@@ -4,7 +4,10 @@ what-if-title = Values to try
 what-if-skip = Skip to the values
 cli-page-written = written: { $file }; open it in a browser and try other values
 what-if-heading = What if: try other values
-what-if-intro = Slide or type: the page runs the sampled loop of this record again, in every corner, as the command simulate does. Today's values and the recommendation stay beside what you try, for the same move.
+what-if-intro = Slide or type: the page runs the sampled loop of this record again, in every corner, as the command simulate does. { $today ->
+    [yes] Today's values and the recommendation stay
+   *[no] The recommendation stays
+} beside what you try, for the same move.
 what-if-no-script = Trying values needs JavaScript. Without it, the command simulate answers the same questions.
 what-if-slider = slider
 what-if-move = Move
@@ -21,11 +24,17 @@ what-if-take = Take these
 what-if-taken = Copied.
 what-if-command = Command line that simulates the tried values, and the rows for the control
 what-if-response-caption = Deviation of the tool
-what-if-response = Tried: blue, its corners thin; recommended: green; today: orange. The upright line is where the band begins to count for what is tried.
+what-if-response = Tried: blue, its corners thin; recommended: green{ $today ->
+    [yes] ; today: orange
+   *[no] {""}
+}. The upright line is where the band begins to count for what is tried.
 what-if-sizes-caption = Residual deviation over the size of the move
 what-if-sizes = Worst of all machines, with the tried values. Tap or drag to try a size.
 what-if-landscape-caption = Settling time over acceleration and jerk time
-what-if-landscape = Strong tint: slow; hatched: a requirement is not met. Tap or drag to try values. Rings: recommended (green), today (orange).
+what-if-landscape = Strong tint: slow; hatched: a requirement is not met. Tap or drag to try values. { $today ->
+    [yes] Rings: recommended (green), today (orange).
+   *[no] Ring: recommended (green).
+}
 what-if-bode-caption = Open loop with a notch
 what-if-bode = Cut at the set force; now: green, with the notch: blue. Drag the point for frequency and depth.
 what-if-phase = Phase of the open loop: now (green), with the notch (blue)
@@ -112,4 +121,4 @@ what-if-sizes-met = Requirements kept at all { $count } sizes of move that were 
 what-if-sizes-missed = At { $missed } of { $count } sizes of move a requirement is missed; the worst is { $size } with { $value }.
 what-if-landscape-range = Settling times from { $least } to { $most }.
 what-if-landscape-none = No values on this map meet all requirements so far.
-what-if-out-of-range = { $name }: a number from { $low } to { $high }
+what-if-out-of-range = { $name }: a number from { $low } to { $high }; computed with { $value }

@@ -1,0 +1,94 @@
+"""README's first command, run as it stands: what README shows as printed is what is printed.
+
+`python -m pytest -n 0 tests/test_readme.py --snapshot-update` renews what README shows.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission import cli
+from mtcommission.record.files import load_record
+from mtcommission.record.read_back import read_limits, read_machine
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+
+ROOT = Path(__file__).parent.parent
+README = ROOT / "README.md"
+
+LEFT_OUT = "…"
+"""A line of README that stands for printed lines."""
+
+
+def blocks() -> list[str]:
+    """Code blocks of README, in their order."""
+    return re.findall(r"^```\n(.*?)^```", README.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+
+
+def as_printed(shown: str, printed: str) -> str:
+    """Return a block of README with its lines as they are printed.
+
+    Each part between lines left out begins where a printed line begins with the same word.
+    """
+    lines = [line.rstrip() for line in re.sub("[\u00a0\u202f]", " ", printed).splitlines()]
+    found, place = [], 0
+    parts = shown.removesuffix(f"{LEFT_OUT}\n").split(f"{LEFT_OUT}\n")
+    for part in parts:
+        own = part.splitlines()
+        first = own[0].split()[0]
+        rest = range(place, len(lines))
+        place = next((k for k in rest if lines[k].split()[:1] == [first]), place)
+        found.append("\n".join(lines[place : place + len(own)]) + "\n")
+        place += len(own)
+    return f"{LEFT_OUT}\n".join([*found, ""] if shown.endswith(f"{LEFT_OUT}\n") else found)
+
+
+def call(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "argv", line.split())
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    return int(ended.value.code or 0)
+
+
+def test_the_first_command_prints_what_readme_shows(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    request: pytest.FixtureRequest,
+) -> None:
+    """It writes all files; the sheet printed again from the record alone equals that of the run."""
+    commands, shown = blocks()[:2]
+    line = commands.splitlines()[0].split(" && ")[1]
+    (profile,) = re.findall(r"profiles/\S+", line)
+    (tmp_path / "profiles").mkdir()
+    shutil.copy(ROOT / profile, tmp_path / profile)
+    assert call(line, tmp_path, monkeypatch) == 0
+    printed = capsys.readouterr().out
+    renewed = as_printed(shown, printed)
+    if request.config.option.update_snapshots:
+        README.write_text(README.read_text("utf-8").replace(shown, renewed), "utf-8")
+        shown = renewed
+    assert shown == renewed
+    assert max(map(len, printed.split("written:")[0].splitlines())) <= 80
+    assert "next: mtcommission export out/record.json --control sinumerik" in printed
+    out = tmp_path / "out"
+    assert {file.name for file in out.iterdir()} == {
+        "record.json", "sheet.html", "sheet.pdf", "setpoint.csv"
+    }  # fmt: skip
+    assert call("mtcommission sheet out/record.json -o again", tmp_path, monkeypatch) == 0
+    for name in ("sheet.html", "sheet.pdf"):
+        assert (out / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
+    # More acceleration than any move reaches would be up to the last digit of a sum: 5.72 on one
+    # processor and 5.07 on another, with the same motion.
+    record = load_record(out / "record.json")
+    limits = replace(read_limits(record.limits.recommended), setpoint_filter=None)
+    planned = [plan_setpoint(move, limits) for move in read_machine(record).moves]
+    reached = [sample_setpoint(one, np.linspace(0.0, one.duration, 4001))[:, 2] for one in planned]
+    assert max(a.max() for a in reached) == pytest.approx(limits.acceleration, rel=2e-3)
