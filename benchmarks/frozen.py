@@ -2,7 +2,7 @@
 
     python -m benchmarks.frozen write BEFORE
     python -m benchmarks.frozen write AFTER --inputs BEFORE
-    python -m benchmarks.frozen compare BEFORE AFTER [--least 1e-6] [--rows 40]
+    python -m benchmarks.frozen compare BEFORE AFTER [--least 1e-6] [--rows 40] [--at limits]
 
 ``write`` fills a folder outside the repository with small files; what is there is not computed
 again, so it can be stopped at any time, and a state is written anew into a new folder. Parts:
@@ -47,6 +47,7 @@ import numpy as np
 from benchmarks.frozen_compare import compare
 
 ROOT = Path(__file__).parent.parent
+PROFILES = ROOT / "profiles"
 LANGUAGES = ("en", "de")
 BROKEN = 200
 MACHINES = 60
@@ -117,8 +118,8 @@ def perform(call: Call, folder: Path) -> None:
             )
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
-        for file in sorted((work / "out").rglob("*")):
-            keep(file, folder / call.place, is_brief=call.is_brief)
+        for made in sorted((work / "out").rglob("*")):
+            keep(made, folder / call.place, is_brief=call.is_brief)
         if is_timed:
             seconds, fixed = used.ru_utime + used.ru_stime, (before + pace()) / 2.0
             row = {"seconds": seconds, "fixed": fixed, "ratio": seconds / fixed}
@@ -364,8 +365,9 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
         place=f"{at}/limits_en", words=("limits", name, "--json", "out/limits.json"), files=given
     )
     for kind in ("time", "damping"):
-        words = ("optimal", name, "--kind", kind, "--json", "out/optimal.json")
-        yield from spoken(f"{at}/optimal_{kind}", (*words, "--csv", "out/motion.csv"), files=given)
+        optimal = ("optimal", name, "--kind", kind, "--json", "out/optimal.json")
+        words = (*optimal, "--csv", "out/motion.csv")
+        yield from spoken(f"{at}/optimal_{kind}", words, files=given)
     yield Call(
         place=f"{at}/page_en", words=("limits", name, "--page", "out/page.html"), files=given
     )
@@ -375,8 +377,8 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
         return
     held = {"record.json": record}
     for extent in ((), ("--appendix",)):
-        words = ("sheet", "record.json", "-o", "out", *extent)
-        yield from spoken(f"{at}/sheet{'_appendix' * bool(extent)}", words, files=held)
+        sheet = ("sheet", "record.json", "-o", "out", *extent)
+        yield from spoken(f"{at}/sheet{'_appendix' * bool(extent)}", sheet, files=held)
     yield from spoken(
         f"{at}/verify",
         ("verify", "record.json", "trace.csv", "-o", "out", "--json", "out/verify.json"),
@@ -384,20 +386,21 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
     )
     for line in answer("export", "--control", "?").splitlines():
         control = line.split()[0]
-        words = ("export", "record.json", "--control", control)
-        yield Call(place=f"{at}/export/{control}_en", words=words, files=held)
+        export = ("export", "record.json", "--control", control)
+        yield Call(place=f"{at}/export/{control}_en", words=export, files=held)
 
 
 def german_calls(profile: Path, folder: Path) -> Iterator[Call]:
     """The costly commands again for their texts, and exports, each as a list to tick off, too."""
     name, at = profile.name, f"profiles/{profile.stem}"
-    for place, words in {
+    costly: dict[str, tuple[str, ...]] = {
         "limits": ("limits", name),
         "page": ("limits", name, "--page", "out/page.html"),
         "run": ("run", name, "-o", "run", "--no-pdf"),
-    }.items():
-        spoken_words = (*words, "--language", "de")
-        yield Call(place=f"{at}/{place}_de", words=spoken_words, files={name: profile})
+    }
+    for place, words in costly.items():
+        german = (*words, "--language", "de")
+        yield Call(place=f"{at}/{place}_de", words=german, files={name: profile})
     yield from simulations(profile, folder, at, language="de")
     held = {"record.json": folder / at / "run_en" / "record.json"}
     for file in sorted((folder / at / "export").glob("*_en.txt")):
@@ -506,7 +509,7 @@ def make_inputs(folder: Path) -> None:
     """Profiles shipped, broken and random, and measurements, unless they are there already."""
     inputs = folder / "inputs"
     for kind, sources in {
-        "profiles": sorted((ROOT / "profiles").glob("*.toml")),
+        "profiles": sorted(PROFILES.glob("*.toml")),
         "measured": sorted((ROOT / "tests" / "data" / "identify").rglob("frf-*.csv")),
     }.items():
         if not (inputs / kind).exists():
@@ -590,9 +593,11 @@ def main() -> None:
     reader.add_argument("after", type=Path)
     reader.add_argument("--least", type=float, default=1e-6, help="smallest relative change")
     reader.add_argument("--rows", type=int, default=40, help="rows of each list; 0: all")
+    reader.add_argument("--at", default="", help="only files whose name holds this, in detail")
     options = parser.parse_args()
     if options.command == "compare":
-        print(compare(options.before, options.after, least=options.least, rows=options.rows))
+        chosen = {"least": options.least, "rows": options.rows, "at": options.at}
+        print(compare(options.before, options.after, **chosen))
         return
     if options.inputs and not (options.folder / "inputs").exists():
         copytree(options.inputs / "inputs", options.folder / "inputs")

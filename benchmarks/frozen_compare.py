@@ -20,75 +20,169 @@ from typing import Any
 VOLATILE = frozenset({"solve_time", "checksum", "libraries", "created"})
 """Keys that differ between two runs of one state, or with what is installed."""
 
+NOISE = 1e-12
+"""Numbers that stay below it are rounding: terminal errors and the like [SI]."""
+
+SLOWER = 0.3
+"""By how much a settling time may grow before the summary counts it [%]."""
+
 NUMBER = re.compile(r"(?<![\w.])[-−+]?\d[\d\u202f]*(?:[.,]\d+)?(?:e[-+]?\d+)?")
-INDEX = re.compile(r"\[\d+\]")
-APART = ("inputs", "times")
+INDEX = re.compile(r"\[[^\]]*\]| line \d+")
+MACHINE = re.compile(r"(profiles|machines|messages)/[^/ ]+?(?=[/.])")
+NAMES = ("name", "key", "requirement", "way")
+"""Keys by which the items of a list are paired, the first that tells them apart."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A number that moved, or the item of an array that moved most; ``size`` is relative."""
+
+    size: float
+    place: str
+    before: float
+    after: float
+
+    def __str__(self) -> str:
+        return f"{self.size:9.2g}  {self.place}: {self.before!r} -> {self.after!r}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settling:
+    """The recommendation of ``limits`` for one machine: settling time [s], and verdict."""
+
+    machine: str
+    before: float | None
+    after: float | None
+    verdicts: tuple[str, str]
+
+    @property
+    def change(self) -> float:
+        """Relative change [%]; inf where only one state has a recommendation."""
+        if self.before and self.after:
+            return 100.0 * (self.after / self.before - 1.0)
+        return 0.0 if self.before == self.after else inf
+
+    def __str__(self) -> str:
+        times = [f"{1e3 * t:.5g} ms" if t else "none" for t in (self.before, self.after)]
+        verdict = " -> ".join(dict.fromkeys(self.verdicts))
+        return (
+            f"{self.machine:36s} {times[0]:>12s} {times[1]:>12s} {self.change:+9.3f} %  {verdict}"
+        )
 
 
 @dataclass(slots=True)
 class Moved:
     """All that differs between two states."""
 
-    numbers: list[tuple[float, str, float, float]] = field(default_factory=list)
+    numbers: list[Change] = field(default_factory=list)
     values: list[str] = field(default_factory=list)
     gone: list[str] = field(default_factory=list)
     came: list[str] = field(default_factory=list)
     diffs: dict[str, list[str]] = field(default_factory=dict)
     exits: list[str] = field(default_factory=list)
-    files: list[str] = field(default_factory=list)
+
+    def note(self, place: str, old: list[float], new: list[float]) -> None:
+        """Note where an array moved most, relative to the largest number in it."""
+        scale = max(map(abs, [*old, *new]), default=0.0)
+        if old == new or scale < NOISE:
+            return
+        worst = max(range(len(old)), key=lambda k: abs(new[k] - old[k]))
+        size = abs(new[worst] - old[worst]) / scale if scale < inf else inf
+        self.numbers.append(Change(size=size, place=place, before=old[worst], after=new[worst]))
 
 
-def compare(before: Path, after: Path, *, least: float, rows: int) -> str:
-    """Say what moved; ``rows`` of each list at most, all of them where it is 0."""
-    old, new = files_of(before), files_of(after)
-    moved = Moved(files=[f"- {name}" for name in old if name not in new])
-    moved.files += [f"+ {name}" for name in new if name not in old]
+def compare(before: Path, after: Path, *, least: float, rows: int, at: str = "") -> str:
+    """Say what moved in files whose name holds ``at``; ``rows`` of each list, 0: all of them."""
+    old, new = files_of(before, at), files_of(after, at)
+    moved = Moved()
     for name in (name for name in old if name in new):
         texts = [(folder / name).read_text("utf-8") for folder in (before, after)]
         if texts[0] == texts[1]:
             continue
         if name.endswith(".json"):
-            pair(name, *(json.loads(text) for text in texts), moved)
+            pair(name, json.loads(texts[0]), json.loads(texts[1]), moved)
         elif name.startswith("inventory"):
             sets = [dict.fromkeys(text.splitlines()) for text in texts]
             moved.gone += [f"{name}: {line}" for line in sets[0] if line not in sets[1]]
             moved.came += [f"{name}: {line}" for line in sets[1] if line not in sets[0]]
         else:
             pair_texts(name, texts[0].splitlines(), texts[1].splitlines(), moved)
-    moved.numbers = sorted((row for row in moved.numbers if row[0] >= least), reverse=True)
-    settling, times = settling_rows(before, after), time_rows(before, after)
-    return "\n".join([*summary(moved, old, new, least), *details(moved, settling, times, rows)])
+    moved.numbers = sorted(
+        (change for change in moved.numbers if change.size >= least), key=lambda c: -c.size
+    )
+    went = [f"- {name}" for name in old if name not in new]
+    files = [*went, *(f"+ {name}" for name in new if name not in old)]
+    settling = [row for row in settling_rows(before, after) if at in row.machine]
+    lines = [
+        f"{len(old) - len(went)} files in both states, {len(went)} only before, "
+        f"{len(files) - len(went)} only after",
+        *summary(moved, settling, least),
+        *listed("Files that went (-) or came (+)", by_kind(files), rows),
+        *details(moved, settling, rows, is_grouped=not at),
+        *listed("Processor time by the fixed piece of work", time_rows(before, after), 0),
+        *(line for name in moved.diffs for line in listed(f"--- {name}", moved.diffs[name], rows)),
+    ]
+    return "\n".join(lines)
 
 
-def files_of(folder: Path) -> list[str]:
+def files_of(folder: Path, at: str) -> dict[str, None]:
     """Names of the files of a state, inputs and times apart."""
     found = (file.relative_to(folder) for file in sorted(folder.rglob("*")) if file.is_file())
-    return [str(name) for name in found if name.parts[0] not in APART and name.suffix != ".log"]
+    wanted = (str(name) for name in found if name.parts[0] not in ("inputs", "times"))
+    return dict.fromkeys(name for name in wanted if at in name)
 
 
 def pair(place: str, old: Any, new: Any, moved: Moved) -> None:
     """Compare two values of JSON, place by place."""
-    if isinstance(old, dict) and isinstance(new, dict):
-        for key in (
-            key for key in [*old, *(k for k in new if k not in old)] if key not in VOLATILE
-        ):
-            below = f"{place} {key}" if place.endswith(".json") else f"{place}.{key}"
-            if key in old and key in new:
-                pair(below, old[key], new[key], moved)
+    match old, new:
+        case dict(), dict():
+            for key in {**old, **new}:
+                below = f"{place} {key}" if place.endswith(".json") else f"{place}.{key}"
+                if key in VOLATILE:
+                    continue
+                if key in old and key in new:
+                    pair(below, old[key], new[key], moved)
+                else:
+                    (moved.gone if key in old else moved.came).append(below)
+        case list(), list():
+            pair_lists(place, old, new, moved)
+        case _ if is_number(old) and is_number(new):
+            moved.note(place, [old], [new])
+        case _ if old != new:
+            moved.values.append(f"{place}: {shown(old)} -> {shown(new)}")
+
+
+def pair_lists(place: str, old: list[Any], new: list[Any], moved: Moved) -> None:
+    """Compare two lists: numbers as one thing, items by their names, else by their order."""
+    named = [by_name(items) for items in (old, new)]
+    if named[0] and named[1]:
+        for key in {**named[0], **named[1]}:
+            below = f"{place}[{key}]"
+            if key in named[0] and key in named[1]:
+                pair(below, named[0][key], named[1][key], moved)
             else:
-                (moved.gone if key in old else moved.came).append(below)
-    elif is_number(old) and is_number(new):
-        note_number(place, [old], [new], moved)
-    elif isinstance(old, list) and isinstance(new, list):
-        if len(old) != len(new):
-            moved.values.append(f"{place}: {len(old)} -> {len(new)} items")
-        elif old and all(map(is_number, [*old, *new])):
-            note_number(place, old, new, moved)
-        else:
-            for k, (one, other) in enumerate(zip(old, new, strict=True)):
-                pair(f"{place}[{k}]", one, other, moved)
-    elif old != new:
-        moved.values.append(f"{place}: {shown(old)} -> {shown(new)}")
+                (moved.gone if key in named[0] else moved.came).append(below)
+    elif len(old) != len(new):
+        moved.values.append(f"{place}: {len(old)} -> {len(new)} items")
+    elif all(item is None or is_number(item) for item in [*old, *new]):
+        both = [(a, b) for a, b in zip(old, new, strict=True) if a is not None and b is not None]
+        moved.note(place, [a for a, _ in both], [b for _, b in both])
+        lone = sum((a is None) != (b is None) for a, b in zip(old, new, strict=True))
+        if lone:
+            moved.values.append(f"{place}: {lone} of {len(old)} items are null in one state only")
+    else:
+        for k, (one, other) in enumerate(zip(old, new, strict=True)):
+            pair(f"{place}[{k}]", one, other, moved)
+
+
+def by_name(items: list[Any]) -> dict[str, Any]:
+    """The items by a key that tells them apart; none where nothing does."""
+    for name in NAMES:
+        if items and all(isinstance(item, dict) and name in item for item in items):
+            found = {shown(item[name]): item for item in items}
+            if len(found) == len(items):
+                return found
+    return {}
 
 
 def is_number(value: Any) -> bool:
@@ -97,38 +191,27 @@ def is_number(value: Any) -> bool:
 
 
 def shown(value: Any) -> str:
-    """A value on one line."""
-    text = json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def note_number(place: str, old: list[float], new: list[float], moved: Moved) -> None:
-    """Note the place of an array where it moved most, relative to the largest number in it."""
-    worst = max(range(len(old)), key=lambda k: abs(new[k] - old[k]))
-    scale = max(map(abs, [*old, *new]))
-    if old[worst] != new[worst]:
-        change = abs(new[worst] - old[worst]) / scale if scale < inf else inf
-        moved.numbers.append((change, place, old[worst], new[worst]))
+    """A value on one line, without brackets."""
+    text = re.sub(r"[\[\]{}\"]", "", json.dumps(value, ensure_ascii=False))
+    return text if len(text) <= 90 else f"{text[:87]}..."
 
 
 def pair_texts(name: str, old: list[str], new: list[str], moved: Moved) -> None:
     """Compare two texts: numbers where the words are the same, else the lines."""
+    heads = [lines[0] if lines else "" for lines in (old, new)]
+    if heads[0].startswith("exit ") and heads[0] != heads[1]:
+        moved.exits.append(f"{name}: {heads[0]} -> {heads[1]}")
+        old, new = old[1:], new[1:]
     masks = [[NUMBER.sub("#", line) for line in lines] for lines in (old, new)]
-    if name.endswith(".txt") and old[0] != new[0] and old[0].startswith("exit "):
-        moved.exits.append(f"{name}: {old[0]} -> {new[0]}")
     lines: list[str] = []
-    for tag, a, b, c, d in SequenceMatcher(None, *masks, autojunk=False).get_opcodes():
+    for tag, a, b, c, d in SequenceMatcher(None, masks[0], masks[1], autojunk=False).get_opcodes():
         if tag != "equal":
-            lines += [
-                f"@@ line {a + 1}",
-                *(f"-{x}" for x in old[a:b]),
-                *(f"+{x}" for x in new[c:d]),
-            ]
+            lines += [f"@@ {a + 1}", *(f"-{line}" for line in old[a:b])]
+            lines += [f"+{line}" for line in new[c:d]]
             continue
         for k, (one, other) in enumerate(zip(old[a:b], new[c:d], strict=True), start=c + 1):
             for was, now in zip(NUMBER.findall(one), NUMBER.findall(other), strict=True):
-                if was != now:
-                    note_number(f"{name} line {k}", [read(was)], [read(now)], moved)
+                moved.note(f"{name} line {k}", [read(was)], [read(now)])
     if lines:
         moved.diffs[name] = lines
 
@@ -138,97 +221,99 @@ def read(text: str) -> float:
     return float(text.replace("−", "-").replace("\u202f", "").replace(",", "."))
 
 
-def settling_rows(before: Path, after: Path) -> list[tuple[str, str, str, float, str]]:
-    """Machine, settling times, change [%], and exit codes of ``limits``, worst change first."""
+def settling_rows(before: Path, after: Path) -> list[Settling]:
+    """Recommendations of both states, largest change first."""
+    places = [file.parent.relative_to(before) for file in before.glob("*/*/limits_en.txt")]
     rows = []
-    places = {file.parent for file in before.glob("*/*/limits_en.txt")}
-    for place in sorted(folder.relative_to(before) for folder in places):
-        if not (after / place / "limits_en.txt").exists():
-            continue
-        was, now = (outcome(folder / place) for folder in (before, after))
-        change = 100.0 * (now[0] / was[0] - 1.0) if was[0] and now[0] else inf
-        if was != now:
-            times = [f"{1e3 * one[0]:.5g} ms" if one[0] else "none" for one in (was, now)]
-            rows.append((str(place), times[0], times[1], change, f"{was[1]} -> {now[1]}"))
-    return sorted(rows, key=lambda row: -row[3])
+    for place in sorted(places):
+        if (after / place / "limits_en.txt").exists():
+            was, now = (outcome(folder / place) for folder in (before, after))
+            rows.append(
+                Settling(machine=str(place), before=was[0], after=now[0], verdicts=(was[1], now[1]))
+            )
+    return sorted(rows, key=lambda row: -row.change)
 
 
 def outcome(place: Path) -> tuple[float | None, str]:
-    """Recommended settling time [s], and verdict, or how the message begins where there is none."""
+    """Recommended settling time [s], and verdict, or how the message ends where there is none."""
     first, *lines = (place / "limits_en.txt").read_text("utf-8").splitlines()
     file = place / "limits_en" / "limits.json"
-    found = json.loads(file.read_bytes())["recommended"] if file.exists() else None
-    if found:
+    if file.exists():
         verdict = {"exit 0": "met", "exit 1": "not met"}.get(first, first)
-        return found["settling_time"], verdict
-    return None, f"{first}: {lines[-1][:50] if lines else ''}"
+        return json.loads(file.read_bytes())["recommended"]["settling_time"], verdict
+    message = [line for line in lines if not line.startswith("---")]
+    return None, f"{first}: {' '.join(message)[:70]}"
 
 
-def time_rows(before: Path, after: Path) -> list[tuple[str, float, float]]:
-    """Command, and processor time over that of the fixed piece of work: median of all machines."""
+def time_rows(before: Path, after: Path) -> list[str]:
+    """Processor time of each command over that of the fixed piece of work: median, and largest."""
 
     def ratios(folder: Path) -> dict[str, list[float]]:
         found: dict[str, list[float]] = {}
         for file in sorted(folder.glob("times/*.json")):
             part, *_, command = file.stem.split(" ")
-            ratio = json.loads(file.read_bytes())["ratio"]
-            for key in (
-                (f"{part}: {command}",) if part in ("profiles", "machines") else (file.stem,)
-            ):
-                found.setdefault(key, []).append(ratio)
+            key = f"{part}: {command}" if part in ("profiles", "machines") else file.stem
+            found.setdefault(key, []).append(json.loads(file.read_bytes())["ratio"])
         return found
 
     old, new = ratios(before), ratios(after)
-    return [(key, median(old[key]), median(new[key])) for key in old if key in new]
+    rows = []
+    for key in (key for key in old if key in new):
+        (a, most_a), (b, most_b) = ((sorted(x)[len(x) // 2], max(x)) for x in (old[key], new[key]))
+        rows.append(
+            f"{key:44s} {a:8.1f} -> {b:8.1f}  x {b / a:.3f}"
+            f"  largest {most_a:8.1f} -> {most_b:8.1f}  x {most_b / most_a:.3f}"
+        )
+    return rows
 
 
-def median(values: list[float]) -> float:
-    """The middle one, the upper of two."""
-    return sorted(values)[len(values) // 2]
-
-
-def summary(moved: Moved, old: list[str], new: list[str], least: float) -> Iterator[str]:
+def summary(moved: Moved, settling: list[Settling], least: float) -> Iterator[str]:
     """Counts, a line each."""
-    only_old = sum(line.startswith("-") for line in moved.files)
-    both = len(old) - only_old
-    yield f"{both} files in both states, {only_old} only before, {len(new) - both} only after"
+    slower = [row for row in settling if row.change > SLOWER]
+    turned = sum(row.verdicts[0] != row.verdicts[1] for row in settling)
+    most = max((row.change for row in settling), default=0.0)
+    yield (
+        f"settling times of {len(settling)} machines: {len(slower)} longer by more than"
+        f" {SLOWER} % (most {most:+.3f} %), {turned} verdicts differ"
+    )
     yield f"{len(moved.exits)} exit codes differ"
     yield f"{len(moved.gone)} keys and entries went, {len(moved.came)} came"
+    sizes = [change.size for change in moved.numbers]
     for edge in (1e-1, 1e-2, 1e-3, least):
-        count = sum(row[0] >= edge for row in moved.numbers)
-        yield f"{count} numbers moved by {edge:g} and more (relative)"
+        yield f"{sum(size >= edge for size in sizes)} numbers moved by {edge:g} and more (relative)"
     yield f"{len(moved.values)} other values differ"
     yield f"{len(moved.diffs)} texts differ in their words"
 
 
 def details(
-    moved: Moved,
-    settling: list[tuple[str, str, str, float, str]],
-    times: list[tuple[str, float, float]],
-    rows: int,
+    moved: Moved, settling: list[Settling], rows: int, *, is_grouped: bool
 ) -> Iterator[str]:
-    """The lists, each under its heading."""
+    """The lists, each under its heading; numbers grouped by kind, or each by itself."""
     yield from listed("Exit codes", moved.exits, rows)
-    yield from listed("Files that went (-) or came (+)", by_kind(moved.files), rows)
     yield from listed("Keys and entries that went", by_kind(moved.gone), rows)
     yield from listed("Keys and entries that came", by_kind(moved.came), rows)
-    table = [f"{a:44s} {b:>12s} {c:>12s} {d:+9.3f} %  {e}" for a, b, c, d, e in settling]
-    yield from listed("Settling times of the recommendations", table, rows)
-    numbers = [f"{a:9.2g}  {c!r} -> {d!r}  {b}" for a, b, c, d in moved.numbers]
+    changed = [str(row) for row in settling if row.change or row.verdicts[0] != row.verdicts[1]]
+    yield from listed("Settling times of the recommendations: before, after, verdict", changed, 0)
+    counts = Counter(kind_of(change.place) for change in moved.numbers)
+    largest = {kind_of(change.place): change for change in reversed(moved.numbers)}
+    numbers = [
+        f"{change}" + (f"  ({counts[kind]} alike)" if counts[kind] > 1 else "")
+        for kind, change in reversed(largest.items())
+    ]
+    if not is_grouped:
+        numbers = [str(change) for change in moved.numbers]
     yield from listed("Numbers, largest change first", numbers, rows)
     yield from listed("Other values", moved.values, rows)
-    ratios = [f"{a:44s} {b:9.2f} {c:9.2f}  x {c / b:.3f}" for a, b, c in times]
-    yield from listed("Processor time in units of the fixed piece of work, median", ratios, rows)
-    for name, lines in moved.diffs.items():
-        yield from listed(f"--- {name}", lines, rows)
+
+
+def kind_of(place: str) -> str:
+    """A place with machine and index left out."""
+    return INDEX.sub("[]", MACHINE.sub(r"\1/*", place))
 
 
 def by_kind(places: Iterable[str]) -> list[str]:
-    """Places with machine and index left out, each once, and how often it was there."""
-    kinds = (
-        re.sub(r"(profiles|machines|messages)/[^/ ]+?(?=[/.])", r"\1/*", one) for one in places
-    )
-    counts = Counter(INDEX.sub("[]", kind) for kind in kinds)
+    """Kinds of place, each once, and how often it was there."""
+    counts = Counter(map(kind_of, places))
     return [f"{kind}  ({count} times)" if count > 1 else kind for kind, count in counts.items()]
 
 
