@@ -31,7 +31,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -146,7 +146,7 @@ def keep(file: Path, folder: Path, *, is_brief: bool) -> None:
         case ".json" | ".toml":
             write(folder / file.name, file.read_text("utf-8"))
         case ".html":
-            page = read_page(file.read_text("utf-8"))
+            page = Page(file.read_text("utf-8"))
             write(folder / f"{file.name}.txt", "\n".join(page.lines) + "\n")
             write(folder / f"{file.name}.controls.txt", "\n".join(page.controls) + "\n")
         case ".pdf":
@@ -195,13 +195,15 @@ class Page(HTMLParser):
     NAMES = frozenset(("label", "option", "button", "summary", "th", "figcaption", "h2", "h3"))
     SAYS = ("id", "type", "href", "aria-label", "title", "placeholder")
 
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
         super().__init__()
         self.lines: list[str] = []
         self.controls: list[str] = []
         self.line = self.script = ""
         self.inside: list[str] = []
         self.named: list[str] = []
+        self.feed(text)
+        self.end_line()
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Begin a line, a cell or a control."""
@@ -222,7 +224,9 @@ class Page(HTMLParser):
         """End a line, or a script with the words of the page."""
         if tag in ("script", "style", "svg") and self.inside:
             if self.inside.pop() == "json" and self.script:
-                self.controls += dict.fromkeys(string_leaves(json.loads(self.script)))
+                words = nodes(json.loads(self.script))
+                texts = (f".{place} {text}" for place, text in words if isinstance(text, str))
+                self.controls += dict.fromkeys(texts)
             self.script = ""
         if tag in self.NAMES and self.named:
             self.controls.append(f"{tag}: {' '.join(self.named.pop().split())}")
@@ -244,35 +248,16 @@ class Page(HTMLParser):
         self.line = ""
 
 
-def read_page(text: str) -> Page:
-    """Read texts and controls of a page."""
-    page = Page()
-    page.feed(text)
-    page.end_line()
-    return page
-
-
-def string_leaves(value: Any, place: str = "") -> Iterator[str]:
-    """Every text in JSON with its keys."""
+def nodes(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Everything in JSON with the keys above it, an item of a list as []."""
+    if place:
+        yield place, value
     if isinstance(value, dict):
         for key, item in value.items():
-            yield from string_leaves(item, f"{place}.{key}")
+            yield from nodes(item, f"{place}.{key}" if place else key)
     elif isinstance(value, list):
         for item in value:
-            yield from string_leaves(item, f"{place}[]")
-    elif isinstance(value, str):
-        yield f"{place} {value}"
-
-
-def key_paths(value: Any, place: str = "") -> Iterator[str]:
-    """Every key in JSON with those above it, an item of a list as []."""
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield f"{place}.{key}".lstrip(".")
-            yield from key_paths(item, f"{place}.{key}".lstrip("."))
-    elif isinstance(value, list):
-        for item in value:
-            yield from key_paths(item, f"{place}[]")
+            yield from nodes(item, f"{place}[]")
 
 
 def profile_keys(part: Any, schema: dict[str, Any], place: str = "") -> Iterator[str]:
@@ -313,29 +298,30 @@ def options_of(*command: str) -> Iterator[str]:
 
 def inventory(folder: Path) -> None:
     """What is there: keys of profiles, options, headings."""
+    here = folder / "inventory"
+    if (here / "options.txt").exists():
+        return
     schema = json.loads(answer("check", "--schema"))
-    write(folder / "inventory" / "schema.json", json.dumps(schema))
-    lists: dict[str, Callable[[], Iterable[str]]] = {
-        "profile_keys": lambda: profile_keys(schema, schema),
-        "options": options_of,
-        "headings": lambda: (
-            f"{page.relative_to(ROOT)}: {line}"
-            for page in sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
-            for line in page.read_text("utf-8").splitlines()
-            if re.match(r"#+ ", line)
-        ),
-    }
-    for name, find in lists.items():
-        if not (folder / "inventory" / f"{name}.txt").exists():
-            write_list(folder / "inventory" / f"{name}.txt", find())
-            print(f"inventory/{name}", flush=True)
+    write(here / "schema.json", json.dumps(schema))
+    write_list(here / "profile_keys.txt", profile_keys(schema, schema))
+    pages = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+    lines = (
+        (page.relative_to(ROOT), line)
+        for page in pages
+        for line in page.read_text("utf-8").splitlines()
+    )
+    write_list(
+        here / "headings.txt", (f"{name}: {line}" for name, line in lines if line[:1] == "#")
+    )
+    write_list(here / "options.txt", options_of())
+    print("inventory", flush=True)
 
 
 def inventory_of_answers(folder: Path) -> None:
     """Key paths of all records, and what their pages and sheets can do, from what is written."""
     records = sorted(folder.glob("profiles/*/run_en/record.json"))
     if records:
-        paths = (path for file in records for path in key_paths(json.loads(file.read_bytes())))
+        paths = (place for file in records for place, _ in nodes(json.loads(file.read_bytes())))
         write_list(folder / "inventory" / "record_keys.txt", paths)
     for language in LANGUAGES:
         pages = sorted(folder.glob(f"profiles/*/*_{language}/*.controls.txt"))
