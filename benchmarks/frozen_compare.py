@@ -29,6 +29,7 @@ SLOWER = 0.3
 NUMBER = re.compile(r"(?<![\w.])[-−+]?\d[\d\u202f]*(?:[.,]\d+)?(?:e[-+]?\d+)?")
 INDEX = re.compile(r"\[[^\]]*\]| line \d+")
 MACHINE = re.compile(r"(profiles|machines|messages)/[^/ ]+?(?=[/.])")
+LANGUAGE = re.compile(r"_(en|de)(?=[/.])")
 NAMES = ("name", "key", "requirement", "way")
 """Keys by which the items of a list are paired, the first that tells them apart."""
 
@@ -252,6 +253,7 @@ def time_rows(before: Path, after: Path) -> list[str]:
         found: dict[str, list[float]] = {}
         for file in sorted(folder.glob("times/*.json")):
             part, *_, command = file.stem.split(" ")
+            command = "export" if "export" in file.stem else command
             key = f"{part}: {command}" if part in ("profiles", "machines") else file.stem
             found.setdefault(key, []).append(json.loads(file.read_bytes())["ratio"])
         return found
@@ -303,12 +305,14 @@ def details(
     if not is_grouped:
         numbers = [str(change) for change in moved.numbers]
     yield from listed("Numbers, largest change first", numbers, rows)
-    yield from listed("Other values", moved.values, rows)
+    values = {kind_of(value): value for value in reversed(moved.values)} if is_grouped else {}
+    others = list(reversed(values.values())) if is_grouped else moved.values
+    yield from listed("Other values, one of each kind", others, rows)
 
 
 def kind_of(place: str) -> str:
-    """A place with machine and index left out."""
-    return INDEX.sub("[]", MACHINE.sub(r"\1/*", place))
+    """A place with machine, language and index left out."""
+    return INDEX.sub("[]", LANGUAGE.sub("_*", MACHINE.sub(r"\1/*", place)))
 
 
 def by_kind(places: Iterable[str]) -> list[str]:

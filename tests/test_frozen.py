@@ -45,7 +45,7 @@ def test_what_moved_between_two_states_is_said_with_its_size(tmp_path: Path) -> 
         "settling times of 1 machines: 1 longer by more than 0.3 % (most +5.000 %), 1 verdicts",
         "machines/07-isg/limits_en.txt: exit 0 -> exit 1",
         "inventory/options.txt: run --appendix",
-        "machines/*/limits_en/limits.json recommended.map",
+        "machines/*/limits_*/limits.json recommended.map",
         "80 ms        84 ms    +5.000 %  met -> not met",
         "-Bound by: force\n  +Bound by: jerk",
         "500.0 ->     20.0  x 0.040",
