@@ -43,8 +43,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from benchmarks.frozen_compare import compare
+
+Array = NDArray[np.float64]
 
 ROOT = Path(__file__).parent.parent
 PROFILES = ROOT / "profiles"
@@ -352,8 +356,8 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
     )
     for kind in ("time", "damping"):
         optimal = ("optimal", name, "--kind", kind, "--json", "out/optimal.json")
-        words = (*optimal, "--csv", "out/motion.csv")
-        yield from spoken(f"{at}/optimal_{kind}", words, files=given)
+        both = (*optimal, "--csv", "out/motion.csv")
+        yield from spoken(f"{at}/optimal_{kind}", both, files=given)
     yield Call(
         place=f"{at}/page_en", words=("limits", name, "--page", "out/page.html"), files=given
     )
@@ -362,6 +366,7 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
     if not record.exists():
         return
     held = {"record.json": record}
+    sheet: tuple[str, ...]
     for extent in ((), ("--appendix",)):
         sheet = ("sheet", "record.json", "-o", "out", *extent)
         yield from spoken(f"{at}/sheet{'_appendix' * bool(extent)}", sheet, files=held)
@@ -370,6 +375,10 @@ def profile_calls(profile: Path, folder: Path) -> Iterator[Call]:
         ("verify", "record.json", "trace.csv", "-o", "out", "--json", "out/verify.json"),
         files={**held, "trace.csv": trace_of(record, folder, profile.stem)},
     )
+    verdict = folder / at / "verify_en" / "verdict.json"
+    if verdict.exists():
+        sheet = ("sheet", "record.json", "-o", "out", "--verified", "verdict.json")
+        yield from spoken(f"{at}/sheet_verified", sheet, files={**held, "verdict.json": verdict})
     for line in answer("export", "--control", "?").splitlines():
         control = line.split()[0]
         export = ("export", "record.json", "--control", control)
@@ -445,21 +454,25 @@ def filter_words(limits: Mapping[str, Any]) -> str:
 
 
 def trace_of(record: Path, folder: Path, name: str) -> Path:
-    """The first move as its own model predicts it, recorded from rest to rest every 250 us."""
+    """The first move as its own model predicts it, every position cycle, between two rests."""
     file = folder / "inputs" / "traces" / f"{name}.csv"
     if not file.exists():
         found = json.loads(record.read_bytes())
-        series, delay = found["moves"][0]["series"], found["loop"]["reference_delay"]
+        series = found["moves"][0]["series"]
         unit = "rad" if found["machine"]["motion"] == "rotary" else "m"
-        times, moved = np.array(series["t"]), series["signals"]
-        t = np.arange(-REST, times[-1] + REST, 250e-6)
-        coasts = moved["v_ref"][-1] * np.maximum(t - times[-1], 0.0)
-        x_ref = np.interp(t + delay, times, moved["x_ref_delayed"]) + coasts
-        sensors = (np.interp(t, times, moved[name]) + coasts for name in ("encoder", "tcp"))
-        rows = [
-            ",".join(f"{value:.9g}" for value in row)
-            for row in zip(t + REST, x_ref, *sensors, strict=True)
-        ]
+        sent = json.loads((record.parent / "setpoint.csv.json").read_bytes())
+        cycle = sent["t"][1] - sent["t"][0]
+        t = cycle * np.arange(-round(REST / cycle), round((series["t"][-1] + REST) / cycle))
+
+        def moved(times: list[float], values: list[float]) -> Array:
+            spline = CubicSpline(times, values)(np.clip(t, times[0], times[-1]))
+            return np.asarray(spline + coasting * np.maximum(t - times[-1], 0.0))
+
+        coasting = sent["v_ref"][-1]
+        signals = [series["signals"][name] for name in ("encoder", "tcp")]
+        columns = [moved(sent["t"], sent["x_ref"]), *(moved(series["t"], x) for x in signals)]
+        table = np.column_stack([t + REST, *columns])
+        rows = [",".join(f"{value:.12g}" for value in row) for row in table]
         head = f"t [s],x_ref [{unit}],encoder [{unit}],tcp [{unit}]"
         write(file, "\n".join([head, *rows]) + "\n")
     return file
@@ -475,6 +488,11 @@ def other_calls(folder: Path) -> Iterator[Call]:
     yield from spoken("others/wizard", answers, files=given)
     sweep = ("sweep", profile.name, "--f-max", "1kN,2kN", "-o", "out", "--workers", "1")
     yield Call(place="others/sweep", words=sweep, files=given)
+    names = {"record.json": "printer-belt", "before.json": "milling-manipulator"}
+    records = {file: folder / f"profiles/{x}/run_en/record.json" for file, x in names.items()}
+    if all(file.exists() for file in records.values()):
+        compare_two = ("sheet", "record.json", "-o", "out", "--compare", "before.json")
+        yield from spoken("others/sheet_compare", compare_two, files=records)
     for measured in sorted((folder / "inputs" / "measured").iterdir()):
         words = ("identify", measured.name, "--constant", "0.1 N m/A", "-o", "out/new.toml")
         yield from spoken(
