@@ -249,9 +249,12 @@ def outcome(place: Path) -> tuple[float | None, str]:
 def time_rows(before: Path, after: Path) -> list[str]:
     """Processor time of each command over that of the fixed piece of work: median, and largest."""
 
+    both = {file.name for file in before.glob("times/*.json")}
+    both &= {file.name for file in after.glob("times/*.json")}
+
     def ratios(folder: Path) -> dict[str, list[float]]:
         found: dict[str, list[float]] = {}
-        for file in sorted(folder.glob("times/*.json")):
+        for file in (folder / "times" / name for name in sorted(both)):
             part, *_, command = file.stem.split(" ")
             command = "export" if "export" in file.stem else command
             key = f"{part}: {command}" if part in ("profiles", "machines") else file.stem
@@ -260,7 +263,7 @@ def time_rows(before: Path, after: Path) -> list[str]:
 
     old, new = ratios(before), ratios(after)
     rows = []
-    for key in (key for key in old if key in new):
+    for key in old:
         (a, most_a), (b, most_b) = ((sorted(x)[len(x) // 2], max(x)) for x in (old[key], new[key]))
         rows.append(
             f"{key:44s} {a:8.1f} -> {b:8.1f}  x {b / a:.3f}"
