@@ -30,6 +30,10 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.plant.modal import Modal
 
+MODE_KEYS = ("damping_ratio", "tcp_gain", "measured_gain")
+NEED_KEYS = ("tcp_deviation", "max_settling_time", "frequency_spread")
+"""Of the profile, and of what it becomes, under the same names."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Range:
@@ -238,3 +242,45 @@ def demanding_machine(seed: int) -> Machine:
     )
     drive = replace(machine.drive, continuous_force=share(0.05, 0.8) * force if chance() else inf)
     return replace(machine, requirements=needs, drive=drive, moves=moves)
+
+
+def profile_text(machine: Machine, *, kind: str, filters_force: bool) -> str:
+    """Return a machine of the population as a profile for a kind of control, in SI.
+
+    Its cycles are those that are usual for the kind; only the generic one takes the machine's own.
+    """
+    mechanics, drive, needs = machine.mechanics, machine.drive, machine.requirements
+    assert isinstance(mechanics, Modal)
+    lines = ["schema = 1", "[machine]", f"name = '{machine.name}'", f"axis = '{machine.axis}'"]
+    lines += [f"source = '{machine.source}'", "[plant]", "kind = 'modal'"]
+    lines.append(f"moving_mass = {mechanics.moving_mass!r}")
+    for mode in mechanics.modes:
+        lines += ["[[plant.modes]]", f"name = '{mode.name}'"]
+        lines.append(f"frequency = {mode.natural_frequency / (2 * pi)!r}")
+        lines += [f"{key} = {getattr(mode, key)!r}" for key in MODE_KEYS]
+    lines.append("[drive]")
+    lines += _finite(drive, ("force_lag", "max_force", "continuous_force"))
+    for move in machine.moves:
+        lines += ["[[moves]]", f"dwell = {move.dwell!r}"]
+        is_step = isinstance(move, VelocityStep)
+        lines += _finite(move, ("velocity_step",) if is_step else ("distance", "max_velocity"))
+    lines.append("[requirements]")
+    lines += _finite(needs, NEED_KEYS)
+    if needs.contour_deviation < inf:
+        lines += _finite(needs, ("contour_deviation", "contour_feed"))
+    lines.append(f"payload = {list(needs.payload)!r}")
+    if needs.peaks:
+        lines.append("[requirements.peaks]")
+        lines += [f"{peak.name} = {peak.bound!r}" for peak in needs.peaks]
+    lines += ["[control]", f"kind = '{kind}'"]
+    if kind == "generic":
+        lines += _finite(machine.control, ("position_cycle", "velocity_cycle"))
+    if kind == "state-space":
+        lines.append("state_feedback = 'auto'")
+    elif filters_force:
+        lines.append("force_filters = 'auto'")
+    return "\n".join(lines) + "\n"
+
+
+def _finite(holder: object, keys: tuple[str, ...]) -> list[str]:
+    return [f"{key} = {getattr(holder, key)!r}" for key in keys if getattr(holder, key) < inf]
