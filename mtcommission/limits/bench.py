@@ -29,7 +29,7 @@ from mtcommission.loop.respond import (
     where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
 from mtcommission.machine.requirement import slow_to_feed
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.plant import Plant
@@ -149,6 +149,7 @@ class BehindFilter:
 
     bench: Bench
     item: SetpointFilter | None
+    swing: list[float] = field(default_factory=list)  # most force per acceleration seen so far [kg]
     pointed: dict[type[Move], tuple[Array, Array]] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], tuple[Array, Array]] = field(default_factory=dict)
 
@@ -264,16 +265,20 @@ class Use:
     def of_rest(self, a: float) -> float:
         """Return the largest share of force, peaks, contour and RMS force in some sizes [-]."""
         bench, item = self.bench, self.behind.item
-        used = rms_share(bench.machine, item, a, self.t_j)
+        used, is_alone = 0.0, len(bench.bounds) == 1 and not isfinite(bench.contour)
+        # Far from the force nothing need be looked at: it follows the acceleration, but for a swing.
+        if is_alone and self.behind.swing and self.behind.swing[0] * SAFE * a < bench.bounds[0]:
+            return rms_share(bench.machine, item, a, self.t_j)
         for move in bench.machine.moves:
             shares = np.array(SIZES) if bench.every_size else np.ones(1)
             peaks = self.behind.peaks(self._sizes(move, shares, a))
             used = max(used, float((peaks / bench.bounds).max()))
+            self.behind.swing[:] = [max([*self.behind.swing, float(peaks[:, 0].max()) / a])]
             if isfinite(bench.contour):
                 slower = slow_to_feed(move, bench.machine.requirements.contour_feed)
                 deviation = self.behind.contour(self._sizes(slower, shares, a))
                 used = max(used, deviation / bench.contour)
-        return used
+        return max(used, rms_share(bench.machine, item, a, self.t_j))
 
     def _sizes(self, move: Move, shares: Array, a: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""
@@ -294,6 +299,9 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
     return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
 
+SAFE = 1.5
+"""Factor by which a ramp may swing further than those that were looked at [-] (empirical)."""
+
 RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
 """Sizes of a move at which the RMS force is looked at, as shares of the listed one."""
 
@@ -301,7 +309,9 @@ RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
 def rms_share(machine: Machine, item: SetpointFilter | None, a: float, t_j: float) -> float:
     """Return the share of the RMS force that the rigid axis uses, heaviest payload [-]."""
     drive, needs, worst = machine.drive, machine.requirements, 0.0
-    if not isfinite(drive.continuous_force):
+    heaviest = moving_mass(machine) + max(needs.payload)
+    most = float(np.hypot(heaviest * a, drive.static_load))
+    if not isfinite(drive.continuous_force) or most < drive.continuous_force:
         return 0.0
     for move in machine.moves:
         sizes = size_of(move) * np.array(RMS_SIZES if needs.every_size else (1.0,))

@@ -23,7 +23,7 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 Array = NDArray[np.float64]
 
-JERK_TIMES = 18
+JERK_TIMES = 13
 """Jerk times tried with each filter at first, logarithmic."""
 
 SHORTEST, LONGEST = 1e-3, 3.0
@@ -42,7 +42,7 @@ STEPS = 8
 FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
 """Shares of an acceleration that are looked at together."""
 
-WORTHWHILE = 1.1
+WORTHWHILE = 1.05
 """What takes longer than the best so far by this factor is not followed further."""
 
 NOTICEABLE = 0.9997
@@ -51,7 +51,7 @@ NOTICEABLE = 0.9997
 CLOSE = 0.002
 """Share of a bound that may be left over [-]."""
 
-REFINED, REACHES = 4, (0.16, 0.08, 0.04, 0.02, 0.01)
+REFINED, REACHES = 4, (0.35, 0.16, 0.08, 0.04, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-]."""
 
 NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)

@@ -93,6 +93,15 @@ class BlockResponses:
     disturbed: PlantResponse
     estimates: ComplexArray
 
+    @property
+    def is_damped(self) -> bool:
+        """Whether only the rigid body's poles of the plant stand on the unit circle."""
+        return int(np.sum(np.abs(np.linalg.eigvals(self.blocks.A)) > 1.0 - STEADY)) <= RIGID
+
+
+STEADY, RIGID = 1e-9, 2
+"""Distance from the unit circle of a pole that decays, and poles of a rigid body."""
+
 
 def build_blocks(plant: Plant, controller: Controller) -> Blocks:
     """Return plant and observer at the velocity cycle.
