@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def identify(
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="Measurements; FILE@tcp or FILE@encoder."),
+        typer.Argument(metavar="FILE...", help="Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."),
     ],
     profile: Annotated[
         Path | None,
@@ -82,12 +82,12 @@ def identify(
     Klipper's resonances_x_... and resonances_y_... at once: NEW-x.toml and NEW-y.toml.
     """
     from mtcommission.identify.axes import by_axis, of_axis
-    from mtcommission.identify.gather import split_sensor
+    from mtcommission.identify.gather import split_name
 
     limits, count = _read_band(band), _read_count(modes)
     ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
     given = _read_given(sensor, input_, constant, measured, columns or [], profile)
-    axes = by_axis([split_sensor(one)[0] for one in files])
+    axes = by_axis([split_name(one).name for one in files])
     if len(axes) == 1:
         jobs = [_Job(files, profile, output, page, json_file, next(iter(axes)))]
     else:
@@ -95,7 +95,7 @@ def identify(
             _refuse("FILE", Message("identify-several-axes", axes=", ".join(axes)))
         jobs = [
             _Job(
-                [one for one in files if split_sensor(one)[0] in own],
+                [one for one in files if split_name(one).name in own],
                 None,
                 of_axis(output, axis),
                 of_axis(page, axis),
@@ -132,9 +132,9 @@ class _Job(NamedTuple):
 
 def _require_writable(job: _Job) -> None:
     from mtcommission.files import require_writable
-    from mtcommission.identify.gather import split_sensor
+    from mtcommission.identify.gather import split_name
 
-    inputs = [Path(split_sensor(one)[0]) for one in job.files]
+    inputs = [Path(split_name(one).name) for one in job.files]
     require_writable(job.beside, job.page, job.output, inputs=inputs)
     _keep_others(job.output, job.profile)
 
