@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 def identify(
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."),
+        typer.Argument(
+            metavar="FILE...", help="Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."
+        ),
     ],
     profile: Annotated[
         Path | None,

@@ -247,7 +247,7 @@ def _session(root: Element, response: str, *, where: str) -> FileContents:
         raise refuse(where, "identify-no-such-response", got=response, names=", ".join(named))
     unit, remarks = _frequency_unit(root, speed, named[chosen], where=where)
     if axis := _text(root, "m_szAxisName"):
-        remarks.append(Message("identify-axis-of-file", axis=axis))
+        remarks.append(Message("identify-axis-of-file", name=axis))
     if not response and len(named) > 1:
         others = ", ".join(name for name in named if name != taken)
         kind = "identify-response-taken" if count == 1 else "identify-last-response-taken"

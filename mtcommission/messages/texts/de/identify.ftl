@@ -3,7 +3,7 @@
 
 # Bereich und Ordnung
 identify-band-given = Angepasst von { FREQUENCY($low) } bis { FREQUENCY($high) }, wie --band verlangt.
-identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung, oben Stromregler oder Sensor). --band legt einen anderen Bereich fest.
+identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung; oben Stromregler, Sensor oder mehr Eigenformen, als ein Modell fasst). --band legt einen anderen Bereich fest.
 identify-no-lines-in-band = { $file } hat zwischen { FREQUENCY($low) } und { FREQUENCY($high) } zu wenige Linien und wurde weggelassen.
 identify-too-few-in-band = { $lines } brauchbare Linien zwischen { FREQUENCY($low) } und { FREQUENCY($high) }, mindestens { $least } sind nötig; breiter messen oder mit --band einen anderen Bereich angeben
 identify-background = Für eine gute Anpassung { $count ->

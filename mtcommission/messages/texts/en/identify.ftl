@@ -3,7 +3,7 @@
 
 # The band and the order
 identify-band-given = Fitted from { FREQUENCY($low) } to { FREQUENCY($high) } as --band asks.
-identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end, current loop or sensor at the high end). --band sets another.
+identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end; current loop, sensor or more modes than a model holds at the high end). --band sets another.
 identify-no-lines-in-band = { $file } has too few lines between { FREQUENCY($low) } and { FREQUENCY($high) } and was left out.
 identify-too-few-in-band = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
 identify-background = { $count ->
