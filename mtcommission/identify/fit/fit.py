@@ -162,13 +162,12 @@ def _fit_describable(
     A drive measures to half its sampling rate, where current loop and shafts have more modes than
     a model holds; the many lines there would outvote the few in which the axis swings.
     """
-    low, high = band
     trial = whole = _fit_in(responses, band, count, narrow=True)
     while not trial.is_described:
-        high *= 0.5
-        if np.log2(high / low) < LEAST_OCTAVES:
+        band = band[0], 0.5 * trial.band[1]  # what a poor fit cut at the low end may be good
+        if np.log2(band[1] / band[0]) < LEAST_OCTAVES:
             return whole
-        trial = _fit_in(responses, (low, high), count, narrow=True)
+        trial = _fit_in(responses, band, count, narrow=True)
     return trial
 
 
