@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,20 +16,26 @@ from mtcommission.identify.fit.band import (
     narrower_band,
 )
 from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
-from mtcommission.identify.fit.lines import Lines, see, share_frequencies
+from mtcommission.identify.fit.lines import ERROR_FLOOR, Lines, see, share_frequencies
 from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import Ordered, choose_modes
 from mtcommission.identify.fit.projection import Variances, count_parameters, find_variances
 from mtcommission.identify.measurement import FrequencyResponse, Input, Sensor
-from mtcommission.machine.identified import Estimate
+from mtcommission.machine.identified import MOST_MISFIT, Estimate
 from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
 """Fewer lines of a response in the band tell nothing."""
 MOST_CUTS = 3
 """How often the ends of a band are cut."""
-MOST_MISFIT = 10.0
-"""Beyond it a model does not describe what was measured."""
+FAR = 0.5
+"""Share of |H| that a model misses beyond which it does not describe what was measured: where a
+file lacks the averages, its misfit hides behind its scatter."""
+MOST_BROAD = 2
+"""Broad terms with which a fit without a mode is no rigid body: they follow any smooth curve."""
+FLAT = -0.25
+"""Slope of a drive's velocity at the low end beyond which it is that of another response: -1 of a
+free mass, 0 of a closed loop [decades/decade]."""
 MOST_ERROR = 0.1
 """Share of |H| that the model of a drive's response may miss, for the band to be left as it is."""
 LEAST_OCTAVES = 4.0
@@ -87,7 +93,14 @@ def fit_state(
     if broad := broad_poles(trial.found):
         count, low, high = len(broad), min(broad), max(broad)
         notes.append(Message("identify-background", count=count, low=low, high=high))
-    return _collect(trial, notes)
+    found = _collect(trial, notes)
+    is_drive = _by_drive(trial.used) and all(one.input is Input.FORCE for one in trial.used)
+    is_rigid = any(one.has_rigid_body for one in found.responses) and len(broad) < MOST_BROAD
+    shows = is_rigid or found.modes
+    is_far = trial.misfit > MOST_MISFIT or found.model_error > FAR
+    if is_far or (is_drive and not shows):
+        return replace(found, notes=(_not_described(trial, shows=bool(shows)), *found.notes))
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,12 +141,50 @@ class _Trial:
             smooth_errors(self.base),
             strict=True,
         ):
+            noise = lines.error
             if response.standard_error is None:
-                scatter = 0.25 * float(np.mean(np.abs(np.diff(residual)) ** 2))
-                squares += float(np.sum(np.abs(residual) ** 2)) / max(scatter, 1e-300)
-            else:
-                squares += float(np.sum(np.abs(residual * own.error / lines.error) ** 2))
+                scatter = 0.5 * float(np.sqrt(np.mean(np.abs(np.diff(residual)) ** 2)))
+                noise = np.maximum(scatter * own.error, ERROR_FLOOR * np.abs(lines.values))
+            squares += float(np.sum(np.abs(residual * own.error / noise) ** 2))
         return float(np.sqrt(squares / max(self.size - self.parameters, 1)))
+
+
+def _not_described(trial: _Trial, *, shows: bool) -> Message:
+    """What does not fit, by where most of the misfit lies, in thirds of the band by octaves."""
+    low, high = trial.band
+    edges = np.geomspace(low, high, 4)
+    squares = np.zeros(3)
+    for residual, own, lines in zip(
+        trial.found.fit.residuals, trial.found.lines, trial.base, strict=True
+    ):
+        missed = np.abs(residual * own.error / lines.error) ** 2
+        squares += np.histogram(lines.frequency_hz, edges, weights=missed)[0]
+    worst = int(np.argmax(squares))
+    cause = ("friction", "feedback", "modes")[worst]
+    if _by_drive(trial.used) and max(map(_low_slope, trial.base)) > FLAT:
+        cause = "response"
+    return Message(
+        "identify-not-described",
+        files=", ".join(dict.fromkeys(one.source.name for one in trial.used)),
+        misfit=trial.misfit,
+        most=MOST_MISFIT,
+        missed=trial.found.model_error,
+        far=FAR,
+        shows="yes" if shows else "no",
+        low=float(edges[worst]),
+        high=float(edges[worst + 1]),
+        cause=cause,
+    )
+
+
+def _low_slope(lines: Lines) -> float:
+    """Median slope of the velocity over the lower half of the band's octaves [decades/decade]."""
+    f = lines.frequency_hz
+    size = np.abs(lines.values) * f ** (1.0 - lines.derivative)
+    places = np.linspace(np.log(f[0]), np.log(f[0] * f[-1]) / 2, 4 * LEAST_LINES)
+    course = np.interp(places, np.log(f), np.log(size))
+    half = places.size // 2
+    return float(np.median(course[half:] - course[:half]) / (places[half] - places[0]))
 
 
 def _fit_in(
@@ -163,7 +214,7 @@ def _fit_describable(
     a model holds; the many lines there would outvote the few in which the axis swings.
     """
     trial = whole = _fit_in(responses, band, count, narrow=True)
-    while not trial.is_described:
+    while not (trial.is_described and (trial is whole or any(trial.found.is_mode))):
         band = band[0], 0.5 * trial.band[1]  # what a poor fit cut at the low end may be good
         if np.log2(band[1] / band[0]) < LEAST_OCTAVES:
             return whole

@@ -12,6 +12,31 @@ identify-background = Für eine gute Anpassung { $count ->
 } nötig: für eine Eigenform zu stark gedämpft und nicht im Profil.
 identify-point-left-out = { $file } passt nicht zu den Polen der übrigen Punkte und wurde weggelassen: diesen Punkt noch einmal anschlagen.
 
+# Ein Modell, das die Messung verfehlt; $low, $high [Hz], $missed: ein Anteil
+identify-no-profile = Kein Profil: Das Modell beschreibt die Messung nicht: { $shows ->
+    [no] weder Masse noch Eigenform zeigt sich,{" "}
+   *[yes] {""}
+}Abweichung { NUMBER($misfit, digits: 3) } (höchstens { NUMBER($most) }), { SHARE($missed) } des Betrags verfehlt (höchstens { SHARE($far) }).
+identify-forced = Erzwungen: Das Modell beschreibt die Messung nicht: { $shows ->
+    [no] weder Masse noch Eigenform zeigt sich,{" "}
+   *[yes] {""}
+}Abweichung { NUMBER($misfit, digits: 3) } (höchstens { NUMBER($most) }), { SHARE($missed) } des Betrags verfehlt (höchstens { SHARE($far) }).
+identify-not-described = { $files }: { $axis ->
+    [rotary] Eine starre Trägheit
+   *[linear] Eine starre Masse
+} mit Eigenformen verfehlt die Messlinien, am meisten von { FREQUENCY($low) } bis { FREQUENCY($high) }. { $cause ->
+    [response] Unten fällt der Frequenzgang nicht wie der einer freien { $axis ->
+        [rotary] Trägheit
+       *[linear] Masse
+    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { $axis ->
+        [rotary] Momentensollwert
+       *[linear] Kraftsollwert
+    } zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
+    [friction] Es liegt am unteren Ende: haftende Reibung oder Rückkopplung in der Messung. Um eine Offsetgeschwindigkeit messen, bei der die Achse nie steht, mit mehr Amplitude und möglichst weichem Lageregler; oder diese Linien mit --band weglassen.
+    [modes] Es liegt am oberen Ende: mehr Eigenformen, als das Modell fasst, Stromregler oder Sensor. Diese Linien mit --band weglassen oder bis zu einer niedrigeren Frequenz mit feineren Linien messen.
+   *[feedback] Es liegt mitten im Bereich: Rückkopplung in der Messung (die Anregung als v_ref mit aufzeichnen), falsche Einheit oder Spalte, oder die Maschine hat sich währenddessen verändert. Mit möglichst weichem Regler und mehr Amplitude erneut messen, mehrere Maschinenzustände einzeln.
+}
+
 # Streuungen
 identify-frequency-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)

@@ -12,6 +12,31 @@ identify-background = { $count ->
 } needed for a good fit: too strongly damped for a mode, and not in the profile.
 identify-point-left-out = { $file } does not obey the poles that the other points show and was left out: strike that point again.
 
+# A fit that misses what was measured; $low, $high [Hz], $missed: a share
+identify-no-profile = No profile: the model does not describe what was measured: { $shows ->
+    [no] neither mass nor mode shows,{" "}
+   *[yes] {""}
+}misfit { NUMBER($misfit, digits: 3) } (at most { NUMBER($most) }), { SHARE($missed) } of the magnitude missed (at most { SHARE($far) }).
+identify-forced = Forced: the model does not describe what was measured: { $shows ->
+    [no] neither mass nor mode shows,{" "}
+   *[yes] {""}
+}misfit { NUMBER($misfit, digits: 3) } (at most { NUMBER($most) }), { SHARE($missed) } of the magnitude missed (at most { SHARE($far) }).
+identify-not-described = { $files }: a rigid { $axis ->
+    [rotary] inertia
+   *[linear] mass
+} with modes misses the measured lines, most of all from { FREQUENCY($low) } to { FREQUENCY($high) }. { $cause ->
+    [response] At the low end it does not fall with frequency as a free { $axis ->
+        [rotary] inertia
+       *[linear] mass
+    } does: probably the wrong response (a closed loop from its setpoint, another signal), or the axis did not move. Measure the controlled system of the speed controller, { $axis ->
+        [rotary] torque
+       *[linear] force
+    } setpoint to actual velocity, about an offset speed.
+    [friction] It lies at the low end: friction that sticks, or feedback in the measurement. Measure about an offset speed at which the axis never stands, with more amplitude and the position loop as soft as it may be; or leave these lines out with --band.
+    [modes] It lies at the high end: more modes than the model holds, the current loop or the sensor. Leave these lines out with --band, or measure to lower frequencies with finer lines.
+   *[feedback] It lies in the middle of the band: feedback in the measurement (record the excitation, too, as v_ref), a wrong unit or column, or a machine that changed meanwhile. Measure again with the loop as soft as it may be and more amplitude, or several states of the machine one by one.
+}
+
 # Spreads
 identify-frequency-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
