@@ -28,6 +28,8 @@ LEAST_LINES = 12
 """Fewer lines of a response in the band tell nothing."""
 MOST_CUTS = 3
 """How often the ends of a band are cut."""
+FEW_AVERAGES = 4.0
+"""Of fewer a coherence tells little: it comes out near 1 by chance."""
 FAR = 0.5
 """Share of |H| that a model misses beyond which it does not describe what was measured: where a
 file lacks the averages, its misfit hides behind its scatter."""
@@ -130,8 +132,8 @@ class _Trial:
     def misfit(self) -> float:
         """Weighted rms of the residuals by their noise, by the free lines.
 
-        The noise is what coherence and averages tell; where a file lacks them it is what
-        neighbouring residuals differ by, which no smooth error of the model can make small.
+        The noise is what coherence and averages tell; where a file lacks them, or they are few, it
+        is what neighbouring residuals differ by, which no smooth error of the model can make small.
         """
         squares = 0.0
         for response, residual, own, lines in zip(
@@ -142,7 +144,7 @@ class _Trial:
             strict=True,
         ):
             noise = lines.error
-            if response.standard_error is None:
+            if response.standard_error is None or (response.averages or 0.0) < FEW_AVERAGES:
                 scatter = 0.5 * float(np.sqrt(np.mean(np.abs(np.diff(residual)) ** 2)))
                 noise = np.maximum(scatter * own.error, ERROR_FLOOR * np.abs(lines.values))
             squares += float(np.sum(np.abs(residual * own.error / noise) ** 2))
