@@ -132,8 +132,9 @@ def _misfit_ends(found: Ordered, base: Sequence[Lines], low: float, high: float)
     counts = np.bincount(place, minlength=edges.size - 1)
 
     def mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        means: NDArray[np.float64] = np.bincount(place, values, edges.size - 1)
-        return means / np.maximum(counts, 1)
+        sums = np.bincount(place, values, edges.size - 1).astype(np.float64)
+        means: NDArray[np.float64] = sums / np.maximum(counts, 1)
+        return means
 
     # What the model misses in most stretches: the worst ends must not excuse themselves.
     share = float(np.median(mean(np.maximum(squares - noise, 0.0) / sizes)[counts > 0]))
