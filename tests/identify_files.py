@@ -135,18 +135,41 @@ def _function(name: str, frequency: Array, values: Array) -> str:
     )
 
 
-def session(frequency_hz: Array, values: Array, coherence: Array, *, ratio: float = 0.0) -> bytes:
-    """A servo tuning session: motor speed per torque."""
-    omega = TWO_PI * frequency_hz
+def session(
+    frequency_hz: Array,
+    values: Array,
+    coherence: Array,
+    *,
+    ratio: float = 0.0,
+    per_hz: float = 1.0,
+    step: float | None = None,
+    repeats: int = 1,
+) -> bytes:
+    """A servo tuning session: motor speed per torque, up to half the sampling rate.
+
+    ``per_hz`` is 2 pi for one in rad/s, ``step`` 0 for one without a sampling time; of several
+    records only the last holds ``values``.
+    """
+    f = per_hz * frequency_hz
+    step = 0.5 / frequency_hz[-1] if step is None else step
     turn = f'<float name="m_dMotorToAxisRatio">{ratio}</float>' if ratio else ""
+    cycle = f'<float name="m_dUpdateTimeSeconds">{step:.24f}</float>' if step else ""
+    records = "".join(
+        '<PlantMeasRecord name="m_listMechPlants_el">'
+        + _function("m_pPlant", f, values * (1 + 0.5 * (repeats - number)))
+        + _function("m_pMeasCoherence", f, coherence + 0j)
+        + "</PlantMeasRecord>"
+        for number in range(1, repeats + 1)
+    )
     return (
         '<?xml version="1.0" encoding="ISO-8859-1"?>\n<DynamicModelAxisController>'
         f'<string name="m_szAxisName">X1</string>{turn}'
-        '<DynamicModelList name="m_SpeedControllerList">'
-        + _function("m_pPlant", omega, values)
-        + _function("m_pMeasCoherence", omega, coherence + 0j)
-        + "</DynamicModelList>"
-        + _function("m_CurrentControllerResponse", omega, np.ones(omega.size) + 0j)
+        '<DynamicModelList name="m_PositionControllerList">'
+        '<float name="m_dUpdateTimeSeconds">0.002</float></DynamicModelList>'
+        f'<DynamicModelList name="m_SpeedControllerList">{cycle}'
+        '<TransferFunction name="m_pPlant"></TransferFunction>'
+        f"{records}</DynamicModelList>"
+        + _function("m_CurrentControllerResponse", f, 1.0 / (1.0 + 0.3e-3j * TWO_PI * frequency_hz))
         + "</DynamicModelAxisController>\n"
     ).encode("latin-1")
 

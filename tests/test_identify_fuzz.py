@@ -87,7 +87,7 @@ def test_broken_files_are_used_or_refused_by_name() -> None:
     assert refused > 0.2 * COUNT
 
 
-def test_broken_files_end_the_command_with_0_or_2(tmp_path: Path) -> None:
+def test_broken_files_end_the_command_with_0_1_or_2(tmp_path: Path) -> None:
     """The same through the whole command, fit and profile included, on a tenth of them."""
     path, good, codes = tmp_path / "broken.dat", files(), set()
     for seed in range(COUNT // 10):
@@ -101,11 +101,11 @@ def test_broken_files_end_the_command_with_0_or_2(tmp_path: Path) -> None:
         start = time.process_time()
         code, said = call("identify", str(path), *options, "-o", str(tmp_path / "new.toml"))
         assert time.process_time() - start < LONGEST, seed
-        assert code in (0, 2), (seed, said)
+        assert code in (0, 1, 2), (seed, said)
         assert "Traceback" not in said, seed
-        assert code == 0 or "broken.dat" in said or "--columns" in said, (seed, said)
+        assert code in (0, 1) or "broken.dat" in said or "--columns" in said, (seed, said)
         codes.add(code)
-    assert codes == {0, 2}
+    assert {0, 2} <= codes
 
 
 def test_reading_takes_time_and_space_in_proportion_to_the_file() -> None:

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 def identify(
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="Measurements; FILE@tcp or FILE@encoder."),
+        typer.Argument(
+            metavar="FILE...", help="Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."
+        ),
     ],
     profile: Annotated[
         Path | None,
@@ -70,6 +72,9 @@ def identify(
             "--tool-ratio", metavar="R", help="Peak at the tool by peak at the motor, if known."
         ),
     ] = "",
+    force: Annotated[
+        bool, typer.Option("--force", help="Write a profile even if no model fits, and say so.")
+    ] = False,
     page: Annotated[
         str, typer.Option("--page", metavar="FILE.html", help="Measured over fitted, as a page.")
     ] = "",
@@ -82,12 +87,12 @@ def identify(
     Klipper's resonances_x_... and resonances_y_... at once: NEW-x.toml and NEW-y.toml.
     """
     from mtcommission.identify.axes import by_axis, of_axis
-    from mtcommission.identify.gather import split_sensor
+    from mtcommission.identify.gather import split_name
 
     limits, count = _read_band(band), _read_count(modes)
     ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
     given = _read_given(sensor, input_, constant, measured, columns or [], profile)
-    axes = by_axis([split_sensor(one)[0] for one in files])
+    axes = by_axis([split_name(one).name for one in files])
     if len(axes) == 1:
         jobs = [_Job(files, profile, output, page, json_file, next(iter(axes)))]
     else:
@@ -95,7 +100,7 @@ def identify(
             _refuse("FILE", Message("identify-several-axes", axes=", ".join(axes)))
         jobs = [
             _Job(
-                [one for one in files if split_sensor(one)[0] in own],
+                [one for one in files if split_name(one).name in own],
                 None,
                 of_axis(output, axis),
                 of_axis(page, axis),
@@ -106,8 +111,8 @@ def identify(
         ]
     for job in jobs:
         _require_writable(job)
-    for job in jobs:
-        _identify(job, given, limits, count, ratio, language)
+    written = [_identify(job, given, limits, count, ratio, language, force=force) for job in jobs]
+    raise typer.Exit(0 if all(written) else 1)
 
 
 class _Job(NamedTuple):
@@ -132,9 +137,9 @@ class _Job(NamedTuple):
 
 def _require_writable(job: _Job) -> None:
     from mtcommission.files import require_writable
-    from mtcommission.identify.gather import split_sensor
+    from mtcommission.identify.gather import split_name
 
-    inputs = [Path(split_sensor(one)[0]) for one in job.files]
+    inputs = [Path(split_name(one).name) for one in job.files]
     require_writable(job.beside, job.page, job.output, inputs=inputs)
     _keep_others(job.output, job.profile)
 
@@ -146,11 +151,13 @@ def _identify(
     count: int | None,
     ratio: float | None,
     language: str,
-) -> None:
-    """One axis: files to profile, page and terminal."""
+    *,
+    force: bool,
+) -> bool:
+    """One axis: files to profile, page and terminal; whether a profile may be written."""
     before = _read_before(job.profile)
 
-    from mtcommission.cli.identified_view import describe_identified
+    from mtcommission.cli.identified_view import describe_identified, refusal
     from mtcommission.cli.terminal import show
     from mtcommission.files import write_text
     from mtcommission.identify.check import check_records
@@ -169,6 +176,7 @@ def _identify(
         checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
     created = now()
     part = identified_part(found, checks=checks, created=created)
+    beside = job.beside
     target = output or (str(profile) if profile else "machine.toml")
     how = Writing(
         date=created[:10],
@@ -179,21 +187,29 @@ def _identify(
         evidence=_seen_from(output, job.beside),
         axis=axis or "X",
     )
-    text = merge_profile(before, found, how) if before else write_profile(found, how)
+    is_sound = found.doubt is None or force
+    text = ""
+    if is_sound:
+        text = merge_profile(before, found, how) if before else write_profile(found, how)
+    else:
+        beside, output = json_file, ""
     if page:
         write_text(page, print_identified(part, profile=text, language=language))
     if output:
         write_text(output, text)
-    if job.beside:
-        write_text(job.beside, dump_json(identified_json(part, profile=text)))
-    if "-" in (json_file, output, page):
-        return
-    show(describe_identified(part))
-    if written := [name for name in (output, page, job.beside) if name]:
+    if beside:
+        write_text(beside, dump_json(identified_json(part, profile=text)))
+    if "-" in (json_file, job.output, page):
+        if found.doubt:
+            sys.stderr.write("\n".join(refusal(part, forced=force)) + "\n")
+        return is_sound
+    show(describe_identified(part, forced=force))
+    if written := [name for name in (output, page, beside) if name]:
         print_written(Path(), written)
     if output:
         kind = "identify-next-run" if part.proposals else "identify-next"
         sys.stdout.write(say(kind, file=output) + "\n")
+    return is_sound
 
 
 def _keep_others(output: str, profile: Path | None) -> None:

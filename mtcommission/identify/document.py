@@ -358,7 +358,11 @@ def _spread_rows(found: Identified, how: Writing) -> list[_Row]:
 
 def _heading(found: Identified, how: Writing) -> list[str]:
     words = how.words
-    lines = [words.text("identify-document-head", version=__version__, date=how.date)]
+    lines = []
+    if found.doubt:
+        forced = words.text("identify-forced", **found.doubt.values)
+        lines.append(f"{forced} {words.say(found.doubt)}")
+    lines.append(words.text("identify-document-head", version=__version__, date=how.date))
     for source in {one.source.file: one.source for one in found.measurements}.values():
         dated = {"date": source.measured_on} if source.measured_on else {}
         kind = "identify-document-file-dated" if dated else "identify-document-file"

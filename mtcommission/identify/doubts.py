@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.identified import Identified
-from mtcommission.identify.measurement import FrequencyResponse, Sensor
-from mtcommission.messages.message import Message
+from mtcommission.identify.measurement import (
+    FrequencyResponse,
+    Input,
+    Sensor,
+    Signal,
+    TimeRecord,
+)
+from mtcommission.messages.message import Message, Value
 
 MASS_TOLERANCE = 0.05
 """Relative difference of two sensors' masses that is told."""
+LEAST_REVERSED = 0.01
+"""Share of the time in which an axis moves backwards, below which friction kept its sign."""
 
 
 def list_doubts(found: Identified) -> tuple[Message, ...]:
@@ -24,6 +34,7 @@ def list_doubts(found: Identified) -> tuple[Message, ...]:
     doubts = [note for fit in found.fits for note in fit.notes]
     for fit in found.fits:
         doubts += _of_polarity(fit) + _of_masses(fit) + _of_resolution(fit) + _of_misfit(fit)
+        doubts += _of_friction(fit, found.evidence.records)
     for mode in found.modes:
         missing = [
             state.name for state, k in zip(found.states, mode.seen, strict=True) if k is None
@@ -45,6 +56,61 @@ def list_doubts(found: Identified) -> tuple[Message, ...]:
         if not any(fit.has(Sensor.TCP) for fit in found.fits):
             doubts.append(Message("identify-no-tool-sensor", bound=1.0 / found.moving_mass.value))
     return tuple(dict.fromkeys(doubts))
+
+
+def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> list[Message]:
+    """How far friction that reverses may have shifted a mode, where that is beyond its interval.
+
+    What friction takes shows as c, and as the low end that had to be cut. It need not act as a
+    damper: all of it acting as a spring, m c ω or m ω_low², shifts ω by c/2 or ω_low²/(2 ω).
+    """
+    files = {one.response.source.file for one in fit.responses}
+    swings = [swing for one in records if one.source.file in files for swing in _swings(one)]
+    is_driven = fit.has(Sensor.ENCODER) and fit.responses[0].response.input is Input.FORCE
+    if not is_driven or not fit.modes or (swings and max(s[0] for s in swings) < LEAST_REVERSED):
+        return []
+    is_cut = any(not one.is_used[0] for one in fit.responses)
+    low = fit.band_hz[0] if is_cut else 0.0
+    drag = fit.drag.value / (2 * np.pi)
+    shifts = [
+        (0.5 * max(drag / f.value, (low / f.value) ** 2), f)
+        for f in (mode.frequency_hz for mode in fit.modes)
+    ]
+    shift, f = max(shifts, key=lambda one: one[0] * one[1].value / max(one[1].sigma, 1e-12))
+    if shift * f.value <= 2.0 * f.sigma:
+        return []
+    values: dict[str, Value] = {
+        "file": ", ".join(sorted(files)), "frequency": f.value, "shift": shift,
+        "interval": 2.0 * f.sigma / f.value,
+    }  # fmt: skip
+    if not swings:
+        return [Message("identify-friction-may-shift", **values)]
+    reversed_, offset, swing = max(swings)
+    return [
+        Message(
+            "identify-friction-shifts",
+            **values,
+            reversed=reversed_,
+            offset=offset,
+            swing=swing,
+            wanted=3.0 * swing,
+        )
+    ]
+
+
+def _swings(record: TimeRecord) -> list[tuple[float, float, float]]:
+    """Share of the time in which an encoder goes against its mean velocity, that mean, and rms."""
+    found = []
+    for one in record.channels:
+        if one.sensor is not Sensor.ENCODER or one.signal not in (Signal.VELOCITY, Signal.POSITION):
+            continue
+        v = one.values
+        if one.signal is Signal.POSITION:
+            v = np.diff(v) / record.sample_time
+        mean = float(np.mean(v))
+        share = float(np.mean(v * np.sign(mean) < 0.0)) if mean else 0.5
+        found.append((share, abs(mean), float(np.std(v))))
+    return found
 
 
 def _of_polarity(fit: Fitted) -> list[Message]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from typing import NamedTuple
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
@@ -49,7 +51,7 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     Parameters
     ----------
     files
-        Names, each possibly with ``@encoder`` or ``@tcp``; ``-`` is standard input.
+        Names, each possibly with ``@RESPONSE``, ``@encoder`` or ``@tcp``; ``-`` is standard input.
     given
         What the command line says about them.
 
@@ -63,14 +65,14 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     faults: list[Fault] = []
     names: dict[bytes, str] = {}
     for text in files:
-        name, sensor = split_sensor(text)
+        name, response, sensor = split_name(text)
         try:
             data = _bytes_of(name)
             # As two measurements it would halve every interval.
             if (first := names.setdefault(sha256(data).digest(), text)) is not text:
                 raise refuse(name, "identify-file-twice", other=first)
             one = replace(given, sensor=sensor) if sensor else given
-            found, used = read_file(data, one, name=name)
+            found, used = read_file(data, one, name=name, response=response)
             findings += found
             records += used
         except InputError as error:
@@ -85,18 +87,34 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     )
 
 
-def split_sensor(text: str) -> tuple[str, Sensor | None]:
-    """Return the name of a file and the sensor that is said behind it.
+class FileName(NamedTuple):
+    """A file of the command line, FILE[@RESPONSE][@SENSOR]."""
+
+    name: str
+    response: str
+    sensor: Sensor | None
+
+
+def split_name(text: str) -> FileName:
+    """Return the name of a file, and which of its responses and which sensor is said behind it.
 
     Examples
     --------
-    >>> split_sensor("a@b.csv@tcp")
-    ('a@b.csv', <Sensor.TCP: 'tcp'>)
-    >>> split_sensor("a@b.csv")
-    ('a@b.csv', None)
+    >>> split_name("a@b.csv@tcp")
+    FileName(name='a@b.csv', response='', sensor=<Sensor.TCP: 'tcp'>)
+    >>> split_name("a.xml@m_pPlant[1]")
+    FileName(name='a.xml', response='m_pPlant[1]', sensor=None)
     """
     name, _, said = text.rpartition("@")
-    return (name, Sensor(said)) if name and said in tuple(Sensor) else (text, None)
+    sensor = Sensor(said) if name and said in tuple(Sensor) else None
+    text = name if sensor else text
+    if (found := _NAMED.match(text)) and not Path(text).exists():
+        return FileName(found[1], found[2], sensor)
+    return FileName(text, "", sensor)
+
+
+_NAMED = re.compile(r"(.*\.\w+)@([\w\[\]-]+)$", re.DOTALL)
+"""A file's name with its ending, and a name without one."""
 
 
 def _bytes_of(name: str) -> bytes:
@@ -106,7 +124,7 @@ def _bytes_of(name: str) -> bytes:
 
 
 def read_file(
-    data: bytes, given: Given, *, name: str
+    data: bytes, given: Given, *, name: str, response: str = ""
 ) -> tuple[tuple[Finding, ...], tuple[TimeRecord, ...]]:
     """Return what one file says, and the time records it was estimated from.
 
@@ -118,13 +136,15 @@ def read_file(
         What the user says about it.
     name
         Of the file; says nothing about its format.
+    response
+        The only one of the file to be taken, by its name there; "" for all that belong together.
 
     Raises
     ------
     InputError
         With every fault of the file, and what must be said about it.
     """
-    contents = read_contents(data, given.columns, where=name)
+    contents = read_contents(data, given.columns, where=name, response=response)
     given = _with_said(given, contents, where=name)
     source = Source(
         file=name,
@@ -136,7 +156,11 @@ def read_file(
     findings: list[Finding] = []
     records: list[TimeRecord] = []
     faults: list[Fault] = []
-    for item in contents.items:
+    items = [item for item in contents.items if response in ("", item.label)]
+    if not items:
+        labels = ", ".join(item.label for item in contents.items)
+        raise refuse(name, "identify-no-such-response", got=response, names=labels)
+    for item in items:
         own = replace(source, label=item.label)
         try:
             if isinstance(item, TimeContents):
@@ -150,7 +174,7 @@ def read_file(
         except InputError as error:
             faults += error.faults
     # Of several records in a file (clocks of a scope) the ones that say nothing are no fault.
-    if faults and not (findings and any(isinstance(i, TimeContents) for i in contents.items)):
+    if faults and not (findings and any(isinstance(i, TimeContents) for i in items)):
         raise InputError(faults)
     return tuple(findings), tuple(records)
 

@@ -16,6 +16,9 @@ from mtcommission.identify.measurement import (
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
 
+NOT_DESCRIBED = "identify-not-described"
+"""Kind of the message of a fit that misses what was measured."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
@@ -126,6 +129,12 @@ class Identified:
     def fits(self) -> tuple[Fitted, ...]:
         """The states that have responses."""
         return tuple(one.result for one in self.states if isinstance(one.result, Fitted))
+
+    @property
+    def doubt(self) -> Message | None:
+        """Why the model does not describe what was measured; None where it does."""
+        notes = [note for fit in self.fits for note in fit.notes]
+        return next((note for note in notes if note.kind == NOT_DESCRIBED), None)
 
     @property
     def is_base_excited(self) -> bool:

@@ -95,6 +95,10 @@ class ShaperProposal:
     is_recommended: bool = False
 
 
+MOST_MISFIT = 10.0
+"""Weighted rms of the residuals by the noise beyond which a model does not describe a response."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
     """What was measured when the profile was written; values may have been changed since.

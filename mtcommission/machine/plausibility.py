@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, isfinite, log
 
+from mtcommission.machine.identified import MOST_MISFIT
 from mtcommission.machine.machine import Machine, Motion, VelocityStep, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.rigid_body import least_motion_time
@@ -91,6 +92,7 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
         *_check_moves(machine),
         *_check_requirements(machine),
         *_check_control(machine),
+        *_check_measurement(machine),
     )
 
 
@@ -248,3 +250,10 @@ def _check_control(machine: Machine) -> Iterator[Remark]:
             rate=1.0 / control.velocity_cycle,
         )
         yield Remark(key="control.minimum_bandwidth", message=message)
+
+
+def _check_measurement(machine: Machine) -> Iterator[Remark]:
+    misfit = machine.identified.misfit if machine.identified else None
+    if misfit is not None and misfit > MOST_MISFIT:
+        message = Message("measured-not-described", misfit=misfit, most=MOST_MISFIT)
+        yield Remark(key="identified.misfit", message=message)

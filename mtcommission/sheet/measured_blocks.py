@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 
 INFORMATION = (
     *("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis"),
-    *("identify-klipper-choice", "identify-core-xy"),
+    *("identify-klipper-choice", "identify-core-xy", "identify-axis-of-file"),
+    *("identify-response-taken", "identify-last-response-taken"),
 )
 """How the kinds of messages begin that warn of nothing."""
 SHOWN_DIGITS = 16

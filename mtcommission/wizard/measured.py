@@ -99,6 +99,8 @@ def identify_files(
         motor_turn=2.0 * pi * gear / lead if lead and not is_rotary(answers) else 0.0,
     )
     found = identify(gather(names, given))
+    if found.doubt:
+        raise InputError([Fault(where=typed, message=found.doubt)])
     motion = "rotary" if found.rotary else "linear"
     checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
     part = identified_part(found, checks=checks, created=date)

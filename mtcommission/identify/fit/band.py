@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from mtcommission.identify.fit.lines import Lines
@@ -17,6 +18,8 @@ LEAST_COHERENCE = 0.5
 """Median over nine lines below which the ends of a response are left out (empirical)."""
 EXCESS = 2.5
 """Misfit of a third of an octave at an end, in that of all lines, beyond which it is left out."""
+LEAST_LINES = 3
+"""Of a stretch whose misfit is judged."""
 LOW_END = 3.0
 """A mode below so many times the lowest line must show a rigid body below it."""
 FRICTION_RATIO = 0.12
@@ -119,19 +122,25 @@ def _rigid_below(found: Ordered, pole: int) -> bool:
 
 
 def _misfit_ends(found: Ordered, base: Sequence[Lines], low: float, high: float) -> Band:
-    edges = np.geomspace(low, high * (1 + 1e-9), max(4, round(3 * np.log2(high / low))) + 1)
-    squares = np.zeros(edges.size - 1)
-    counts = np.zeros(edges.size - 1)
-    for lines, own, residual in zip(base, found.lines, found.fit.residuals, strict=True):
-        error = np.hypot(lines.error, found.model_error * np.abs(lines.values))
-        z = np.abs(residual * own.error) ** 2 / error**2
-        place = np.clip(np.searchsorted(edges, lines.frequency_hz, side="right") - 1, 0, None)
-        place = np.minimum(place, squares.size - 1)
-        np.add.at(squares, place, z)
-        np.add.at(counts, place, 2)
-    rms = np.sqrt(squares / np.maximum(counts, 1))
+    edges = _edges(base, low, high * (1 + 1e-9))
+    f = np.concatenate([lines.frequency_hz for lines in base])
+    noise = np.concatenate([lines.error**2 for lines in base])
+    sizes = np.concatenate([np.abs(lines.values) ** 2 for lines in base])
+    missed = zip(found.fit.residuals, found.lines, strict=True)
+    squares = np.concatenate([0.5 * np.abs(residual * own.error) ** 2 for residual, own in missed])
+    place = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, edges.size - 2)
+    counts = np.bincount(place, minlength=edges.size - 1)
+
+    def mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        sums = np.bincount(place, values, edges.size - 1).astype(np.float64)
+        means: NDArray[np.float64] = sums / np.maximum(counts, 1)
+        return means
+
+    # What the model misses in most stretches: the worst ends must not excuse themselves.
+    share = float(np.median(mean(np.maximum(squares - noise, 0.0) / sizes)[counts > 0]))
+    rms = np.sqrt(mean(squares / (noise + min(share, found.model_error**2) * sizes)))
     typical = float(np.median(rms[counts > 0]))
-    bad = (rms > EXCESS * max(typical, 1.0)) & (counts >= 6)
+    bad = rms > EXCESS * max(typical, 1.0)
     first, last = 0, bad.size
     while first < bad.size // 3 and (bad[first] or counts[first] == 0):
         first += 1
@@ -139,6 +148,16 @@ def _misfit_ends(found: Ordered, base: Sequence[Lines], low: float, high: float)
         last -= 1
     has_low, has_high = bool(bad[:first].any()), bool(bad[last:].any())
     return (float(edges[first]) if has_low else low), (float(edges[last]) if has_high else high)
+
+
+def _edges(base: Sequence[Lines], low: float, high: float) -> NDArray[np.float64]:
+    """Ends of stretches of a third of an octave, or of enough lines where these are rarer."""
+    f = np.sort(np.concatenate([lines.frequency_hz for lines in base]))
+    edges = [low]
+    for edge in np.geomspace(low, high, max(4, round(3 * np.log2(high / low))) + 1)[1:].tolist():
+        if np.searchsorted(f, edge) - np.searchsorted(f, edges[-1]) >= LEAST_LINES:
+            edges.append(edge)
+    return np.array([*edges[:-1], high]) if len(edges) > 1 else np.array([low, high])
 
 
 def broad_poles(found: Ordered) -> list[float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,18 +16,32 @@ from mtcommission.identify.fit.band import (
     narrower_band,
 )
 from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
-from mtcommission.identify.fit.lines import Lines, see, share_frequencies
+from mtcommission.identify.fit.lines import ERROR_FLOOR, Lines, see, share_frequencies
 from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import Ordered, choose_modes
 from mtcommission.identify.fit.projection import Variances, count_parameters, find_variances
 from mtcommission.identify.measurement import FrequencyResponse, Input, Sensor
-from mtcommission.machine.identified import Estimate
+from mtcommission.machine.identified import MOST_MISFIT, Estimate
 from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
 """Fewer lines of a response in the band tell nothing."""
 MOST_CUTS = 3
-"""How often the band is narrowed."""
+"""How often the ends of a band are cut."""
+FEW_AVERAGES = 4.0
+"""Of fewer a coherence tells little: it comes out near 1 by chance."""
+FAR = 0.5
+"""Share of |H| that a model misses beyond which it does not describe what was measured: where a
+file lacks the averages, its misfit hides behind its scatter."""
+MOST_BROAD = 2
+"""Broad terms with which a fit without a mode is no rigid body: they follow any smooth curve."""
+FLAT = -0.25
+"""Slope of a drive's velocity at the low end beyond which it is that of another response: -1 of a
+free mass, 0 of a closed loop [decades/decade]."""
+MOST_ERROR = 0.1
+"""Share of |H| that the model of a drive's response may miss, for the band to be left as it is."""
+LEAST_OCTAVES = 4.0
+"""Of a band that is halved: a rigid body, a mode and what lies above it."""
 RIGID_SHARE = 0.4
 """Least share of the mass in the response at the low end, for it to be a mass."""
 FREE_BODY = 0.4
@@ -60,39 +75,161 @@ def fit_state(
     InputError
         If no response has enough lines in the band.
     """
-    band = band_hz or coherent_band(responses)
-    notes: list[Message] = []
+    first = band_hz or coherent_band(responses)
     if band_hz:
-        notes.append(Message("identify-band-given", low=band[0], high=band[1]))
+        trial = _fit_in(responses, first, count, narrow=False)
+        notes = [Message("identify-band-given", low=first[0], high=first[1])]
+    else:
+        trial = _fit_describable(responses, first, count)
+        notes = _of_band(first, trial.band)
+    notes += [
+        Message(
+            "identify-no-lines-in-band",
+            file=response.source.name,
+            low=trial.band[0],
+            high=trial.band[1],
+        )
+        for response in responses
+        if all(response is not one for one in trial.used)
+    ]
+    if broad := broad_poles(trial.found):
+        count, low, high = len(broad), min(broad), max(broad)
+        notes.append(Message("identify-background", count=count, low=low, high=high))
+    found = _collect(trial, notes)
+    is_drive = _by_drive(trial.used) and all(one.input is Input.FORCE for one in trial.used)
+    is_rigid = any(one.has_rigid_body for one in found.responses) and len(broad) < MOST_BROAD
+    shows = is_rigid or found.modes
+    is_far = trial.misfit > MOST_MISFIT or found.model_error > FAR
+    if is_far or (is_drive and not shows):
+        return replace(found, notes=(_not_described(trial, shows=bool(shows)), *found.notes))
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Trial:
+    """A fit in a band: the responses with enough lines there, these lines as coherence weighs."""
+
+    band: Band
+    used: list[FrequencyResponse]
+    base: list[Lines]
+    found: Ordered
+
+    @property
+    def parameters(self) -> int:
+        return count_parameters(self.found.fit)
+
+    @property
+    def size(self) -> int:
+        return sum(2 * lines.size for lines in self.base)
+
+    @property
+    def is_described(self) -> bool:
+        """Whether the model is near what was measured; a hammer's response may be farther."""
+        is_near = self.found.model_error <= MOST_ERROR or not _by_drive(self.used)
+        return self.misfit <= MOST_MISFIT and is_near
+
+    @property
+    def misfit(self) -> float:
+        """Weighted rms of the residuals by their noise, by the free lines.
+
+        The noise is what coherence and averages tell; where a file lacks them, or they are few, it
+        is what neighbouring residuals differ by, which no smooth error of the model can make small.
+        """
+        squares = 0.0
+        for response, residual, own, lines in zip(
+            self.used,
+            self.found.fit.residuals,
+            self.found.lines,
+            smooth_errors(self.base),
+            strict=True,
+        ):
+            noise = lines.error
+            if response.standard_error is None or (response.averages or 0.0) < FEW_AVERAGES:
+                scatter = 0.5 * float(np.sqrt(np.mean(np.abs(np.diff(residual)) ** 2)))
+                noise = np.maximum(scatter * own.error, ERROR_FLOOR * np.abs(lines.values))
+            squares += float(np.sum(np.abs(residual * own.error / noise) ** 2))
+        return float(np.sqrt(squares / max(self.size - self.parameters, 1)))
+
+
+def _not_described(trial: _Trial, *, shows: bool) -> Message:
+    """What does not fit, by where most of the misfit lies, in thirds of the band by octaves."""
+    low, high = trial.band
+    edges = np.geomspace(low, high, 4)
+    squares = np.zeros(3)
+    for residual, own, lines in zip(
+        trial.found.fit.residuals, trial.found.lines, trial.base, strict=True
+    ):
+        missed = np.abs(residual * own.error / lines.error) ** 2
+        squares += np.histogram(lines.frequency_hz, edges, weights=missed)[0]
+    worst = int(np.argmax(squares))
+    cause = ("friction", "feedback", "modes")[worst]
+    if _by_drive(trial.used) and max(map(_low_slope, trial.base)) > FLAT:
+        cause = "response"
+    return Message(
+        "identify-not-described",
+        files=", ".join(dict.fromkeys(one.source.name for one in trial.used)),
+        misfit=trial.misfit,
+        most=MOST_MISFIT,
+        missed=trial.found.model_error,
+        far=FAR,
+        shows="yes" if shows else "no",
+        low=float(edges[worst]),
+        high=float(edges[worst + 1]),
+        cause=cause,
+    )
+
+
+def _low_slope(lines: Lines) -> float:
+    """Median slope of the velocity over the lower half of the band's octaves [decades/decade]."""
+    f = lines.frequency_hz
+    size = np.abs(lines.values) * f ** (1.0 - lines.derivative)
+    places = np.linspace(np.log(f[0]), np.log(f[0] * f[-1]) / 2, 4 * LEAST_LINES)
+    course = np.interp(places, np.log(f), np.log(size))
+    half = places.size // 2
+    return float(np.median(course[half:] - course[:half]) / (places[half] - places[0]))
+
+
+def _fit_in(
+    responses: Sequence[FrequencyResponse], band: Band, count: int | None, *, narrow: bool
+) -> _Trial:
+    """The fit in a band, or where its ends do not obey the model in a narrower one."""
     used, base = _cut(responses, band)
     found = choose_modes(base, count=count)
-    for _ in range(0 if band_hz else MOST_CUTS):
+    for _ in range(MOST_CUTS if narrow else 0):
         narrower = narrower_band(found, base, by_drive=_by_drive(used))
         if narrower is None:
             break
         kept, fewer = _cut(responses, narrower)
         if [r.source for r in kept] != [r.source for r in used]:
             break
-        notes.append(
-            Message(
-                "identify-band-cut",
-                low=band[0],
-                high=band[1],
-                new_low=narrower[0],
-                new_high=narrower[1],
-            )
-        )
         band, base = narrower, fewer
         found = choose_modes(base, count=count)
-    notes += [
-        Message("identify-no-lines-in-band", file=response.source.name, low=band[0], high=band[1])
-        for response in responses
-        if all(response is not one for one in used)
+    return _Trial(band=band, used=used, base=base, found=found)
+
+
+def _fit_describable(
+    responses: Sequence[FrequencyResponse], band: Band, count: int | None
+) -> _Trial:
+    """The fit in the widest band, by octaves from above, that the model describes; else the whole.
+
+    A drive measures to half its sampling rate, where current loop and shafts have more modes than
+    a model holds; the many lines there would outvote the few in which the axis swings.
+    """
+    trial = whole = _fit_in(responses, band, count, narrow=True)
+    while not (trial.is_described and (trial is whole or any(trial.found.is_mode))):
+        band = band[0], 0.5 * trial.band[1]  # what a poor fit cut at the low end may be good
+        if np.log2(band[1] / band[0]) < LEAST_OCTAVES:
+            return whole
+        trial = _fit_in(responses, band, count, narrow=True)
+    return trial
+
+
+def _of_band(first: Band, band: Band) -> list[Message]:
+    if band == first:
+        return []
+    return [
+        Message("identify-band-cut", low=first[0], high=first[1], new_low=band[0], new_high=band[1])
     ]
-    if broad := broad_poles(found):
-        count, low, high = len(broad), min(broad), max(broad)
-        notes.append(Message("identify-background", count=count, low=low, high=high))
-    return _collect(used, base, found, band, notes)
 
 
 def _cut(
@@ -130,62 +267,29 @@ def _inside(response: FrequencyResponse, band: Band) -> np.ndarray[tuple[int], n
     return (f >= band[0] - slack) & (f <= band[1] + slack) & is_number
 
 
-def _collect(
-    responses: Sequence[FrequencyResponse],
-    base: Sequence[Lines],
-    found: Ordered,
-    band: Band,
-    notes: list[Message],
-) -> Fitted:
+def _collect(trial: _Trial, notes: list[Message]) -> Fitted:
+    responses, base, found = trial.used, trial.base, trial.found
     fit = found.fit
-    size = sum(2 * lines.size for lines in found.lines)
-    parameters = count_parameters(fit)
-    reduced = fit.cost / max(size - parameters, 1)
+    reduced = fit.cost / max(trial.size - trial.parameters, 1)
     factor = float(np.sqrt(max(reduced, 1.0) * found.correlation))
     variances = find_variances(found.lines, fit, curvature=CURVATURE)
     by_drive = _by_drive(responses)
     fitted = tuple(
-        _response(response, lines, found, place, variances, factor, band, by_drive=by_drive)
+        _response(response, lines, found, place, variances, factor, trial.band, by_drive=by_drive)
         for place, (response, lines) in enumerate(zip(responses, found.lines, strict=True))
     )
-    first = 0.0 if fit.poles.drag == 0.0 else fit.poles.drag
     return Fitted(
         responses=fitted,
         modes=_modes(found, fitted, variances, factor),
-        drag=Estimate(value=first, sigma=factor * float(np.sqrt(variances.poles[0, 0]))),
+        drag=Estimate(value=fit.poles.drag, sigma=factor * float(np.sqrt(variances.poles[0, 0]))),
         band_hz=(
             min(float(lines.frequency_hz[0]) for lines in base),
             max(float(lines.frequency_hz[-1]) for lines in base),
         ),
-        misfit=_misfit(responses, base, found, spare=max(size - parameters, 1) / size),
+        misfit=trial.misfit,
         model_error=found.model_error,
         notes=tuple(notes),
     )
-
-
-def _misfit(
-    responses: Sequence[FrequencyResponse],
-    base: Sequence[Lines],
-    found: Ordered,
-    *,
-    spare: float,
-) -> float:
-    """Weighted rms of the residuals by their noise; ``spare`` is the share of free lines.
-
-    The noise is what coherence and averages tell; where a file lacks them it is what neighbouring
-    residuals differ by, which no smooth error of the model can make small.
-    """
-    squares = count = 0.0
-    for response, residual, own, lines in zip(
-        responses, found.fit.residuals, found.lines, smooth_errors(base), strict=True
-    ):
-        if response.standard_error is None:
-            scatter = 0.25 * float(np.mean(np.abs(np.diff(residual)) ** 2))
-            squares += float(np.sum(np.abs(residual) ** 2)) / max(scatter, 1e-300)
-        else:
-            squares += float(np.sum(np.abs(residual * own.error / lines.error) ** 2))
-        count += 2.0 * lines.size
-    return float(np.sqrt(squares / (count * spare)))
 
 
 def _response(

@@ -19,7 +19,9 @@ _BINARY = (
 )  # fmt: skip
 
 
-def read_contents(data: bytes, columns: Mapping[str, str], *, where: str) -> FileContents:
+def read_contents(
+    data: bytes, columns: Mapping[str, str], *, where: str, response: str = ""
+) -> FileContents:
     """Return what a file holds.
 
     Parameters
@@ -30,6 +32,8 @@ def read_contents(data: bytes, columns: Mapping[str, str], *, where: str) -> Fil
         ``--columns``: our names to those of the file.
     where
         Its name, for errors; it says nothing about the format.
+    response
+        Which response of the file, by its name there; "" for those that a fit takes.
 
     Raises
     ------
@@ -45,7 +49,7 @@ def read_contents(data: bytes, columns: Mapping[str, str], *, where: str) -> Fil
         return read_uff(data, where=where)
     text = decode(data, where=where)
     if text.lstrip().startswith("<"):
-        return read_sinumerik(data, where=where)
+        return read_sinumerik(data, where=where, response=response)
     lines = lines_of(text, where=where)
     if PERIOD.match(lines[0]):
         return read_halscope(lines, where=where)

@@ -3,13 +3,16 @@
 Structure read in a measurement (../tests/data/identify) and in Trace-Tools (E. Rhodén, MIT): root
 ``ResponseTestCustom`` holds one measurement with its auto and cross spectra [Hz], root
 ``DynamicModelAxisController`` a tuning session whose ``m_pPlant`` is motor speed per torque, with
-``m_pMeasCoherence`` [rad/s]; a trace has ``traceData/dataFrame/dataSignal`` and records
-``rec time= f1= ...``, in which a missing value keeps the last one.
+``m_pMeasCoherence``; a trace has ``traceData/dataFrame/dataSignal`` and records
+``rec time= f1= ...``, in which a missing value keeps the last one. A public session
+(eliasrhoden/Sinumerik-Ctrl at 467a421, AST_AX7.xml) holds its frequencies in Hz, up to half the
+sampling rate, where its auto-tuning measured to.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import pi
 from xml.etree.ElementTree import Element, ParseError, fromstring
 
@@ -30,17 +33,21 @@ from mtcommission.identify.measurement import Array, ComplexArray, Output, Senso
 from mtcommission.messages.message import Message
 
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"
+PLANT, COHERENCE = "m_pPlant", "m_pMeasCoherence"
 SETPOINT = "setpoint"
 """Input of a response that is measured from the setpoint of a loop, not from a force."""
 
 MOSTLY_GOOD = 0.9
 """Share of lines with numbers that a response must have."""
 
+AT_NYQUIST = 0.02
+"""Relative distance of a session's last line from half the sampling rate."""
+
 UNITY = 0.25
 """How far a loop's response from its setpoint may be from 1 at low frequency."""
 
 
-def read_sinumerik(data: bytes, *, where: str) -> FileContents:
+def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileContents:
     """Return the measurement, session or trace in a file.
 
     Parameters
@@ -49,6 +56,8 @@ def read_sinumerik(data: bytes, *, where: str) -> FileContents:
         Its bytes.
     where
         Its name, for errors.
+    response
+        Which one of a session; "": motor speed per torque, measured last.
 
     Raises
     ------
@@ -65,7 +74,7 @@ def read_sinumerik(data: bytes, *, where: str) -> FileContents:
     if root.tag == MEASUREMENT:
         return _measurement(root, where=where)
     if root.tag == SESSION:
-        return _session(root, where=where)
+        return _session(root, response, where=where)
     if root.tag == TRACE or root.find(f".//{TRACE}") is not None:
         return _trace(root, where=where)
     raise refuse(where, "identify-xml-unknown", root=root.tag[:60])
@@ -222,25 +231,92 @@ def _time_series(first: Element, last: Element, names: list[str], *, where: str)
     return TimeContents(sample_time=step, columns=tuple(columns), lines=NO_LINES)
 
 
-def _session(root: Element, *, where: str) -> FileContents:
-    # Both sets of gains, before and after tuning, hold what was measured once; the last is current.
+def _session(root: Element, response: str, *, where: str) -> FileContents:
     speed = next(_named(root, "m_SpeedControllerList"), root)
-    plants = [one for one in _named(speed, "m_pPlant") if one.findtext(".//raw")]
-    if not plants:
-        raise refuse(where, "identify-series-missing", name="m_pPlant")
-    frequency, values = _complex_series(plants[-1], where=where)
+    plants = _measured(speed, PLANT)
+    if not plants and not response:
+        raise refuse(where, "identify-series-missing", name=PLANT)
+    count = len(plants)
+    named = {f"{PLANT}[{n}]" if count > 1 else PLANT: one for n, one in enumerate(plants, 1)}
+    taken = list(named)[-1] if named else ""
+    for one in _measured(root):
+        if (name := one.get("name", "")) and name not in (PLANT, COHERENCE):
+            named.setdefault(name, one)
+    chosen = response or taken
+    if chosen not in named:
+        raise refuse(where, "identify-no-such-response", got=response, names=", ".join(named))
+    unit, remarks = _frequency_unit(root, speed, named[chosen], where=where)
+    if axis := _text(root, "m_szAxisName"):
+        remarks.append(Message("identify-axis-of-file", name=axis))
+    if not response and len(named) > 1:
+        others = ", ".join(name for name in named if name != taken)
+        kind = "identify-response-taken" if count == 1 else "identify-last-response-taken"
+        remarks.append(Message(kind, name=taken, others=others, file=where))
+    item = _response_of(root, speed, named[chosen], label=response, where=where)
+    return FileContents(
+        format=Message("identify-format-sinumerik-session"),
+        items=(replace(item, frequency_hz=unit * item.frequency_hz),),
+        measured_on=_measured_on(root),
+        remarks=tuple(remarks),
+    )
+
+
+def _measured(root: Element, name: str = "") -> list[Element]:
+    """Responses with values, of one name or all; what two sets of gains repeat is there once."""
+    found = {one.findtext(".//raw"): one for one in root.iter("FrequencyResponseFunction")
+             if name in ("", one.get("name"))}  # fmt: skip
+    return [one for text, one in found.items() if text]
+
+
+def _frequency_unit(
+    root: Element, speed: Element, response: Element, *, where: str
+) -> tuple[float, list[Message]]:
+    """Hz per unit of the file's frequencies, which reach to half of one of its sampling rates.
+
+    Raises
+    ------
+    InputError
+        The last line is that in neither Hz nor rad/s.
+    """
+    last = float(np.max(_series(response, "m_FrequencyVector", where=where), initial=0.0))
+    steps = [
+        step
+        for parent, name in ((speed, "m_dUpdateTimeSeconds"), (root, "m_dSamplingInterval"))
+        for step in map(_as_float, _named(parent, name))
+        if 1e-7 < step < 1.0
+    ]
+    if not steps:
+        return 1.0, [Message("identify-hz-assumed", last=last)]
+    for unit in (1.0, 1.0 / (2 * pi)):
+        if any(abs(2.0 * step * unit * last - 1.0) < AT_NYQUIST for step in steps):
+            return unit, []
+    raise refuse(
+        where, "identify-frequency-neither", last=last, nyquist=0.5 / min(steps), step=min(steps)
+    )
+
+
+def _response_of(
+    root: Element, speed: Element, element: Element, *, label: str, where: str
+) -> ResponseContents:
+    """A response, and for motor speed per torque what it is, with the coherence beside it."""
+    name = element.get("name", "")
+    frequency, values = _complex_series(element, where=where)
+    good = _good_lines(frequency, values, name=name, where=where)
+    found = ResponseContents(
+        label=label, frequency_hz=frequency[good], values=values[good], lines=NO_LINES
+    )
+    if name != PLANT:  # only its name is known: input and output are for the user to say
+        return found
+    beside = next((one for one in speed.iter() if element in list(one)), speed)
     coherence = None
-    for one in _named(speed, "m_pMeasCoherence"):
-        if one.findtext(".//raw"):
-            _, gamma = _complex_series(one, where=where)
-            if gamma.size == values.size:
-                coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))
-    good = _good_lines(frequency, values, name="m_pPlant", where=where)
+    for one in _measured(beside, COHERENCE) or _measured(speed, COHERENCE):
+        _, gamma = _complex_series(one, where=where)
+        if gamma.size == values.size:
+            coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))
     linear = not _is_rotary(root)
     averages = max((_as_float(e) for e in _named(root, "m_uNumberOfAverages")), default=0.0)
-    response = ResponseContents(
-        frequency_hz=frequency[good] / (2 * pi),
-        values=values[good],
+    return replace(
+        found,
         scale=1.0,
         input="force" if linear else "torque",
         output=Output.VELOCITY,
@@ -249,14 +325,6 @@ def _session(root: Element, *, where: str) -> FileContents:
         motor_turn=_motor_turn(root),
         coherence=coherence[good] if coherence is not None else None,
         averages=averages or None,
-        lines=NO_LINES,
-    )
-    axis = _text(root, "m_szAxisName")
-    return FileContents(
-        format=Message("identify-format-sinumerik-session"),
-        items=(response,),
-        measured_on=_measured_on(root),
-        remarks=(Message("identify-axis-of-file", axis=axis),) if axis else (),
     )
 
 

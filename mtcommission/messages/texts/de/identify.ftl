@@ -3,7 +3,7 @@
 
 # Bereich und Ordnung
 identify-band-given = Angepasst von { FREQUENCY($low) } bis { FREQUENCY($high) }, wie --band verlangt.
-identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung, oben Stromregler oder Sensor). --band legt einen anderen Bereich fest.
+identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung; oben Stromregler, Sensor oder mehr Eigenformen, als ein Modell fasst). --band legt einen anderen Bereich fest.
 identify-no-lines-in-band = { $file } hat zwischen { FREQUENCY($low) } und { FREQUENCY($high) } zu wenige Linien und wurde weggelassen.
 identify-too-few-in-band = { $lines } brauchbare Linien zwischen { FREQUENCY($low) } und { FREQUENCY($high) }, mindestens { $least } sind nötig; breiter messen oder mit --band einen anderen Bereich angeben
 identify-background = Für eine gute Anpassung { $count ->
@@ -11,6 +11,31 @@ identify-background = Für eine gute Anpassung { $count ->
    *[other] waren { $count } breite Anteile zwischen { FREQUENCY($low) } und { FREQUENCY($high) }
 } nötig: für eine Eigenform zu stark gedämpft und nicht im Profil.
 identify-point-left-out = { $file } passt nicht zu den Polen der übrigen Punkte und wurde weggelassen: diesen Punkt noch einmal anschlagen.
+
+# Ein Modell, das die Messung verfehlt; $low, $high [Hz], $missed: ein Anteil
+identify-no-profile = Kein Profil: Das Modell beschreibt die Messung nicht: { $shows ->
+    [no] weder Masse noch Eigenform zeigt sich,{" "}
+   *[yes] {""}
+}Abweichung { NUMBER($misfit, digits: 3) } (höchstens { NUMBER($most) }), { SHARE($missed) } des Betrags verfehlt (höchstens { SHARE($far) }).
+identify-forced = Erzwungen: Das Modell beschreibt die Messung nicht: { $shows ->
+    [no] weder Masse noch Eigenform zeigt sich,{" "}
+   *[yes] {""}
+}Abweichung { NUMBER($misfit, digits: 3) } (höchstens { NUMBER($most) }), { SHARE($missed) } des Betrags verfehlt (höchstens { SHARE($far) }).
+identify-not-described = { $files }: { $axis ->
+    [rotary] Eine starre Trägheit
+   *[linear] Eine starre Masse
+} mit Eigenformen verfehlt die Messlinien, am meisten von { FREQUENCY($low) } bis { FREQUENCY($high) }. { $cause ->
+    [response] Unten fällt der Frequenzgang nicht wie der einer freien { $axis ->
+        [rotary] Trägheit
+       *[linear] Masse
+    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { $axis ->
+        [rotary] Momentensollwert
+       *[linear] Kraftsollwert
+    } zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
+    [friction] Es liegt am unteren Ende: haftende Reibung oder Rückkopplung in der Messung. Um eine Offsetgeschwindigkeit messen, bei der die Achse nie steht, mit mehr Amplitude und möglichst weichem Lageregler; oder diese Linien mit --band weglassen.
+    [modes] Es liegt am oberen Ende: mehr Eigenformen, als das Modell fasst, Stromregler oder Sensor. Diese Linien mit --band weglassen oder bis zu einer niedrigeren Frequenz mit feineren Linien messen.
+   *[feedback] Es liegt mitten im Bereich: Rückkopplung in der Messung (die Anregung als v_ref mit aufzeichnen), falsche Einheit oder Spalte, oder die Maschine hat sich währenddessen verändert. Mit möglichst weichem Regler und mehr Amplitude erneut messen, mehrere Maschinenzustände einzeln.
+}
 
 # Streuungen
 identify-frequency-floor = { $states ->
@@ -42,6 +67,9 @@ identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede b
 identify-core-xy = Die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY. Dort teilen sich beide Motoren die Beschleunigung von X oder Y, aber auf einer Diagonale trägt ein Motor sie allein: drive.max_acceleration gilt für eine Achse und ist höchstens 1/√2 dessen, was ein Motor allein mitmacht.
 identify-klipper-choice = calibrate_shaper (Klipper, Stand 84104bbb, sein Kriterium hier berechnet) würde { $shaper } bei { FREQUENCY($frequency) } wählen, max_accel { NUMBER($acceleration, digits: 4) } mm/s²; das lässt nach seinem Maß { SHARE($vibration) } der gemessenen Leistung übrig. run simuliert es neben der eigenen Wahl.
 identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
+# $offset, $swing: eine Geschwindigkeit in SI; $shift, $interval, $reversed: Anteile
+identify-friction-shifts = { $file }: Die Achse fuhr im Mittel { VELOCITY($offset) }, während die Anregung sie um { VELOCITY($swing) } (effektiv) schwingen ließ; sie lief also { SHARE($reversed) } der Zeit rückwärts, und die Reibung wechselte ihr Vorzeichen. Das kann die Eigenform bei { FREQUENCY($frequency) } um ± { SHARE($shift) } verschieben (Reibung, die als Feder statt als Dämpfer wirkt); ihr Intervall von ± { SHARE($interval) } enthält das nicht. Mit { VELOCITY($wanted) } oder schneller erneut messen, oder mit weniger Anregung.
+identify-friction-may-shift = { $file }: Unten zeigt sich Reibung. Falls die Achse zeitweise rückwärts lief (ein Frequenzgang verrät das nicht), kann das die Eigenform bei { FREQUENCY($frequency) } um ± { SHARE($shift) } verschieben; ihr Intervall von ± { SHARE($interval) } enthält das nicht. Um eine Offsetgeschwindigkeit von mindestens dem Dreifachen der Effektivgeschwindigkeit der Anregung messen, oder die Aufzeichnung über der Zeit angeben.
 # $bound [1/kg]
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
 identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.

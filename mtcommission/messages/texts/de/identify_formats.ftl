@@ -43,7 +43,18 @@ identify-series-short = { $name } hat { $got } Werte, es müssen { $wanted } sei
 identify-series-missing = { $name } fehlt; die Messung mit ihren Daten speichern
 identify-series-not-finite = { $name } enthält Werte, die keine endlichen Zahlen sind; neu messen
 identify-record-broken = Datensatz { $row }: „{ $got }“ angegeben, muss eine Zahl sein
-identify-axis-of-file = gemessen an Achse { $axis }
+identify-response-taken = { $name } wird genommen: Motordrehzahl je { $axis ->
+    [rotary] Moment
+   *[linear] Kraft
+}, die Mechanik, die der Antrieb bewegt. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
+identify-last-response-taken = { $name } wird genommen: Motordrehzahl je { $axis ->
+    [rotary] Moment
+   *[linear] Kraft
+}, zuletzt gemessen. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
+identify-no-such-response = „{ $got }“ ist kein Frequenzgang der Datei; es gibt: { $names }
+identify-hz-assumed = Die Datei enthält keine Abtastzeit, die die Einheit ihrer Frequenzen verrät: als Hz gelesen, bis { PLAIN($last) } Hz (angenommen; in rad/s lägen sie um 2π tiefer)
+identify-frequency-neither = Die letzte Linie liegt bei { PLAIN($last) }; eine Sitzung reicht aber bis zur halben Abtastrate, { PLAIN($nyquist) } Hz bei { TIME($step) }: Das passt weder in Hz noch in rad/s, die Einheit der Frequenzen ist also nicht bekannt; mit voller Bandbreite erneut messen oder den Frequenzgang als Tabelle mit frequency_hz exportieren
+identify-axis-of-file = gemessen an Achse { $name }
 identify-setpoint-response = ist der Führungsfrequenzgang eines geschlossenen Regelkreises (etwa 1 bei kleinen Frequenzen): er zeigt den Regelkreis, nicht die Mechanik; die Regelstrecke des Drehzahlreglers messen (Momentensollwert zu Drehzahlistwert), oder --input angeben, wenn das nicht stimmt
 identify-twincat-heads = der Kopfblock hat keine Zeile Name mit { $wanted } Zellen wie die Zeile SampleTime[ms]; mit dem Kopf in der Datei exportieren
 identify-twincat-scaled = Kanäle mit Skalierungsfaktor: als skaliert exportiert angenommen („Scale values before export“)

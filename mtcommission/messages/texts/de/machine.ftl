@@ -12,6 +12,7 @@ mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschine
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
 mode-of-few-position-cycles = eine Periode hat nur { ROUND($cycles, digits: 2) } Lagereglertakte von { ROUND($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar
+measured-not-described = Abweichung { ROUND($misfit, digits: 3) }, höchstens { ROUND($most) }: Das Modell beschreibt die Messung nicht; Masse, Eigenformen und Intervalle dieses Profils können falsch sein; erneut messen (siehe seine erste Zeile)
 mode-unseen = weder Werkzeug noch Lagegeber sehen sie; sie kostet im Optimum umsonst Zeit
 mode-gain-large = ihre Verstärkung ist das { ROUND($ratio, digits: 3) }-Fache von 1/moving_mass; die Einheit der Verstärkungen prüfen
 mode-bends-far = { $axis ->

@@ -3,7 +3,7 @@
 
 # The band and the order
 identify-band-given = Fitted from { FREQUENCY($low) } to { FREQUENCY($high) } as --band asks.
-identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end, current loop or sensor at the high end). --band sets another.
+identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end; current loop, sensor or more modes than a model holds at the high end). --band sets another.
 identify-no-lines-in-band = { $file } has too few lines between { FREQUENCY($low) } and { FREQUENCY($high) } and was left out.
 identify-too-few-in-band = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
 identify-background = { $count ->
@@ -11,6 +11,31 @@ identify-background = { $count ->
    *[other] { $count } broad terms between { FREQUENCY($low) } and { FREQUENCY($high) } were
 } needed for a good fit: too strongly damped for a mode, and not in the profile.
 identify-point-left-out = { $file } does not obey the poles that the other points show and was left out: strike that point again.
+
+# A fit that misses what was measured; $low, $high [Hz], $missed: a share
+identify-no-profile = No profile: the model does not describe what was measured: { $shows ->
+    [no] neither mass nor mode shows,{" "}
+   *[yes] {""}
+}misfit { NUMBER($misfit, digits: 3) } (at most { NUMBER($most) }), { SHARE($missed) } of the magnitude missed (at most { SHARE($far) }).
+identify-forced = Forced: the model does not describe what was measured: { $shows ->
+    [no] neither mass nor mode shows,{" "}
+   *[yes] {""}
+}misfit { NUMBER($misfit, digits: 3) } (at most { NUMBER($most) }), { SHARE($missed) } of the magnitude missed (at most { SHARE($far) }).
+identify-not-described = { $files }: a rigid { $axis ->
+    [rotary] inertia
+   *[linear] mass
+} with modes misses the measured lines, most of all from { FREQUENCY($low) } to { FREQUENCY($high) }. { $cause ->
+    [response] At the low end it does not fall with frequency as a free { $axis ->
+        [rotary] inertia
+       *[linear] mass
+    } does: probably the wrong response (a closed loop from its setpoint, another signal), or the axis did not move. Measure the controlled system of the speed controller, { $axis ->
+        [rotary] torque
+       *[linear] force
+    } setpoint to actual velocity, about an offset speed.
+    [friction] It lies at the low end: friction that sticks, or feedback in the measurement. Measure about an offset speed at which the axis never stands, with more amplitude and the position loop as soft as it may be; or leave these lines out with --band.
+    [modes] It lies at the high end: more modes than the model holds, the current loop or the sensor. Leave these lines out with --band, or measure to lower frequencies with finer lines.
+   *[feedback] It lies in the middle of the band: feedback in the measurement (record the excitation, too, as v_ref), a wrong unit or column, or a machine that changed meanwhile. Measure again with the loop as soft as it may be and more amplitude, or several states of the machine one by one.
+}
 
 # Spreads
 identify-frequency-floor = { $states ->
@@ -42,6 +67,9 @@ identify-several-axes = the names of the files tell several axes ({ $axes }): ea
 identify-core-xy = Klipper's shapers act on X and Y of the tool head, on a CoreXY, too. There both motors share the acceleration of X or Y, but on a diagonal one motor carries all of it: drive.max_acceleration is that of one axis, at most 1/√2 of what a motor alone follows.
 identify-klipper-choice = calibrate_shaper (Klipper at 84104bbb, its criterion computed here) would choose { $shaper } at { FREQUENCY($frequency) }, max_accel { NUMBER($acceleration, digits: 4) } mm/s², which leaves { SHARE($vibration) } of the measured power by its measure. run simulates it beside our own choice.
 identify-friction-small-amplitude = The viscous friction of a response is not that of a move (Coulomb friction at small amplitude) and stays out of the profile: take it from a trace of a move, and measure about an offset speed.
+# $offset, $swing: a velocity in SI; $shift, $interval, $reversed: shares
+identify-friction-shifts = { $file }: the axis moved at { VELOCITY($offset) } on average while the excitation swung it by { VELOCITY($swing) } (rms), so that it ran backwards { SHARE($reversed) } of the time and friction changed its sign. That can shift the mode at { FREQUENCY($frequency) } by ± { SHARE($shift) } (friction that acts as a spring in place of a damper), and its interval of ± { SHARE($interval) } does not hold it. Measure again at { VELOCITY($wanted) } or faster, or with less excitation.
+identify-friction-may-shift = { $file }: friction shows at the low end. If the axis ran backwards at times (a response does not tell), that can shift the mode at { FREQUENCY($frequency) } by ± { SHARE($shift) }, and its interval of ± { SHARE($interval) } does not hold it. Measure about an offset speed of at least three times the rms velocity of the excitation, or give the record over time.
 # $bound [1/kg]
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
 identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.

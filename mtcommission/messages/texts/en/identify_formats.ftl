@@ -44,7 +44,18 @@ identify-series-short = { $name } has { $got } values, must have { $wanted }; th
 identify-series-missing = { $name } is missing; save the measurement with its data
 identify-series-not-finite = { $name } holds values that are no finite numbers; measure again
 identify-record-broken = record { $row }: got "{ $got }", must be a number
-identify-axis-of-file = measured on axis { $axis }
+identify-response-taken = { $name } is taken: motor speed per { $axis ->
+    [rotary] torque
+   *[linear] force
+}, the mechanics that the drive moves. The file also holds { $others }: { $file }@NAME takes one of them.
+identify-last-response-taken = { $name } is taken: motor speed per { $axis ->
+    [rotary] torque
+   *[linear] force
+}, measured last. The file also holds { $others }: { $file }@NAME takes one of them.
+identify-no-such-response = got "{ $got }", which is no response of the file; there are: { $names }
+identify-hz-assumed = the file holds no sampling time that tells the unit of its frequencies: taken as Hz, up to { PLAIN($last) } Hz (assumed; in rad/s they would be 2π times lower)
+identify-frequency-neither = the last line stands at { PLAIN($last) }, but a session reaches to half its sampling rate, { PLAIN($nyquist) } Hz at { TIME($step) }: that is neither in Hz nor in rad/s, so the unit of the frequencies is not known; measure with the full bandwidth again, or export the response as a table with frequency_hz
+identify-axis-of-file = measured on axis { $name }
 identify-setpoint-response = is the response of a closed loop from its setpoint (about 1 at low frequency): it shows the loop, not the mechanics; measure the controlled system of the speed controller (torque setpoint to actual speed), or say --input if this is wrong
 identify-twincat-heads = the block of heads has no line Name with { $wanted } cells as the line SampleTime[ms]; export with the heads in the file
 identify-twincat-scaled = channels with a scale factor: taken as exported with "scale values before export"

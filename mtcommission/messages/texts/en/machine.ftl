@@ -16,6 +16,7 @@ mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine struc
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz; no feedback can damp it
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the position loop's sampling rate, { ROUND($rate) } Hz; setpoints at that cycle cannot shape it
 mode-of-few-position-cycles = one period has only { ROUND($cycles, digits: 2) } position cycles of { ROUND($cycle, digits: 3, unit: "ms") } ms; a jerk time can only be set that coarsely
+measured-not-described = misfit { ROUND($misfit, digits: 3) }, at most { ROUND($most) }: the model does not describe what was measured, and mass, modes and intervals of this profile may be wrong; measure again (see its first line)
 mode-unseen = neither tool nor encoder sees it; it costs time in the optimum for nothing
 mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
 mode-bends-far = the full { $axis ->
