@@ -225,13 +225,14 @@ def recommend(
     require_affordable(machine)
     plant = build_plant(machine)
     progress(Message("stage-feedback-loop"))
-    tuned = settle_on_loop(machine, plant, settings).tuned
+    loop = settle_on_loop(machine, plant, settings)
+    tuned = loop.tuned
     progress(Message("stage-limits"))
     return Recommendation(
         machine=machine,
         plant=plant,
         tuned=tuned,
-        choice=choose_limits(machine, plant, tuned),
+        choice=loop.choice or choose_limits(machine, plant, tuned),
         today=judge_today(machine, plant, tuned, settings.robustness),
     )
 
@@ -298,7 +299,7 @@ def commission(
     loop = show_alternatives(machine, plant, loop, settings)
     tuned = loop.tuned
     progress(Message("stage-limits"))
-    choice = choose_limits(machine, plant, tuned)
+    choice = loop.choice or choose_limits(machine, plant, tuned)
     dispensable = _Dispensable()
     listed = None
     if machine.requirements.every_size and choice.meets_requirements:

@@ -266,7 +266,7 @@ class Use:
         """Return the largest share of force, peaks, contour and RMS force in some sizes [-]."""
         bench, item = self.bench, self.behind.item
         used, is_alone = 0.0, len(bench.bounds) == 1 and not isfinite(bench.contour)
-        # Far from the force nothing need be looked at: it follows the acceleration, but for a swing.
+        # Far from the limit nothing need be looked at: force follows acceleration, but for a swing.
         if is_alone and self.behind.swing and self.behind.swing[0] * SAFE * a < bench.bounds[0]:
             return rms_share(bench.machine, item, a, self.t_j)
         for move in bench.machine.moves:

@@ -72,13 +72,17 @@ class Found:
 
 
 def explore(
-    bench: Bench, *, largest_jerk: float = inf, near: MotionLimits | None = None
+    bench: Bench,
+    *,
+    largest_jerk: float = inf,
+    near: MotionLimits | None = None,
+    refined: int = REFINED,
 ) -> tuple[Found, ...]:
     """Return limits and filter with the shortest motion that keep all bounds, the best first.
 
     Of those equally soon the one with the least jerk; then ever later ones. ``near``: what is known
-    of a loop much like this one; then only its neighbourhood is looked at. Empty where nothing
-    keeps the bounds.
+    of a loop much like this one; then only its neighbourhood is looked at. ``refined``: how many
+    places are; 0 for a first look. Empty where nothing keeps the bounds.
     """
     explorer = Explorer.about(bench, largest_jerk=largest_jerk)
     control, machine = bench.machine.control, bench.machine
@@ -97,7 +101,7 @@ def explore(
     best: dict[SetpointFilter | None, Found] = {}
     for found in explorer.ranked():
         best.setdefault(found.setpoint_filter, found)
-    for begin in sorted(best.values(), key=lambda item: item.duration)[:REFINED]:
+    for begin in sorted(best.values(), key=lambda item: item.duration)[:refined]:
         explorer.refine(begin, is_free=is_free)
     return explorer.ranked()
 

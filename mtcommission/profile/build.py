@@ -203,6 +203,6 @@ def _build_control(control: ControlTable, *, follows: bool) -> Control:
         setpoint_filter=chosen.build() if chosen else None,
         seeks_setpoint_filter=chosen is None,
         force_filters=tuple(one.build() for one in control.force_filters or ()),
-        seeks_force_filters=control.force_filters is None,
+        seeks_force_filters=control.force_filters is None and kind.force_filters > 0,
         minimum_bandwidth_hz=control.minimum_bandwidth or 0.0,
     )

@@ -117,8 +117,8 @@ class ControlTable(Table):
         Annotated[list[ForceFilterTable], Field(max_length=8)] | None,
         BeforeValidator(read_force_filters),
     ] = Field(
-        default_factory=list,
-        description='Filters in the set-force path; "auto": those that let Kp rise.',
+        default=None,
+        description='Filters in the set-force path; "auto": those that let Kp rise; []: none.',
     )
     minimum_bandwidth: Annotated[float | None, Read(FREQUENCIES)] = optional(
         "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
@@ -191,6 +191,7 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
             most=kind.force_filters,
         )
         faults.append(("force_filters", message))
-    if control.force_filters is None and kind.force_filters == 0:
+    is_asked = "force_filters" in control.model_fields_set and control.force_filters is None
+    if is_asked and kind.force_filters == 0:
         faults.append(("force_filters", Message("control-without-force-filters", control=key)))
     return faults

@@ -26,7 +26,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.comparison import ROBUST, MoveComparison
-from mtcommission.study.loop_choice import WITH
+from mtcommission.study.loop_choice import WITH, with_filters
 from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
 
@@ -100,7 +100,8 @@ def find_improvements(
     largest = settings.tuning.largest_fraction if trial else 1.0
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
     with allow_part(min(COMPUTED, BEYOND + spare)):  # what comes after that is named as too much
-        found = [_computed(item, shape, largest, choice, settings) for item in _changes(machine)]
+        changes = _changes(with_filters(machine, loop.tuned))
+        found = [_computed(item, shape, largest, choice, settings) for item in changes]
         if has_filters and not machine.control.seeks_force_filters:
             found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
     for variant in loop.variants:

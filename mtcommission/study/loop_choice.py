@@ -1,23 +1,26 @@
-"""Which loop is used: the stiffest of those that let the moves settle soonest."""
+"""Which loop is used: the one whose moves settle soonest, a stiffer tool counting a little."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from math import inf, pi
 
-from mtcommission.allowance import find_part
 from mtcommission.loop.tuning.cascade import CLASSIC
-from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family
-from mtcommission.loop.tuning.force_filters import find_filters
+from mtcommission.loop.tuning.family import (
+    LoopFamily,
+    cascade_family,
+    feedback_family,
+    tune_shape,
+)
+from mtcommission.loop.tuning.force_filters import FilteredLoop, find_filters
 from mtcommission.loop.tuning.proposals import feedback_shapes, propose_cascades, propose_feedback
-from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.study.loop_trials import (
-    LATER,
     LoopChoice,
     LoopSearch,
     LoopTrial,
@@ -30,24 +33,16 @@ from mtcommission.study.settings import Settings
 
 SOONER = 0.98
 STIFFER = 1.2
-"""State feedback is worth its effort if the moves settle 2 % sooner (the coarser search is no
-finer), or as soon with a tool that is 20 % stiffer (design choice)."""
+"""State feedback is worth its effort if the moves settle 2 % sooner, or as soon with a tool that is
+20 % stiffer (design choice)."""
 
 
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
     """Return the loop that serves the moves best, with state feedback only where that pays.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    settings
-        Numerical settings.
-
-    Returns
-    -------
-    LoopChoice
-        By the rule of ``pick_loop``; by the classic rule where given gains keep no margins.
+    By the rule of ``pick_loop``; by the classic rule where given gains keep no margins. Filters of
+    the set force that let Kp rise come first where they may be chosen: no engineer leaves a
+    resonance unfiltered.
 
     Raises
     ------
@@ -56,15 +51,21 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     """
     if machine.drive.follows:
         return LoopChoice(tuned=tune_loop(machine))
-    choice = _choose(machine, plant, settings)
+    family, remark = cascade_family(machine, settings.tuning), None
     if machine.control.seeks_force_filters:
-        return _with_filters(machine, plant, choice, settings)
-    return choice
+        base = tune_shape(family, CLASSIC, largest=settings.tuning.largest_fraction)
+        found = find_filters(family, CLASSIC, base) if base else None
+        if base and found:
+            family, remark = found.family, _say_filters("loop-filters-used", base, found)
+        elif machine.control.velocity_gain is None:
+            remark = Message("loop-no-filters")
+    choice = _choose(family, plant, settings)
+    return replace(choice, remarks=(*choice.remarks, *([remark] if remark else [])))
 
 
-def _choose(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
-    cascades = propose_cascades(cascade_family(machine, settings.tuning))
-    found = try_all(machine, plant, settings, cascades)
+def _choose(family: LoopFamily, plant: Plant, settings: Settings) -> LoopChoice:
+    machine, cascades = family.machine, propose_cascades(family)
+    found = try_all(machine, plant, cascades)
     if machine.control.state_feedback is StateFeedback.AUTO:
         return _weigh_state_feedback(machine, plant, settings, found)
     if found.best is not None:
@@ -81,65 +82,47 @@ def _by_the_classic_rule(machine: Machine, settings: Settings, *, fastest_hz: fl
 def show_alternatives(
     machine: Machine, plant: Plant, choice: LoopChoice, settings: Settings
 ) -> LoopChoice:
-    """Return the same choice with what filters and state feedback would add where not used.
-
-    Parameters
-    ----------
-    machine, plant, settings
-        As for ``settle_on_loop``.
-    choice
-        The loop that is used stays.
-    """
+    """Return the same choice with what filters and state feedback would add where not used."""
     if machine.drive.follows:
         return choice
+    machine = with_filters(machine, choice.tuned)
     if not machine.control.seeks_force_filters:
-        show = partial(_with_filters, machine, plant, choice, settings)
-        choice = find_part(show, otherwise=partial(_left_out, choice, "loop-filters-left-out"))
-    show = partial(show_state_feedback, machine, plant, choice, settings)
-    return find_part(show, otherwise=partial(_left_out, choice, "loop-feedback-left-out"))
+        choice = _suggest_filters(machine, choice, settings)
+    return show_state_feedback(machine, plant, choice, settings)
 
 
-def _left_out(choice: LoopChoice, kind: str, _: Message) -> LoopChoice:
-    """The choice with a remark on what would have been too much to compute."""
-    return replace(choice, remarks=(*choice.remarks, Message(kind)))
+def with_filters(machine: Machine, tuned: TunedLoop) -> Machine:
+    """Return a machine whose profile names the filters of the set force that a loop has."""
+    filters = tuned.controller.force_filters
+    return replace(machine, control=replace(machine.control, force_filters=filters))
 
 
-def _with_filters(
-    machine: Machine, plant: Plant, choice: LoopChoice, settings: Settings
-) -> LoopChoice:
-    """The choice with a remark on filters of the set force that let Kp rise, used if asked for."""
-    control = machine.control
+def _suggest_filters(machine: Machine, choice: LoopChoice, settings: Settings) -> LoopChoice:
+    """The choice with a remark on filters of the set force that would let Kp rise."""
     used = next((item for item in choice.trials if item.is_used), None)
-    if used is None or control.kind.force_filters == 0:
+    if used is None or machine.control.kind.force_filters == 0:
         return choice
     family: LoopFamily | None = cascade_family(machine, settings.tuning)
     if used.shape.mode_weight:
         family = feedback_family(cascade_family(machine, settings.tuning))
     found = find_filters(family, used.shape, used.tuned) if family else None
-    if found is None:
-        return replace(choice, remarks=(*choice.remarks, Message("loop-no-filters")))
-    after = best_limits(machine, plant, settings, found.tuned, (used.candidate.limits,))
-    if after.settling_time > (1.0 + LATER) * used.candidate.settling_time:
-        return replace(choice, remarks=(*choice.remarks, Message("loop-no-filters")))
-    seeks = control.seeks_force_filters
-    remark = Message(
-        "loop-filters-used" if seeks else "loop-filters-suggested",
-        filters=tuple(map(_name_filter, found.filters)),
-        Kp=used.tuned.controller.velocity_gain,
-        higher=found.tuned.controller.velocity_gain,
-        stiffness=used.tuned.least_stiffness,
-        stiffer=found.tuned.least_stiffness,
-        settling=say_settling(used.candidate),
-        settling_after=say_settling(after),
+    remark = (
+        _say_filters("loop-filters-suggested", used.tuned, found)
+        if found
+        else Message("loop-no-filters")
     )
-    choice = replace(choice, remarks=(*choice.remarks, remark))
-    if not seeks:
-        return choice
-    filtered = replace(used, tuned=found.tuned, candidate=after, is_classic=False)
-    trials = [filtered, *(replace(item, is_used=False) for item in choice.trials)]
-    trials.sort(key=lambda item: item.candidate.settling_time)
-    tuned = finish(found.family, found.tuned)
-    return replace(choice, tuned=tuned, trials=tuple(trials), variants=())
+    return replace(choice, remarks=(*choice.remarks, remark))
+
+
+def _say_filters(kind: str, before: TunedLoop, found: FilteredLoop) -> Message:
+    return Message(
+        kind,
+        filters=tuple(map(_name_filter, found.filters)),
+        Kp=before.controller.velocity_gain,
+        higher=found.tuned.controller.velocity_gain,
+        stiffness=before.least_stiffness,
+        stiffer=found.tuned.least_stiffness,
+    )
 
 
 def _name_filter(item: ForceFilter) -> Message:
@@ -174,28 +157,23 @@ def show_state_feedback(
     found = propose_feedback(cascade_family(machine, settings.tuning), classic, [shape])
     if found.remark is not None:
         return replace(choice, remarks=(*choice.remarks, found.remark))
-    without = used.candidate if used else best_limits(machine, plant, settings, choice.tuned, ())
-    trials = [
-        LoopTrial(
-            shape=item.shape,
-            tuned=item.tuned,
-            candidate=best_limits(machine, plant, settings, item.tuned, (without.limits,)),
-            is_classic=False,
-        )
+    without = used.candidate if used else best_limits(machine, plant, choice.tuned, None)
+    tried = [
+        (item.tuned, best_limits(machine, plant, item.tuned, without.limits))
         for item in found.loops
     ]
-    best = min(trials, key=lambda item: item.candidate.settling_time)
+    tuned, best = min(tried, key=lambda item: item[1].settling_time)
     remark = Message(
         "state-feedback-would",
-        with_it=say_settling(best.candidate),
+        with_it=say_settling(best),
         without=say_settling(without),
-        ratio=best.tuned.least_stiffness / choice.tuned.least_stiffness,
+        ratio=tuned.least_stiffness / choice.tuned.least_stiffness,
     )
     return replace(
         choice,
         variants=(
             LoopVariant(name=WITHOUT, tuned=choice.tuned, candidate=without, is_used=True),
-            LoopVariant(name=WITH, tuned=best.tuned, candidate=best.candidate, is_used=False),
+            LoopVariant(name=WITH, tuned=tuned, candidate=best, is_used=False),
         ),
         remarks=(*choice.remarks, remark),
     )
@@ -213,7 +191,7 @@ def _weigh_state_feedback(
     cascades, without = plain.proposals, plain.best
     shapes = feedback_shapes(settings.tuning, near=without.shape if without else CLASSIC)
     proposals = propose_feedback(cascades.family, cascades.classic, shapes)
-    found = try_all(machine, plant, settings, proposals)
+    found = try_all(machine, plant, proposals)
     with_it = found.best
     if with_it is None and without is None:
         fastest = max(cascades.fastest_hz, proposals.fastest_hz)

@@ -1,4 +1,4 @@
-"""Loops tried with the limits that suit them best."""
+"""Loops tried with the limits that suit them best: all at a first look, the best exactly."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import Any
 
-from mtcommission.allowance import find_part
-from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.explore import Found, explore
+from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -17,55 +19,46 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.settings import Settings
 from mtcommission.verdict.evaluate import Candidate
 
-TRIED = 15.0
-"""What trying loops after the first may take, about that many seconds of processor time."""
+STIFFNESS_EXPONENT = 0.01
+"""What a stiffer tool is worth: twice the stiffness as much as 0.7 % of the settling time (design
+choice; a smooth price, so that a machine that is a little better never gets a loop that is much
+slower)."""
 
-LATER = 0.03
-"""What a stiffer tool may cost in settling time (design choice)."""
+FINALISTS = 2
+"""Loops that are judged with limits of their own, those first that a first look likes best."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopTrial:
-    """A loop with the limits that suit it best.
+    """A loop with the limits that suit it best, judged as the recommendation is."""
 
-    Parameters
-    ----------
-    shape
-        Kv and Tn over Kp.
-    tuned
-        The loop in every corner.
-    candidate
-        Its best limits by the coarser search, judged.
-    is_classic, is_used
-        Whether it is the cascade by the classic rule, and whether everything else in the record
-        uses it.
-    """
+    shape: Shape  # Kv and Tn over Kp
+    tuned: TunedLoop  # in every corner
+    choice: Choice
+    is_classic: bool  # the cascade by the classic rule
+    is_used: bool = False  # everything else in the record uses it
 
-    shape: Shape
-    tuned: TunedLoop
-    candidate: Candidate
-    is_classic: bool
-    is_used: bool = False
+    @property
+    def candidate(self) -> Candidate:
+        """Its best limits, judged."""
+        return self.choice.candidate
+
+    @property
+    def price(self) -> float:
+        """Settling time, less what the stiffness is worth; the least is chosen."""
+        return priced(self.candidate.settling_time, self.tuned)
+
+
+def priced(settling_time: float, tuned: TunedLoop) -> float:
+    """Return a settling time divided by what the stiffness of the loop is worth."""
+    return float(settling_time / tuned.least_stiffness**STIFFNESS_EXPONENT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopVariant:
-    """The loop without or with state feedback, each with the limits that suit it best.
-
-    Parameters
-    ----------
-    name
-        Without or with state feedback.
-    tuned
-        The loop in every corner.
-    candidate
-        Its best limits by the coarser search, judged.
-    is_used
-        Whether everything else in the record uses this loop.
-    """
+    """The loop without or with state feedback, each with the limits that suit it best, judged."""
 
     name: Message
     tuned: TunedLoop
@@ -75,24 +68,13 @@ class LoopVariant:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopChoice:
-    """Which loop is used, and what others would have done.
-
-    Parameters
-    ----------
-    tuned
-        The loop that is used.
-    trials
-        The loops that were tried, soonest first; empty where there was nothing to choose.
-    variants
-        The best loop without and with state feedback; empty where only one was sought.
-    remarks
-        Why this loop, and what the control must offer.
-    """
+    """Which loop is used, and what others would have done."""
 
     tuned: TunedLoop
-    trials: tuple[LoopTrial, ...] = ()
-    variants: tuple[LoopVariant, ...] = ()
-    remarks: tuple[Message, ...] = ()
+    choice: Choice | None = None  # its limits, where they were chosen already
+    trials: tuple[LoopTrial, ...] = ()  # judged ones, soonest first; empty: nothing to choose
+    variants: tuple[LoopVariant, ...] = ()  # without and with state feedback, if both were sought
+    remarks: tuple[Message, ...] = ()  # why this loop, and what the control must offer
 
     @property
     def model(self) -> Any:
@@ -102,19 +84,11 @@ class LoopChoice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopSearch:
-    """What was proposed, and what came of it.
-
-    Parameters
-    ----------
-    proposals, trials
-        All of the proposals were tried, and those near the best of them.
-    remarks
-        That this is not so where it was too much to compute.
-    """
+    """What was proposed, how many of them were looked at, and the best of them, judged."""
 
     proposals: Proposals
+    looked_at: int
     trials: tuple[LoopTrial, ...]
-    remarks: tuple[Message, ...] = ()
 
     @property
     def best(self) -> LoopTrial | None:
@@ -125,99 +99,84 @@ class LoopSearch:
         """The choice of one of the trials, listed beside all others, soonest first."""
         listed = [replace(item, is_used=item is trial) for item in (*self.trials, *among)]
         listed.sort(key=lambda item: item.candidate.settling_time)
-        tuned = finish(self.proposals.family, trial.tuned)
         return LoopChoice(
-            tuned=tuned, trials=tuple(listed), remarks=(*_explain(trial, listed), *self.remarks)
+            tuned=finish(self.proposals.family, trial.tuned),
+            choice=trial.choice,
+            trials=tuple(listed),
+            remarks=_explain(trial, listed, self.looked_at),
         )
 
 
 def pick_loop(trials: Sequence[LoopTrial]) -> LoopTrial | None:
-    """Return the stiffest loop of those whose moves settle nearly as soon as any.
-
-    Parameters
-    ----------
-    trials
-        Those that meet the requirements count, if any does.
-
-    Returns
-    -------
-    LoopTrial or None
-        None of none.
-    """
+    """Return the loop with the least price, of those that meet the requirements if any does."""
     good = [item for item in trials if item.candidate.assessment.is_met] or trials
-    soonest = min((item.candidate.settling_time for item in good), default=inf)
-    near = [item for item in good if item.candidate.settling_time <= (1.0 + LATER) * soonest]
-    return max(near, key=lambda item: item.tuned.least_stiffness, default=None)
+    return min(good, key=lambda item: item.price, default=None)
 
 
-def try_all(machine: Machine, plant: Plant, settings: Settings, proposals: Proposals) -> LoopSearch:
-    """Return what the moves make of each proposal, and of those near the best one."""
+def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
+    """Return what the moves make of the proposals, and of those near the best one."""
+    strict, looked = keep_reserve(machine), list[tuple[float, Proposal]]()
+    known: Found | None = None
+
+    def look_at(proposal: Proposal) -> None:
+        nonlocal known
+        bench = build_bench(strict, plant, proposal.tuned)
+        near = None
+        if known is not None:
+            near = MotionLimits(
+                acceleration=known.acceleration,
+                jerk=known.acceleration / known.jerk_time,
+                setpoint_filter=known.setpoint_filter,
+            )
+        found = explore(bench, near=near, refined=0)
+        if found:
+            known = known or found[0]
+            time = min(item.duration for item in found) + bench.delay
+            looked.append((priced(time, proposal.tuned), proposal))
+        else:
+            looked.append((inf, proposal))
+
+    for proposal in proposals.loops:
+        look_at(proposal)
+    if looked:
+        _, best = min(looked, key=lambda item: item[0])
+        for proposal in propose_near(proposals, best.shape):
+            look_at(proposal)
+    looked.sort(key=lambda item: item[0])
     trials: list[LoopTrial] = []
-    starts: tuple[MotionLimits, ...] = ()
-
-    def attempt(proposal: Proposal) -> None:
-        nonlocal starts
-        tuned = proposal.tuned
-        found = best_limits(machine, plant, settings, tuned, starts)
-        starts = starts or (found.limits,)
-        is_classic = tuned is proposals.classic
+    for _, proposal in looked[:FINALISTS]:
+        near = trials[0].choice.limits if trials and trials[0].choice.meets_requirements else None
+        chosen = choose_limits(machine, plant, proposal.tuned, near=near)
         trials.append(
-            LoopTrial(shape=proposal.shape, tuned=tuned, candidate=found, is_classic=is_classic)
+            LoopTrial(
+                shape=proposal.shape,
+                tuned=proposal.tuned,
+                choice=chosen,
+                is_classic=proposal.tuned is proposals.classic,
+            )
         )
-
-    def attempt_others() -> tuple[Message, ...]:
-        for proposal in proposals.loops[1:]:
-            attempt(proposal)
-        best = pick_loop(trials)
-        if best is not None:
-            for proposal in propose_near(proposals, best.shape):
-                attempt(proposal)
-        return ()
-
-    for proposal in proposals.loops[:1]:
-        attempt(proposal)
-    remarks = find_part(
-        attempt_others,
-        seconds=TRIED,
-        otherwise=lambda _: (Message("loop-trials-left-out"),),
-    )
-    return LoopSearch(proposals=proposals, trials=tuple(trials), remarks=remarks)
+    return LoopSearch(proposals=proposals, looked_at=len(looked), trials=tuple(trials))
 
 
 def best_limits(
-    machine: Machine,
-    plant: Plant,
-    settings: Settings,
-    tuned: TunedLoop,
-    starts: Sequence[MotionLimits],
+    machine: Machine, plant: Plant, tuned: TunedLoop, near: MotionLimits | None
 ) -> Candidate:
-    """Return the limits that suit a loop best by the coarser search, judged."""
-    near = starts[0] if starts else None
+    """Return the limits that suit a loop best near what is known of another, judged."""
     return choose_limits(machine, plant, tuned, near=near).candidate
 
 
-def _explain(used: LoopTrial, trials: Sequence[LoopTrial]) -> tuple[Message, ...]:
-    """Why a loop is used, and what the classic rule's would do."""
-    if len(trials) < 2:
+def _explain(used: LoopTrial, trials: Sequence[LoopTrial], number: int) -> tuple[Message, ...]:
+    """Why a loop is used."""
+    if number < 2:
         return ()
-    reason = Message(
-        "loop-chosen",
-        number=len(trials),
-        later=LATER,
-        settling=say_settling(used.candidate),
-        stiffness=used.tuned.least_stiffness,
-        soonest=say_settling(min(trials, key=lambda item: item.candidate.settling_time).candidate),
-    )
-    classic = [
+    return (
         Message(
-            "loop-by-classic-rule",
-            settling=say_settling(item.candidate),
-            stiffness=item.tuned.least_stiffness,
-        )
-        for item in trials
-        if item.is_classic and not item.is_used
-    ]
-    return (reason, *classic)
+            "loop-chosen",
+            number=number,
+            settling=say_settling(used.candidate),
+            stiffness=used.tuned.least_stiffness,
+        ),
+    )
 
 
 def say_settling(candidate: Candidate) -> Message:

@@ -41,8 +41,8 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     settings = Settings()
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    tuned = settle_on_loop(machine, plant, settings).tuned
-    choice = choose_limits(machine, plant, tuned)
+    loop = settle_on_loop(machine, plant, settings)
+    choice = loop.choice or choose_limits(machine, plant, loop.tuned)
     return chain_cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
 
 

@@ -208,7 +208,9 @@ def _is_same(one: Controller, other: Controller) -> bool:
 def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bool:
     share = integral_gain(tuned.controller) / integral_gain(classic.controller)
     is_stiff = tuned.least_stiffness >= classic.least_stiffness
-    return is_stiff and share >= settings.least_integral_share
+    longest = max(settings.longest_integral_time, classic.controller.integral_time)
+    is_quick = tuned.controller.integral_time <= longest
+    return is_stiff and is_quick and share >= settings.least_integral_share
 
 
 def integral_gain(controller: Controller) -> float:

@@ -42,6 +42,9 @@ class TuningSettings:
     least_integral_share
         Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
         displaces, summed over time, is the reciprocal (design choice).
+    longest_integral_time
+        Tn beyond it is not proposed, but by the classic rule [s]: engineers type 5 to 120 ms, the
+        longest on soft axes (Yaskawa).
     largest_fraction
         Where Kp begins, as a multiple of the symmetrical optimum (empirical: margins end the
         search before).
@@ -60,7 +63,8 @@ class TuningSettings:
     position_ratios: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5)
     integral_ratios: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
     mode_weights: tuple[float, ...] = (1.0, 10.0)
-    least_integral_share: float = 0.25
+    least_integral_share: float = 1.0
+    longest_integral_time: float = 0.12
     largest_fraction: float = 4.0
     reduction: float = 0.85
     force_noise: float = 0.05

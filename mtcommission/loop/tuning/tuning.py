@@ -128,7 +128,7 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
     warnings = list(warn_of_modes(bench, tuned))
     if machine.control.has_given_gains or machine.control.state_gains:
         warnings += judge_given(family, tuned)
-    if machine.control.force_filters:
+    if machine.control.force_filters and not machine.control.seeks_force_filters:
         control = replace(
             machine.control, force_filters=(), state_feedback=StateFeedback.OFF, state_gains=()
         )

@@ -29,22 +29,15 @@ state-feedback-chosen = Beste Einschwingzeit { $with_it } damit, { $without } oh
 state-feedback-left-out = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird weggelassen.
 state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
 state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (grobe Suche), mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
-loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel, ist dies der steifste unter denen, deren Bewegungen höchstens { PERCENT($later) } später einschwingen als beim schnellsten ({ $soonest }): { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
-loop-by-classic-rule = Nach der klassischen Regel (Tn = 4 m / Kp, Kv = Kp / (4 m)) wären es { $settling } bei { STIFFNESS($stiffness, digits: 3) }.
-loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall), und die Bewegungen schwingen in { $settling_after } statt { $settling } ein (grobe Suche).
-loop-filters-used = Verwendet wegen force_filters = "auto": { $filters }. So steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall), und die Bewegungen schwingen in { $settling_after } statt { $settling } ein (grobe Suche).
+loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen eine bleibende Kraft, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
+loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-used = Verwendet, weil das Profil force_filters nicht oder als "auto" angibt ([]: keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
-loop-filters-left-out = Filter im { $axis ->
-    [rotary] Drehmoment-Sollwert
-   *[linear] Kraft-Sollwert
-} wurden nicht gesucht: das dauerte zu lange.
-loop-feedback-left-out = Was eine Zustandsregelung brächte, wurde nicht berechnet: das dauerte zu lange.
-loop-trials-left-out = Nicht alle Regelkreise wurden versucht, weil das zu lange dauerte: Ein besserer kann bestehen.
 loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
     [rotary] Momentensollwert
    *[linear] Kraftsollwert
-} lässt Kp und dynamische Steifigkeit um ein Zehntel steigen, ohne dass die Bewegungen später einschwingen.
+} lässt Kp und dynamische Steifigkeit um 3 % steigen.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes

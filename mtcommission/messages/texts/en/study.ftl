@@ -32,23 +32,16 @@ state-feedback-left-out = Best settling time { $with_it } with it, { $without } 
 state-feedback-stiffness = With it the tool is { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
 state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (coarse search), with a tool { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
-loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule, this is the stiffest of those whose moves settle within { PERCENT($later) } of the soonest ({ $soonest }): { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
-loop-by-classic-rule = By the classic rule (Tn = 4 m / Kp, Kv = Kp / (4 m)) it would be { $settling } with { STIFFNESS($stiffness, digits: 3) }.
+loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting force, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 # Filters of the set force that nobody asked for; $filters: the two messages that follow
-loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner), and the moves settle in { $settling_after } instead of { $settling } (coarse search).
-loop-filters-used = Used, since force_filters = "auto": { $filters }. So Kp rises from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner), and the moves settle in { $settling_after } instead of { $settling } (coarse search).
+loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
+loop-filters-used = Used, since the profile states no force_filters or "auto" ([] uses none): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
 loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
 loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
-loop-filters-left-out = Filters of the set { $axis ->
-    [rotary] torque
-   *[linear] force
-} were not looked for: that would take too long.
-loop-feedback-left-out = What state feedback would add was not computed: that would take too long.
-loop-trials-left-out = Not all loops were tried, since that would take too long: a better one may exist.
 loop-no-filters = No notch or low-pass in the { $axis ->
     [rotary] torque
    *[linear] force
-} setpoint lets Kp and dynamic stiffness rise by a tenth without later settling.
+} setpoint lets Kp and dynamic stiffness rise by 3 %.
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
 
 # small changes
