@@ -260,7 +260,10 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     kind = answers.pop("plant.kind", "")
     if kind and "wizard.way" not in answers and not follows(answers):
         answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
-    for table, most in (("plant.modes", MOST_MODES), ("moves", MOST_MOVES)):
+    if any(key.startswith("pair.modes.") for key in answers):
+        answers.setdefault("pair.further", YES)
+    for table in ("plant.modes", "pair.modes", "moves"):
+        most = MOST_MOVES if table == "moves" else MOST_MODES
         for i in range(most):
             here, there = f"{table}.{i}.", f"{table}.{i + 1}."
             if any(key.startswith(here) for key in answers):
@@ -401,7 +404,7 @@ def pair_of(answers: Answers) -> Pair | None:
 
 def further_modes(answers: Answers) -> tuple[tuple[float, float], ...]:
     """Return frequency [Hz] and damping ratio of what was measured besides motor and load."""
-    found, more = [], "pair.further"
+    found, more = list[tuple[float, float]](), "pair.further"
     while answers.get("wizard.way") in PAIRS and answers.get(more) == YES:
         place = f"pair.modes.{len(found)}"
         f = si_value(answers, f"{place}.frequency", FREQUENCY)

@@ -26,7 +26,7 @@ from mtcommission.wizard.console import (
     explain,
     introduce,
 )
-from mtcommission.wizard.convert import list_unmeasured, to_profile
+from mtcommission.wizard.convert import to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import Insight, find_insights
@@ -392,9 +392,8 @@ def _summarise(speaker: _Speaker, answers: Answers, machine: Machine, output: Pa
     speaker.tell(answers, written, indent="")
     for insight in find_insights(answers):
         _tell_insight(speaker, answers, insight)
-    unmeasured = list_unmeasured(answers)
-    if unmeasured:
-        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(unmeasured)))
+    if machine.assumed:
+        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(machine.assumed)))
     for remark in check_plausibility(machine):
         speaker.tell(answers, Message("wizard-warning", what=remark.with_key()))
 

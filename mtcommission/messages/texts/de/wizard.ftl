@@ -48,7 +48,7 @@ ask-drive-static-load-where = { $axis ->
    *[linear] Senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9.81 m/s^2; sonst 0.
 }
 ask-wizard-way = Von der Mechanik bekannt
-ask-wizard-way-where = Motor und Last: zwei Massen mit einer Feder, dazu weitere gemessene Resonanzen, wo es sie gibt. Bode-Diagramm: Eigenform für Eigenform, mit ihrem Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (die Maschine der Veröffentlichung).
+ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder, dazu weitere gemessene Resonanzen. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
 ask-plant-base-mass = Masse des Gestells
 ask-plant-base-mass-where = Gewichte der Stückliste oder CAD.
 ask-plant-slider-mass = Masse des Schlittens
@@ -224,8 +224,8 @@ ask-plant-moving-mass-where = { $axis ->
    *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
 }
 ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
-ask-wizard-rotor = Trägheit an der Motorwelle: Läufer, Kupplung und Spindel
-ask-wizard-rotor-where = Motordatenblatt. Die ganze starre Masse, nach der dann gefragt wird, enthält sie und wird daran geprüft.
+ask-wizard-rotor = Trägheit an der Motorwelle
+ask-wizard-rotor-where = Läufer, Kupplung und Spindel: Datenblätter. Die ganze starre Masse, nach der dann gefragt wird, enthält sie und wird daran geprüft.
 ask-wizard-rotor-empty = unbekannt
 ask-plant-modes-name = Name der Eigenform { $number }
 ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
@@ -289,7 +289,7 @@ wizard-taken-as = gelesen als { $what }
 wizard-follows = = { $what }
 wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
 wizard-compute-with = Die Grenzwerte berechnet: mtcommission run { $file }
-wizard-assumed = Vorgabe übernommen, nicht gemessen: { $keys }
+wizard-assumed = Angenommen, weder angegeben noch gemessen: { $keys }
 wizard-example = Beispiel: { $example }.
 wizard-example-behind = z. B. { $example }
 wizard-expected = Erwartet: { $what }.

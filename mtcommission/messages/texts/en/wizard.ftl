@@ -227,8 +227,8 @@ ask-plant-moving-mass-where = { $axis ->
    *[linear] Force over acceleration at low frequencies.
 }
 ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
-ask-wizard-rotor = Inertia at the motor shaft: rotor, coupling and screw
-ask-wizard-rotor-where = Motor data sheet. The whole rigid mass that comes next contains it, and is checked against it.
+ask-wizard-rotor = Inertia at the motor shaft
+ask-wizard-rotor-where = Rotor, coupling and screw: data sheets. The whole rigid mass that comes next contains it, and is checked against it.
 ask-wizard-rotor-empty = not known
 ask-plant-modes-name = Name of mode { $number }
 ask-plant-modes-name-where = What moves: column, ram, table, ...; letters, digits and _.
@@ -298,7 +298,7 @@ wizard-taken-as = taken as { $what }
 wizard-follows = = { $what }
 wizard-written = Written: { $file }: { $name }, axis { $letter }
 wizard-compute-with = Compute the limits with: mtcommission run { $file }
-wizard-assumed = Default accepted, not measured: { $keys }
+wizard-assumed = Assumed, neither stated nor measured: { $keys }
 wizard-example = Example: { $example }.
 wizard-example-behind = e.g. { $example }
 wizard-expected = Expected: { $what }.
