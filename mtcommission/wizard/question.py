@@ -75,6 +75,11 @@ class Question:
     measured: str = ""
 
     @property
+    def decides(self) -> bool:
+        """Whether its default, where it was only accepted, is an assumption."""
+        return self.dimension is not None or self.key == "control.kind"
+
+    @property
     def plain(self) -> Message:
         """The question, one line."""
         return self._message("")

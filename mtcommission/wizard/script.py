@@ -120,7 +120,8 @@ def _move(answers: Answers, index: int) -> tuple[Question, ...]:
     dwell = Question(key=f"{place}.dwell", dimension=TIME, default="0 s", low=0.0, high=3600.0)
     more = Question(key=f"{place}.more", choices=(NO, YES), default=NO)
     size = _velocity_step(answers, place) if is_step else _positioning(answers, place)
-    return (kind, *size, dwell, more)
+    heats = bool(answers.get("drive.continuous_force")) and not follows(answers)
+    return (kind, *size, *((dwell,) if heats else ()), more)
 
 
 def _velocity_step(answers: Answers, place: str) -> tuple[Question]:

@@ -174,7 +174,7 @@ def _fill(source: Source) -> dict[str, str]:
             fault = Fault(where="", key=_shown(question.key), message=error.message)
             faults.append(source.locate(fault))
         filled[question.key] = text
-        if text and not typed and question.dimension is not None:
+        if text and not typed and question.decides:
             filled = note_accepted(filled, question.key)
         place += 1
     if faults:
@@ -332,7 +332,7 @@ def _take(
     found = {**known, question.key: text}
     if typed:
         found = note_stated(found, question.key)
-    elif not before and text and question.dimension is not None:
+    elif not before and text and question.decides:
         found = note_accepted(found, question.key)
     if reply.warning:
         speaker.tell(found, Message("wizard-warning", what=reply.warning))
