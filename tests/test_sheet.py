@@ -1289,15 +1289,13 @@ def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
     assert "assumed value" not in headline(record, ENGLISH).detail
     dwell["source"] = said("source-accepted-default")
     assert "assumed value (moves[1].dwell): state it." in headline(record, ENGLISH).detail
-    change = said("change-dwell", dwell=2.0, assumed=0.0, acceleration=3.47)
+    change = said("change-dwell", dwell=2.0, acceleration=3.47)
     record["limits"]["would_bring"] = [
         {"name": "dwell", "change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
          "meets_requirements": True, "outcome": ""}
     ]  # fmt: skip
     detail = headline(record, ENGLISH).detail.replace(THIN_SPACE, " ")
-    assert (
-        "(moves[1].dwell). Rest of 2 s or more after each move (assumed: 0 s): 3.47 m/s²" in detail
-    )
+    assert "(moves[1].dwell). Rest of 2 s or more after each move: 3.47 m/s²" in detail
     assert "513 ms" in detail
 
 

@@ -280,9 +280,6 @@ def _rested(
                 change = Message(
                     "change-dwell",
                     dwell=dwell,
-                    assumed=max(
-                        m.dwell for m, free in zip(machine.moves, assumed, strict=True) if free
-                    ),
                     acceleration=rested.limits.acceleration,
                 )
                 return [
