@@ -56,6 +56,26 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
     assert found["change-feedforward"].saved > 0.0
 
 
+def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:
+    """What it says is what the machine gets for itself with that rest, and no less will do."""
+    machine = read_shipped("printer-belt").machine
+    assert "change-dwell" not in improvements_of(machine)[1]
+    machine = read_shipped("modal-two-modes").machine
+    drive = replace(machine.drive, continuous_force=300.0)
+    hot = replace(machine, drive=drive, moves=tuple(replace(m, dwell=0.0) for m in machine.moves))
+    assert "change-dwell" not in improvements_of(hot)[1]
+    before, found = improvements_of(replace(hot, assumed=("moves[1].dwell",)))
+    item = found["change-dwell"]
+    dwell = item.change.values["dwell"]
+    assert isinstance(dwell, float)
+    assert item.saved == pytest.approx(before - item.settling_time)
+    for factor, is_enough in ((1.0, True), (0.8, False)):
+        moves = tuple(replace(m, dwell=factor * dwell) for m in machine.moves)
+        rested = replace(hot, moves=moves)
+        choice = choose_limits(rested, build_plant(rested), tune_loop(rested))
+        assert (choice.candidate.settling_time <= 1.001 * item.settling_time) is is_enough
+
+
 def test_what_the_control_lacks_or_has_on_is_not_offered() -> None:
     machine = read_shipped("honing-z").machine
     control = replace(

@@ -309,10 +309,23 @@ def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
     assert (machine.requirements.frequency_spread, machine.requirements.damping_spread) == (0, 0)
     assert machine.requirements.reserve == NO_RESERVE
     assert machine.assumed == (
-        "control.position_loop",
+        "drive.static_load",
         "control.position_cycle",
         "control.velocity_cycle",
     )
+
+
+def test_a_rest_and_the_place_of_the_loop_are_assumed_where_they_decide() -> None:
+    """A rest heats only a motor whose heat is limited; DSC only where there is a choice."""
+    heated = MANIPULATOR.replace("[drive]\n", '[drive]\ncontinuous_force = "900 N"\n')
+    assert parse_profile(heated, where="p.toml").is_assumed("moves[1].dwell")
+    assert not parse_profile(MANIPULATOR, where="p.toml").is_assumed("moves[1].dwell")
+    stated = re.sub(r"(\[\[moves\]\]\n)", r'\1dwell = "0 s"\n', heated)
+    assert not parse_profile(stated, where="p.toml").is_assumed("moves[1].dwell")
+    for kind, has_choice in (("sinumerik", True), ("fanuc", False)):
+        assert (len(KINDS[kind].position_loops) > 1) is has_choice
+        machine = parse_profile(f'{MANIPULATOR}[control]\nkind = "{kind}"\n', where="p.toml")
+        assert machine.is_assumed("control.position_loop") is has_choice
 
 
 def test_a_kind_of_control_brings_its_own_defaults() -> None:

@@ -47,7 +47,7 @@ from mtcommission.record.schema.moves import AssessmentPart, Check
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf, summarise
-from mtcommission.sheet.basis_part import basis_rows, holds_rows
+from mtcommission.sheet.basis_part import assumed_rows, basis_rows, holds_rows
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
 from mtcommission.sheet.figures import draw_svg
@@ -56,6 +56,7 @@ from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
 from mtcommission.sheet.terminal import further_sentences, summary_rows
+from mtcommission.sheet.verdict_part import headline
 from mtcommission.units.symbols import read_unit
 
 from .sheet_record import (
@@ -77,8 +78,8 @@ ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
 compose, print_html, print_pdf, summarise = map(
     on_json, (compose, print_html, print_pdf, summarise)
 )
-basis_rows, holds_rows, further_sentences, summary_rows = map(
-    on_json, (basis_rows, holds_rows, further_sentences, summary_rows)
+assumed_rows, basis_rows, holds_rows, headline, further_sentences, summary_rows = map(
+    on_json, (assumed_rows, basis_rows, holds_rows, headline, further_sentences, summary_rows)
 )
 
 RECORDS = {
@@ -1237,9 +1238,9 @@ def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     record = example_record()
     rows = dict((*basis_rows(record, ENGLISH), *holds_rows(record, ENGLISH)))
     assert rows["Control"].startswith(
-        "free controller (state space); position loop in the control, every 2"
+        "free controller (state space) (assumed); position loop in the control, every 2"
     )
-    assert rows["Control"].endswith("(assumed)")
+    assert not rows["Control"].endswith("(assumed)")  # of the loop all is stated
     assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
         "judged at ± 5.2 %; all kept from −1 % to +1 %"
     )
@@ -1255,6 +1256,47 @@ def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     assert "at least +10" in dict(holds_rows(record, ENGLISH))["Frequencies"]
     error["kept_from"] = error["kept_to"] = None
     assert "not kept even as stated" in dict(holds_rows(record, ENGLISH))["Frequencies"]
+
+
+def test_the_first_page_names_every_default_with_its_value():
+    """A rest of 0 s or DSC that nobody chose decides about limits: a count of them says nothing."""
+    record = example_record()
+    default = said("source-default")
+    record["data"] += [
+        {"key": "control.position_loop", "value": "drive", "unit": "", "source": default},
+        {"key": "control.position_cycle", "value": 2e-3, "unit": "s", "source": default},
+        {
+            "key": "moves[1].dwell",
+            "value": 0.0,
+            "unit": "s",
+            "source": said("source-accepted-default"),
+        },
+    ]
+    rows = dict((*basis_rows(record, ENGLISH), *assumed_rows(record, ENGLISH)))
+    assert rows["Control"].endswith("(assumed)")
+    assert rows["Assumed"].replace(THIN_SPACE, " ") == "Move 1: Dwell = 0 s"
+    record["data"][-2]["source"] = said("source-stated")
+    told = dict(basis_rows(record, ENGLISH))["Control"]
+    assert told.endswith("(assumed: Place of the position loop)")
+
+
+def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
+    """Else 1.6 m/s^2 is typed in where a rest that the cycle has anyway allows 3.5."""
+    record = example_record()
+    record["limits"]["recommended"]["bound_by"] = said("requirement-rms-force")
+    dwell = {"key": "moves[1].dwell", "value": 0.0, "unit": "s", "source": "stated by somebody"}
+    record["data"].append(dwell)
+    assert "assumed value" not in headline(record, ENGLISH).detail
+    dwell["source"] = said("source-accepted-default")
+    assert "assumed value (moves[1].dwell): state it." in headline(record, ENGLISH).detail
+    change = said("change-dwell", dwell=2.0, acceleration=3.47)
+    record["limits"]["would_bring"] = [
+        {"name": "dwell", "change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
+         "meets_requirements": True, "outcome": ""}
+    ]  # fmt: skip
+    detail = headline(record, ENGLISH).detail.replace(THIN_SPACE, " ")
+    assert "(moves[1].dwell). Rest of 2 s or more after each move: 3.47 m/s²" in detail
+    assert "513 ms" in detail
 
 
 def test_a_tool_on_a_path_is_told_that_the_contour_counts():

@@ -19,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.commission import commission
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
@@ -39,10 +40,19 @@ from mtcommission.wizard.axis_units import (
     PAIR_BY_FREQUENCY,
     PAIR_BY_STIFFNESS,
     TOWER_BY_FREQUENCY,
+    TOWERS,
     WAYS,
 )
 from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, introduce
-from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
+from mtcommission.wizard.convert import (
+    MOST_SHARE,
+    couple,
+    flatten,
+    nest,
+    share_out,
+    to_answers,
+    to_profile,
+)
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, read_reply, title
@@ -61,11 +71,12 @@ X
 
 Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
 
+
 2 kN
 2,5 ms
 
 
-1
+5
 450
 0.75 t
 40 kg m^2
@@ -77,7 +88,6 @@ Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
 1800
 2
 0.1 m/s
-
 
 5 um
 
@@ -227,7 +237,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
     """k = m (2 pi f)^2 and d = 2 zeta m 2 pi f: else the profile has another machine's modes."""
     talk(
         tmp_path / "tower.toml",
-        "\nTower\nX\n\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
+        "\nTower\nX\n\n\n\n\n2 kN\n\n\n\n4\n450\n750\n40\n0.25\n0.21\n"
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "tower.toml")
@@ -282,7 +292,7 @@ def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
 def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
-        "\nTable\nC\nrotary\n\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
+        "\nTable\nC\nrotary\n\n\n\n800 N m\n\n420 N m\n\n2\n1.9\n6.4 kg m^2\n0.971e6\n\n\n"
         "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "table.toml")
@@ -297,12 +307,13 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
 def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> None:
     """Each opens what belongs to it: a feed, a gear, a jerk where the control limits one."""
     path = tmp_path / "table.toml"
-    begin = "\nTable\nX\n\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    begin = (
+        "\nTable\nX\n\n\n\n10 mm\n2\n2 kN\n\n\n\n"
+        "2\n20\n300\n20 N/um\n\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    )
     talk(
         path,
-        begin
-        + "20 um\n2 m/min\nsinumerik\n\n\n10 mm\n2\n0.1 um\n\n\n\n2\n40\n1 (m/min)/mm\n"
-        + "\n" * 9,
+        begin + "20 um\n2 m/min\nsinumerik\n\n\n\n0.1 um\n\n\n\n2\n40\n1 (m/min)/mm\n" + "\n" * 9,
     )
     machine = read_profile(path)
     assert machine.control.kind is KINDS["sinumerik"]
@@ -338,15 +349,17 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     accepted = ("drive.static_load", "requirements.frequency_spread", "requirements.damping_spread")
     for key in accepted:
         assert sources[key] == ACCEPTED_DEFAULT
-        assert key in " ".join(said.partition("Default accepted, not measured:")[2].split())
+        assert key in " ".join(said.partition("Assumed, neither stated nor measured:")[2].split())
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
     assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
-    answers = "\n" * 9 + "0 N\n" + "\n" * 80
+    answers = "\n" * 10 + "0 N\n" + "\n" * 80
     talk(path, answers)
     changed = path.read_text("utf-8")
     (line,) = (line for line in changed.split("\n") if line not in text.split("\n"))
-    assert line.startswith('assumed = ["moves[1].dwell", "requirements.frequency_spread", ')
+    assert line.startswith(
+        'assumed = ["requirements.frequency_spread", "requirements.damping_spread", '
+    )
 
 
 def test_a_default_behind_a_derived_value_is_marked_there(tmp_path: Path) -> None:
@@ -378,7 +391,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
     before = path.read_bytes()
     talk(path, "\n" * 80)
     assert path.read_bytes() == before
-    talk(path, "\n" * 7 + "3 ms\n" + "\n" * 80)
+    talk(path, "\n" * 8 + "3 ms\n" + "\n" * 80)
     after = path.read_bytes()
     assert b'force_lag = "3 ms"' in after
     assert b'assumed = ["drive.max_force", "drive.continuous_force"] # mine\r\n' in after
@@ -396,7 +409,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((PROFILES / "milling-manipulator.toml").read_text("utf-8"), "utf-8")
-    talk(path, "\n\n\n\n\n\n4 kN\n" + "\n" * 80)
+    talk(path, "\n\n\n\n\n\n\n4 kN\n" + "\n" * 80)
     text = path.read_text("utf-8")
     assert 'max_force = "4 kN"               # sec. 5.1; the mechanics allow up to 4 kN' in text
     assert "# h. The paper lists it, but uses it in no equation and gives no sign." in text
@@ -424,7 +437,9 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
 def test_back_help_and_slips(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "m.toml",
-        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
+        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n\n\n2 km\n-5 N\n2 kN\n"
+        + "\n" * 3
+        + "3\n"
         "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 20,
     )
     assert read_profile(tmp_path / "m.toml").name == "B"
@@ -436,7 +451,7 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
 
 def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
     """A static load above the force is seen only when both are known."""
-    begin = "\nA\nX\n\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
+    begin = "\nA\nX\n\n\n\n\n2 kN\n\n\n3 kN\n3\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
     _, said = talk(
         tmp_path / "m.toml", begin + "\n" * 15 + "1 kN\n" + "\n" * 40, is_interactive=True
     )
@@ -477,7 +492,7 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
     with pytest.raises(InputError) as raised:
         from_answers(tmp_path / "m.toml", '[machine]\nname = "A"\n')
     keys = {fault.key for fault in raised.value.faults}
-    assert {"drive.max_force", "plant.base_mass", "requirements.tcp_deviation"} <= keys
+    assert {"drive.max_force", "pair.motor_mass", "requirements.tcp_deviation"} <= keys
     assert not (tmp_path / "m.toml").exists()
 
 
@@ -530,7 +545,7 @@ def test_a_fault_in_the_answers_is_located_in_their_file(
 def test_going_back_and_leaving_goes_on_from_there(tmp_path: Path) -> None:
     """Whoever went back to mend an answer must not be put behind it the next day."""
     path = tmp_path / "p.toml"
-    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n2 kN\n<\n<\n<\nq\n")
+    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n\n2 kN\n<\n<\n<\n<\nq\n")
     assert session.ending is Ending.QUIT
     rest = PAPER.split("\n", 5)[5]
     _, said = talk(path, f"sheet 13\n{rest}")
@@ -544,7 +559,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
-    _, said = talk(path, "\n" * 6 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
+    _, said = talk(path, "\n" * 7 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
     assert replace(read_profile(path), assumed=()) == SHIPPED
     assert "mode base at 50 Hz" in said
 
@@ -569,7 +584,7 @@ def test_answers_may_hold_keys_that_are_not_asked(tmp_path: Path) -> None:
 )
 def test_what_people_type_for_a_mass(typed: str, kept: str) -> None:
     question = next(
-        q for q in list_questions({"wizard.way": WAYS[0]}) if q.key == "plant.base_mass"
+        q for q in list_questions({"wizard.way": TOWERS[0]}) if q.key == "plant.base_mass"
     )
     assert read_reply(question, typed).text == kept
 
@@ -644,6 +659,7 @@ def _all_questions() -> list[tuple[Question, bool]]:
         for way in WAYS:
             answers = {"machine.motion": motion, "wizard.way": way, "wizard.experts": "yes",
                        "plant.modes.0.more": "yes", "moves.0.more": "yes",
+                       "pair.further": "yes", "plant.moving_mass": "8",
                        "moves.0.kind": "acceleration to a velocity", "drive.lead": "10 mm",
                        "requirements.contour_deviation": "1 um", "control.kind": "state-space",
                        "today.acceleration": "1"}  # fmt: skip
@@ -672,7 +688,7 @@ def test_every_question_fits_a_terminal_and_tells_where_to_look(language: str) -
 def test_a_rotary_axis_is_never_sent_to_leads_and_gantries() -> None:
     """A table with a torque motor has no lead: whoever looks for one gives up, or guesses."""
     catalogue = Catalogue("en", rotary=True)
-    for way in WAYS[2:]:
+    for way in set(WAYS) - set(TOWERS):
         for question in list_questions({"machine.motion": "rotary", "wizard.way": way}):
             words = catalogue.say(question.text) + catalogue.say(question.where)
             for linear in ("lead", "screw", "gantry", "belt", "mass on", "weight of"):
@@ -828,22 +844,221 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
     (insight,) = find_insights(answers)
     assert insight.is_warning
     assert "leave -3000 N of the drive's force: the axis cannot move" in ENGLISH.say(insight.text)
-    answers |= {"wizard.way": WAYS[0], "plant.slider_mass": "750 kg", "plant.base_mass": "1 kg"}
+    answers |= {"wizard.way": TOWERS[1], "plant.slider_mass": "750 kg", "plant.base_mass": "1 kg"}
     assert find_insights(answers) == (insight,)
 
 
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n"
+        "\nA\nX\n\n\n\n\n2 kN\n\n\n\n3\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n"
         "\n-2.4e-3\n\n\n"
-        "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
+        "1\n20 mm\n\n2\n2\n0.1\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
     assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]
     assert len(machine.moves) == 2
     data = tomllib.loads((tmp_path / "m.toml").read_text("utf-8"))
     assert to_answers(data)["wizard.way"] == MODAL
+
+
+PAIR_ON_SCREW = {
+    "wizard.way": PAIR_BY_FREQUENCY,
+    "drive.lead": "10 mm",
+    "pair.motor_mass": "3000 kg",
+    "pair.load_mass": "900 kg",
+    "pair.frequency": "41.5 Hz",
+    "pair.damping_ratio": "0.03",
+}
+
+
+def test_what_engineers_have_most_often_is_offered_first() -> None:
+    for motion in ("linear", "rotary"):
+        questions = list_questions({"machine.motion": motion})
+        way = next(question for question in questions if question.key == "wizard.way")
+        assert way.choices[0] == way.default == PAIR_BY_FREQUENCY
+        assert (way.choices[-2:] == TOWERS) is (motion == "linear")
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_lead_is_known_before_what_needs_it(way: str) -> None:
+    keys = [question.key for question in list_questions({"wizard.way": way, "drive.lead": "1 mm"})]
+    needing = [key for key in keys if key.startswith(("drive.max", "pair.", "plant.", "wizard.ro"))]
+    assert keys.index("drive.lead") < keys.index("drive.gear") < keys.index(needing[0])
+
+
+def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path: Path) -> None:
+    """F = M r, m = J r^2 with r = 2 pi gear / lead: nobody has to turn them by hand."""
+    typed = (
+        "\nTable\nX\n\n\n\n10 mm\n2\n22,5 N m\n\n4 kN\n\n1\n0.0076 kg m^2\n900 kg\n41.5 Hz\n"
+        "\n\n\n1\n20 mm\n\n\n\n5 um\n"
+    )
+    _, said = talk(tmp_path / "p.toml", typed + "\n" * 30)
+    machine, r = read_profile(tmp_path / "p.toml"), 2.0 * pi * 2.0 / 0.01
+    assert machine.drive.max_force == pytest.approx(22.5 * r, rel=1e-5)
+    assert machine.drive.continuous_force == 4000.0
+    assert machine.mechanics.moving_mass == pytest.approx(900.0 + 0.0076 * r**2, rel=1e-5)
+    assert "taken as 12001.4 kg" in said
+    assert "are 76 kg cm^2 at its shaft" in said
+    # Without a lead, and on a rotary axis, an inertia is no mass and a torque no force.
+    for answers in ({}, {"drive.lead": "10 mm", "machine.motion": "rotary"}):
+        assert not any(question.motor_turn for question in list_questions(answers))
+
+
+def test_a_rigid_mass_without_its_rotor_is_pointed_at() -> None:
+    """900 kg on a screw whose rotor alone is 2467 kg: 15.6 m/s^2 would be shown in place of 4.2."""
+    answers = {"wizard.way": MODAL, "drive.lead": "10 mm", "plant.moving_mass": "900 kg"}
+    said = [ENGLISH.say(insight.text) for insight in find_insights(answers)]
+    assert said == [
+        "the 900 kg must contain the rotor: each kg cm^2 at the motor shaft is 39.48 kg at the axis"
+    ]
+    answers["wizard.rotor"] = "62.5 kg cm^2"
+    (warning,) = find_insights(answers)
+    assert warning.is_warning
+    assert "are 2467 kg at the axis, more than the whole" in ENGLISH.say(warning.text)
+    assert "the whole is 3367 kg" in ENGLISH.say(warning.text)
+    answers["plant.moving_mass"] = "3400 kg"
+    (insight,) = find_insights(answers)
+    assert not insight.is_warning
+
+
+def test_further_resonances_need_no_more_than_their_frequency(tmp_path: Path) -> None:
+    """Motor, load and two frequencies: shares are derived, and all of them are assumed."""
+    further = "[[pair.modes]]\nfrequency = '110 Hz'\n"
+    from_answers(tmp_path / "p.toml", PAIR_TOML + further)
+    machine = read_profile(tmp_path / "p.toml")
+    first, second = machine.mechanics.modes
+    assert (first.frequency_hz, second.frequency_hz) == pytest.approx((60.0, 110.0))
+    assert second.damping_ratio == 0.03
+    # The motor of 2 kg alone moves at first; at the tool no mode does less than 1/M.
+    assert first.measured_gain + second.measured_gain == pytest.approx(1.0 / 2.0 - 1.0 / 8.0)
+    assert first.tcp_gain == pytest.approx(-(110.0**2) / (110.0**2 - 60.0**2) / 8.0)
+    assert second.tcp_gain == pytest.approx(1.0 / 8.0)
+    for number in (1, 2):
+        for key in ("tcp_gain", "measured_gain", "damping_ratio"):
+            assert machine.is_assumed(f"plant.modes[{number}].{key}")
+    assert not machine.is_assumed("plant.modes[2].frequency")
+    # Of motor and load alone nothing but the damping is assumed.
+    from_answers(tmp_path / "q.toml", PAIR_TOML)
+    assert not read_profile(tmp_path / "q.toml").is_assumed("plant.modes[1].tcp_gain")
+
+
+@given(
+    parts=st.lists(st.floats(0.05, 10.0), min_size=3, max_size=5),
+    springs=st.lists(st.floats(0.05, 10.0), min_size=4, max_size=4),
+)
+def test_no_chain_of_masses_does_more_at_the_tool_than_its_frequencies_tell(
+    parts: list[float], springs: list[float]
+) -> None:
+    """From the eigenvalue problem of any chain, motor at one end, tool at the other."""
+    count, total = len(parts), sum(parts)
+    K = np.zeros((count, count))
+    for i, k in enumerate(springs[: count - 1]):
+        K[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    root = np.sqrt(parts)
+    squares, vectors = np.linalg.eigh(K / np.outer(root, root))
+    shapes = vectors / root[:, None]
+    frequencies = np.sqrt(squares[1:])
+    shares = share_out(frequencies.tolist(), motor_mass=parts[0], moving_mass=total)
+    assert sum(seen for _, seen in shares) == pytest.approx(1.0 / parts[0] - 1.0 / total)
+    assert all(seen > 0.0 for _, seen in shares)
+    for (share, _), own in zip(shares, shapes[0, 1:] * shapes[-1, 1:], strict=True):
+        assert np.sign(share) == np.sign(own)
+        assert abs(share) >= min(abs(own), MOST_SHARE / total) * (1.0 - 1e-6)
+
+
+def test_one_resonance_given_twice_is_pointed_at() -> None:
+    """Whoever gives the peak of motor and load again would have it counted twice."""
+    answers = PAIR_ON_SCREW | {
+        "pair.further": "yes",
+        "pair.modes.0.frequency": "47 Hz",
+        "pair.modes.0.damping_ratio": "0.03",
+    }
+    (warning,) = [insight for insight in find_insights(answers) if insight.is_warning]
+    assert "47.32 Hz and 47 Hz are less than 10 % apart" in ENGLISH.say(warning.text)
+    answers["pair.modes.0.frequency"] = "110 Hz"
+    assert not any(insight.is_warning for insight in find_insights(answers))
+
+
+def test_what_a_rest_decides_is_said_at_its_question() -> None:
+    """A triangle of 0.3 m with 3.6 of 14 kN: RMS over move and rest by hand."""
+    answers = PAIR_ON_SCREW | {
+        "drive.max_force": "14 kN",
+        "drive.continuous_force": "4.7 kN",
+        "moves.0.distance": "300 mm",
+        "moves.0.max_velocity": "30 m/min",
+    }
+    assert not any(insight.text.kind == "insight-rest" for insight in find_insights(answers))
+    (found,) = [
+        insight.text
+        for insight in find_insights(answers | {"moves.0.dwell": "0 s"})
+        if insight.text.kind == "insight-rest"
+    ]
+    a, most = found.values["acceleration"], 14e3 / 3900.0
+    enough = found.values["enough"]
+    assert isinstance(a, float)
+    assert isinstance(enough, float)
+    for acceleration, rest in ((a, 0.0), (most, enough)):
+        ramps = 2.0 * 0.5 / acceleration
+        rms = 3900.0 * acceleration * sqrt(ramps / (0.3 / 0.5 + 0.5 / acceleration + rest))
+        assert rms == pytest.approx(4.7e3, rel=1e-6)
+    rested = answers | {"moves.0.dwell": f"{enough + 0.01} s"}
+    assert not any(insight.text.kind == "insight-rest" for insight in find_insights(rested))
+
+
+def test_the_place_of_the_position_loop_is_asked_where_there_is_a_choice(tmp_path: Path) -> None:
+    """Who does not know it must see on the sheet that DSC was assumed."""
+    path = tmp_path / "p.toml"
+    from_answers(path, f"{PAIR_TOML}[control]\nkind = 'sinumerik'\n")
+    machine = read_profile(path)
+    assert machine.control.position_loop is PositionLoop.DRIVE
+    assert machine.is_assumed("control.position_loop")
+    loop = "[control]\nkind = 'sinumerik'\nposition_loop = 'control'\n"
+    from_answers(path := tmp_path / "q.toml", PAIR_TOML + loop)
+    machine = read_profile(path)
+    assert machine.control.position_loop is PositionLoop.CONTROL
+    assert not machine.is_assumed("control.position_loop")
+    asked = {q.key for q in list_questions({"control.kind": "fanuc"})}
+    assert "control.position_loop" not in asked
+
+
+def test_a_rest_that_was_only_accepted_is_assumed(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    hot = PAIR_TOML.replace("[drive]\n", "[drive]\ncontinuous_force = '40 N'\n")
+    from_answers(path, hot)
+    assert read_profile(path).is_assumed("moves[1].dwell")
+    from_answers(
+        path := tmp_path / "q.toml", hot.replace("[[moves]]\n", "[[moves]]\ndwell = '0 s'\n")
+    )
+    assert not read_profile(path).is_assumed("moves[1].dwell")
+
+
+def test_a_mode_from_a_bode_plot_may_lack_its_share_at_the_tool(tmp_path: Path) -> None:
+    bode = PAIR_TOML.replace('"motor and load: masses and measured eigenfrequency"', f'"{MODAL}"')
+    bode += "[plant]\nmoving_mass = '800 kg'\n[[plant.modes]]\nname = 'a'\nfrequency = '40 Hz'\n"
+    from_answers(tmp_path / "p.toml", bode)
+    machine = read_profile(tmp_path / "p.toml")
+    assert machine.mechanics.modes[0].tcp_gain == pytest.approx(-1.0 / 800.0)
+    assert machine.is_assumed("plant.modes[1].tcp_gain")
+
+
+def test_a_gear_is_no_percentage() -> None:
+    gear = next(q for q in list_questions({"drive.lead": "10 mm"}) if q.key == "drive.gear")
+    assert introduce(gear, ENGLISH).endswith("Common: 0.01 to 1000.")
+
+
+@pytest.mark.parametrize("sign", ["<", "?", "q"])
+def test_signs_act_in_a_list_of_choices(sign: str) -> None:
+    """ "At every question: ? help, < back, q quit": a list that ignores them seems to hang."""
+    from prompt_toolkit.application import create_app_session
+    from prompt_toolkit.input import create_pipe_input
+    from prompt_toolkit.output import DummyOutput
+
+    plain = LineConsole(read=lambda: "", write=lambda _: None, is_interactive=True)
+    question = next(question for question in list_questions({}) if question.choices)
+    with create_pipe_input() as keys, create_app_session(input=keys, output=DummyOutput()):
+        keys.send_text(f"{sign}\r")
+        assert RichConsole(plain).ask(question, default="", words=ENGLISH) == sign
 
 
 def test_measured_pair_shows_the_mode_as_soon_as_it_is_known() -> None:
@@ -883,7 +1098,7 @@ def _response(path: Path) -> str:
 def test_a_measured_response_answers_for_the_mechanics(tmp_path: Path) -> None:
     """Only the rest is asked, the share at the tool with its worst case; intervals stay."""
     file, path = _response(tmp_path / "e.csv"), tmp_path / "p.toml"
-    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
+    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n\n\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
     session, said = talk(path, typed + "\n" * 30, is_interactive=True)
     assert session.ending is Ending.WRITTEN
     assert "nothing.csv" in said

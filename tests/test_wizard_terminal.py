@@ -24,7 +24,7 @@ from mtcommission.cli import main
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import read_profile
 from mtcommission.wizard import run_wizard  # noqa: F401
-from mtcommission.wizard.axis_units import WAYS, YES
+from mtcommission.wizard.axis_units import TOWER_BY_STIFFNESS, YES
 from mtcommission.wizard.question import Question
 from mtcommission.wizard.script import STEP, list_questions
 
@@ -40,7 +40,7 @@ TYPED = {
     "machine.source": "Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1",
     "drive.max_force": "2 kN",
     "drive.force_lag": "2,5 ms",
-    "wizard.way": WAYS[0],
+    "wizard.way": TOWER_BY_STIFFNESS,
     "plant.base_mass": "450",
     "plant.slider_mass": "750",
     "plant.rotary_inertia": "40",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isinf
 
 from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.machine.machine import Machine
@@ -16,6 +17,7 @@ SAID = (
     "control.position_loop",
     "control.position_cycle",
     "control.velocity_cycle",
+    "drive.static_load",
 )
 """Keys of ``Machine.assumed`` that have a sentence of their own."""
 
@@ -72,6 +74,14 @@ def list_assumed(machine: Machine) -> Iterator[Message]:
         yield Message("assumed-reserve", band=reserve.band, force=reserve.force)
     if is_assumed("control.kind"):
         yield Message("assumed-kind")
+    yield from _assumed_of_loop(machine)
+    if is_assumed("drive.static_load"):
+        load = machine.drive.static_load
+        yield Message("assumed-static-load", load=load, unit=machine.axis_units.force.si)
+    dwells = {f"moves[{n}].dwell": move.dwell for n, move in enumerate(machine.moves, start=1)}
+    for n, key in enumerate(dwells, start=1):
+        if is_assumed(key):
+            yield Message("assumed-dwell", number=n, dwell=dwells[key])
     yield from machine.mechanics.assumptions()
     if machine.drive.force_velocity is not None:
         unit, length = machine.axis_units, machine.axis_units.length.si
@@ -82,9 +92,20 @@ def list_assumed(machine: Machine) -> Iterator[Message]:
             velocity=machine.drive.force_velocity,
             velocity_unit=unit.velocity.si,
         )
-    others = [key for key in machine.assumed if key not in SAID]
+    others = [key for key in machine.assumed if key not in (*SAID, *dwells)]
     if others and not machine.illustrative:
         yield Message("assumed-keys", keys=", ".join(others))
+
+
+def _assumed_of_loop(machine: Machine) -> Iterator[Message]:
+    """Yield where the position loop closes and the cycles, as far as nobody stated them."""
+    control = machine.control
+    if machine.is_assumed("control.position_loop"):
+        yield Message("assumed-loop", place=Message(f"loop-at-{control.position_loop.value}"))
+    if machine.is_assumed("control.position_cycle"):
+        yield Message("assumed-position-cycle", cycle=control.position_cycle)
+    if machine.is_assumed("control.velocity_cycle"):
+        yield Message("assumed-velocity-cycle", cycle=control.velocity_cycle)
 
 
 def list_neglected(machine: Machine) -> Iterator[Message]:
@@ -97,6 +118,8 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
         if machine.control.kind.follows_steps:
             yield Message("neglected-steps")
         yield Message("neglected-force-over-speed")
+        if isinf(machine.drive.continuous_force):
+            yield Message("neglected-heat")
     yield Message("neglected-friction")
     if not machine.drive.encoder_resolution and not machine.drive.follows:
         yield Message("neglected-encoder")

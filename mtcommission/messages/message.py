@@ -89,6 +89,20 @@ def join_by_and(messages: Sequence[Message]) -> Message:
     return Message("joined-by-and", first=join_by_and(before), second=last) if before else last
 
 
+def parts_of(message: Message | str) -> tuple[Message, ...]:
+    """Return a message and all messages in it.
+
+    Examples
+    --------
+    >>> parts_of(Message("bound-by", what=Message("force")))[-1]
+    Message('force')
+    """
+    if isinstance(message, str):
+        return ()
+    inner = [one for one in message.values.values() if isinstance(one, Message)]
+    return (message, *(part for one in inner for part in parts_of(one)))
+
+
 def to_json(value: Value) -> object:
     """Return a value as the record holds it: ``{"message": kind, "values": {...}}``.
 

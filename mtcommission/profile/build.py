@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
+from math import inf, isfinite
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
@@ -36,10 +36,11 @@ MODE_BANDS = (0.4, 1.0, 4.0)
 """Default bands of surface, accuracy and speed in units of tcp_deviation (interface)."""
 
 ASSUMED = {
+    "drive": ("static_load",),
     "requirements": ("frequency_spread", "damping_spread", "reserve"),
     "control": ("kind", "position_loop", "position_cycle", "velocity_cycle"),
 }
-"""Keys whose defaults decide about limits; left out, they are assumptions."""
+"""Keys whose defaults decide about limits; left out, they are assumptions, as is each dwell."""
 
 
 def build_machine(table: ProfileTable) -> Machine:
@@ -70,18 +71,26 @@ def build_machine(table: ProfileTable) -> Machine:
         control=_build_control(table.control, follows=drive.follows),
         today=_build_today(table.today) if table.today else None,
         illustrative=table.machine.illustrative,
-        assumed=(*table.machine.assumed, *_left_out(table)),
+        assumed=(*table.machine.assumed, *_left_out(table, drive)),
         identified=table.identified.build() if table.identified else None,
     )
 
 
-def _left_out(table: ProfileTable) -> list[str]:
-    """The keys of ``ASSUMED`` that the profile does not state."""
+def _left_out(table: ProfileTable, drive: Drive) -> list[str]:
+    """The keys that decide about limits and that the profile does not state."""
+    decides = {
+        f"{name}.{key}": getattr(table, name) for name, keys in ASSUMED.items() for key in keys
+    }
+    if drive.follows:
+        del decides["drive.static_load"]
+    if drive.follows or len(KINDS[table.control.kind].position_loops) == 1:
+        del decides["control.position_loop"]  # nothing to choose
+    if isfinite(drive.continuous_force):
+        decides |= {f"moves[{n}].dwell": move for n, move in enumerate(table.moves, start=1)}
     return [
-        f"{name}.{key}"
-        for name, keys in ASSUMED.items()
-        for key in keys
-        if key not in getattr(table, name).model_fields_set
+        key
+        for key, stated in decides.items()
+        if key.rpartition(".")[2] not in stated.model_fields_set
     ]
 
 

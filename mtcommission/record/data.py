@@ -83,11 +83,14 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
 
 
 def _control_rows(machine: Machine) -> list[Row]:
-    control = machine.control
-    kind: list[Row] = [("control.kind", control.kind.key, "")]
-    if machine.drive.follows:
-        return kind
-    return [*kind, ("control.position_loop", control.position_loop.value, "")]
+    control, loops = machine.control, len(machine.control.kind.position_loops)
+    has_choice = loops > 1 and not machine.drive.follows
+    return [
+        ("control.kind", control.kind.key, ""),
+        *([("control.position_loop", control.position_loop.value, "")] if has_choice else []),
+        ("control.position_cycle", control.position_cycle, "s"),
+        ("control.velocity_cycle", control.velocity_cycle, "s"),
+    ]
 
 
 def _drive_rows(machine: Machine) -> list[Row]:
@@ -116,7 +119,7 @@ def _drive_rows(machine: Machine) -> list[Row]:
 
 
 def _move_rows(machine: Machine) -> list[Row]:
-    axis = machine.axis_units
+    axis, heats = machine.axis_units, isfinite(machine.drive.continuous_force)
     units = {
         "distance": axis.length.si,
         "velocity_step": axis.velocity.si,
@@ -126,7 +129,7 @@ def _move_rows(machine: Machine) -> list[Row]:
     return [
         (f"moves[{number}].{key}", value, units[key])
         for number, move in enumerate(machine.moves, start=1)
-        for key, value in describe_move(move).items()
+        for key, value in (describe_move(move) | ({"dwell": move.dwell} if heats else {})).items()
     ]
 
 

@@ -7,16 +7,23 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.robustness import DampingErrorEntry, FrequencyErrorEntry
-from mtcommission.sheet.machine_part import datum_name
+from mtcommission.sheet.machine_part import datum, datum_name
 
-DEFAULT = "source-default"
-GUESSED = {"source-illustrative", "source-accepted-default"}
-NOT_STATED = {DEFAULT, *GUESSED}
+ILLUSTRATIVE = "source-illustrative"
+NOT_STATED = {"source-default", ILLUSTRATIVE, "source-accepted-default"}
 """Sources of values that nobody stated for this machine."""
 
 
-NAMED = 6
-"""Assumed data that page 1 names; the rest it counts."""
+OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
+
+MARKED = (
+    *("control.", "requirements.reserve", "requirements.payload (least)"),
+    *("requirements.frequency_spread", "requirements.damping_spread"),
+)
+"""Beginnings of the keys that other rows of page 1 mark, or that the largest payload stands for."""
+
+NAMED = 3
+"""Illustrative data that page 1 names; the rest it counts. Of a real machine it names all."""
 
 
 def holds_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
@@ -51,21 +58,31 @@ def data_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
         modes = ", ".join(mode.name for mode in part.modes)
         measured = text("measured-modes", modes=modes, date=part.created[:10])
         rows = [(text("basis-data"), source), (text("basis-measured"), measured)]
-    sources = {item.key: item.source for item in record.data}
-    guessed = [
-        datum_name(item, words)
-        for item in record.data
-        if isinstance(item.source, Message) and item.source.kind in GUESSED
-    ]
-    defaults = sum(isinstance(s, Message) and s.kind == DEFAULT for s in sources.values())
-    said = [text("assumed-defaults", count=defaults)] if defaults else []
-    if guessed:
-        more = len(guessed) - NAMED
-        listed = ", ".join(guessed[:NAMED])
-        said.insert(0, text("assumed-more", names=listed, count=more) if more > 0 else listed)
-    if said:
-        rows.append((text("basis-assumed"), "; ".join(said)))
-    return tuple(rows)
+    return (*rows, *assumed_rows(record, words))
+
+
+def assumed_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """Return the other values that nobody stated, in one row; nothing where all were."""
+    said, examples = list[str](), list[str]()
+    for item in record.data:
+        source = item.source.kind if isinstance(item.source, Message) else ""
+        if source in NOT_STATED and not item.key.startswith(MARKED):
+            value = datum(item, record.plant.units, words)
+            named = f"{datum_name(item, words)} = {value}"
+            (examples if source == ILLUSTRATIVE else said).append(named)
+    said += examples[:NAMED]
+    if not said:
+        return ()
+    listed, more = "; ".join(said), len(examples) - NAMED
+    if more > 0:
+        listed = words.text("assumed-more", names=listed, count=more)
+    return ((words.text("basis-assumed"), listed),)
+
+
+def is_assumed(record: Record, key: str) -> bool:
+    """Return whether a key, or one that begins so, was not stated by anybody."""
+    sources = [item.source for item in record.data if item.key.startswith(key)]
+    return any(isinstance(s, Message) and s.kind in NOT_STATED for s in sources)
 
 
 def _control(record: Record, words: Catalogue) -> str:
@@ -75,7 +92,13 @@ def _control(record: Record, words: Catalogue) -> str:
         position_cycle=f.quantity(loop.position_cycle, "s"),
         velocity_cycle=f.quantity(loop.velocity_cycle, "s"),
     )
-    return _marked(record, "control.kind", f"{control_name(loop.kind, words)}; {where}", words)
+    name = _marked(record, "control.kind", control_name(loop.kind, words), words)
+    stated = [item for item in record.data if item.key in OF_LOOP]
+    assumed = [item for item in stated if is_assumed(record, item.key)]
+    if len(assumed) == len(stated):
+        return f"{name}; {words.text('assumed', value=where) if stated else where}"
+    names = ", ".join(datum_name(item, words) for item in assumed)
+    return f"{name}; {words.text('assumed-of', value=where, names=names) if assumed else where}"
 
 
 def control_name(kind: str, words: Catalogue) -> str:
@@ -165,9 +188,7 @@ def _number(record: Record, key: str) -> float:
 
 def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
     """A value, and that nobody stated it where that is so."""
-    sources = [item.source for item in record.data if item.key.startswith(key)]
-    is_assumed = any(isinstance(s, Message) and s.kind in NOT_STATED for s in sources)
-    return words.text("assumed", value=shown) if is_assumed else shown
+    return words.text("assumed", value=shown) if is_assumed(record, key) else shown
 
 
 def kept_sentence(record: Record, words: Catalogue) -> str:

@@ -135,7 +135,7 @@ def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
     f = words.format
     key, value = item.key, item.value
     if isinstance(value, str):
-        return value
+        return words.known(f"loop-at-{value}", value)
     if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
         return f.percent(value)
     if key.startswith("requirements.peaks."):

@@ -14,10 +14,11 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
 from mtcommission.record.schema.record import Record
-from mtcommission.sheet.basis_part import basis_rows, holds_rows
+from mtcommission.sheet.basis_part import assumed_rows, basis_rows, holds_rows
 from mtcommission.sheet.robustness_part import drawn_sentence
 from mtcommission.sheet.values import residual, say_filter, say_requirement, settling
 from mtcommission.sheet.verdict_part import (
+    assumed_and_binding,
     attainable_sentences,
     move_title,
     reference_sentence,
@@ -102,8 +103,11 @@ class Summary:
             table.add_row(plain(name), plain(value, "bold"), *map(plain, before))
         yield table
         yield plain(text("values-bound-by", bound=words.say(record.limits.recommended.bound_by)))
+        for sentence in assumed_and_binding(record, words):
+            yield plain(sentence)
         yield plain(text("used", shares=_shares(record, words)))
-        for name, value in (*basis_rows(record, words), *holds_rows(record, words)):
+        told = (*basis_rows(record, words), *holds_rows(record, words))
+        for name, value in (*told, *assumed_rows(record, words)):
             yield plain(f"{name}: {value}.")
         for sentence in further_sentences(record, words):
             yield plain(sentence)

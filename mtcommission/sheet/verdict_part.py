@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from math import inf
 
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, RMS_FORCE
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import parts_of
 from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
 from mtcommission.record.schema.moves import Check
 from mtcommission.record.schema.optima import BandEntry, RobustEntry
 from mtcommission.record.schema.record import Record
+from mtcommission.sheet.basis_part import is_assumed
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Table, Tone
 from mtcommission.sheet.values import filter_rows, residual, say_limiting, say_requirement, settling
 
@@ -33,6 +36,7 @@ def headline(record: Record, words: Catalogue) -> Headline:
         obstacle = say_requirement(assessment.obstacle, words)
         told.append(f"{text('obstacle', obstacle=obstacle)}.")
     told.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
+    told += assumed_and_binding(record, words)
     return Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
@@ -44,6 +48,38 @@ def headline(record: Record, words: Catalogue) -> Headline:
             *_setpoint_filter(record, words),
         ),
     )
+
+
+DECIDES = (
+    (RMS_FORCE, "moves[", "dwell"),
+    (RESIDUAL_DEVIATION, "requirements.frequency_spread", "spread"),
+)
+"""What binds by a value that may be assumed: the beginning of its key, and the change of it."""
+
+
+def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
+    """Return which assumed values bind, and what others would give, as sentences."""
+    found, binding = list[str](), parts_of(record.limits.recommended.bound_by)
+    for requirement, key, name in DECIDES:
+        keys = [item.key for item in record.data if item.key.startswith(key)]
+        keys = [one for one in keys if one.endswith(name) and is_assumed(record, one)]
+        if requirement.message not in binding or not keys:
+            continue
+        named = words.text("assumed-binds", keys=", ".join(keys))
+        found.append(f"{named}{_with_another(record, name, words)}")
+    return found
+
+
+def _with_another(record: Record, name: str, words: Catalogue) -> str:
+    """What another value would give, where that was computed."""
+    for item in record.limits.would_bring:
+        if item.name == name and item.meets_requirements and item.saved and item.saved > 0.0:
+            accelerations = [part.values.get("acceleration") for part in parts_of(item.change)]
+            given = [words.format.axis(a, "m/s^2") for a in accelerations if isinstance(a, float)]
+            given.append(settling(item.settling_time, words))
+            said = words.say(item.change)
+            return words.text("another-gives", change=said, given=", ".join(given))
+    return words.text("another-unknown")
 
 
 def acceleration(record: Record, words: Catalogue) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, sqrt
+from math import ceil, floor, inf, log10, sqrt
 
 from mtcommission.allowance import allow_part
 from mtcommission.control_kinds.kind import PositionLoop
@@ -23,17 +23,27 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message
+from mtcommission.machine.requirement import RMS_FORCE
+from mtcommission.messages.message import Message, parts_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.comparison import ROBUST, MoveComparison
 from mtcommission.study.loop_choice import WITH, with_filters
 from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
+from mtcommission.verdict.evaluate import MoveResult, evaluate
 
 KNOWN_SPREAD = 0.02
 """Frequency spread of a machine whose modes were measured [-] (empirical)."""
 PART = 0.1
 """Share by which the machine is made stiffer or lighter: what a redesign may reach."""
+
+LONG_REST = 3600.0
+"""Rest with which no move heats the motor [s]: an hour."""
+
+REST_TRIES, REST_FACTOR = 4, 1.5
+"""How often a rest that does not suffice yet is made longer, and by how much."""
+
+ROUNDING = 1e-9
 
 COMPUTED, BEYOND = 16.0, 9.0
 """What they may take, about that many seconds of processor time; and what of it where nothing is
@@ -101,7 +111,8 @@ def find_improvements(
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
     with allow_part(min(COMPUTED, BEYOND + spare)):  # what comes after that is named as too much
         changes = _changes(with_filters(machine, loop.tuned))
-        found = [_computed(item, shape, largest, choice, settings) for item in changes]
+        found = _rested(machine, loop.tuned, choice)
+        found += [_computed(item, shape, largest, choice, settings) for item in changes]
         if has_filters and not machine.control.seeks_force_filters:
             found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
     for variant in loop.variants:
@@ -230,6 +241,78 @@ def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Setting
         saved=choice.candidate.settling_time - candidate.settling_time,
         meets_requirements=candidate.assessment.is_met,
     )
+
+
+def _rested(machine: Machine, tuned: TunedLoop, choice: Choice) -> list[Improvement]:
+    """What a rest after the moves brings where nobody stated it and the RMS force binds.
+
+    At its least: that from which the force heats too little to bind. Empty where another one
+    would change nothing.
+    """
+    assumed = [machine.is_assumed(f"moves[{n}].dwell") for n in range(1, 1 + len(machine.moves))]
+    if not any(assumed) or RMS_FORCE.message not in parts_of(choice.bound_by):
+        return []
+    plant = build_plant(machine)
+
+    def with_rest(dwell: float) -> Machine:
+        pairs = zip(machine.moves, assumed, strict=True)
+        return replace(
+            machine,
+            moves=tuple(replace(move, dwell=dwell) if free else move for move, free in pairs),
+        )
+
+    try:
+        rested = choose_limits(with_rest(LONG_REST), plant, tuned, near=choice.limits)
+        dwell = _least_rest(machine, rested.moves, assumed)
+        for _ in range(REST_TRIES):
+            if not 0.0 < dwell < LONG_REST:
+                break
+            # Up to two digits, since an engineer compares it with his cycle; judged as it stands.
+            dwell = _rounded_up(dwell)
+            candidate = evaluate(with_rest(dwell), plant, tuned, rested.limits)
+            saved = choice.candidate.settling_time - candidate.settling_time
+            if candidate.assessment.keeps(machine.requirements.reserve) and saved > 0.0:
+                change = Message(
+                    "change-dwell",
+                    dwell=dwell,
+                    acceleration=rested.limits.acceleration,
+                )
+                return [
+                    Improvement(
+                        change=change,
+                        settling_time=candidate.settling_time,
+                        saved=saved,
+                        meets_requirements=True,
+                    )
+                ]
+            dwell *= REST_FACTOR  # some smaller move, or another corner, heats more
+    except ComputationError as error:
+        return [_without_number(Message("change-rest"), error.message)]
+    return []
+
+
+def _least_rest(machine: Machine, moves: Sequence[MoveResult], assumed: Sequence[bool]) -> float:
+    """Rest from which the RMS force of all moves is what recommendations may use [s].
+
+    The square of the force over the move is E = F_RMS^2 (t_e + d); at rest the static load s heats
+    on, so (E + s^2 d') / (t_e + d') = F^2, solved for d'; inf: the load alone heats as much.
+    """
+    allowed = (machine.requirements.reserve.force * machine.drive.continuous_force) ** 2
+    load, rests = machine.drive.static_load**2, [0.0]
+    if load >= allowed:
+        return inf
+    for move, free in zip(moves, assumed, strict=True):
+        t_e, d = move.setpoint.duration, move.setpoint.move.dwell
+        rms = max(response.rms_force for response in move.responses)
+        energy = rms**2 * (t_e + d) - load * d
+        if free:
+            rests.append((energy - allowed * t_e) / (allowed - load))
+    return max(rests)
+
+
+def _rounded_up(value: float) -> float:
+    step = 10.0 ** (floor(log10(value)) - 1)
+    return float(f"{ceil(value / step - ROUNDING) * step:.2g}")
 
 
 def _with_force_filters(

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.units.quantities import RATIO, Dimension
-from mtcommission.wizard.question import Answers, Question
+from mtcommission.units.quantities import LENGTH, RATIO, Dimension
+from mtcommission.wizard.question import Answers, Question, si_value
 
 TOWER_BY_STIFFNESS = "tower: masses and stiffness"
 TOWER_BY_FREQUENCY = "tower: masses and measured eigenfrequencies"
 PAIR_BY_STIFFNESS = "motor and load: masses and stiffness"
 PAIR_BY_FREQUENCY = "motor and load: masses and measured eigenfrequency"
 MODAL = "modes from a Bode plot"
-WAYS = (
-    TOWER_BY_STIFFNESS,
-    TOWER_BY_FREQUENCY,
-    PAIR_BY_STIFFNESS,
-    PAIR_BY_FREQUENCY,
-    MODAL,
-)
-"""Ways into the mechanics; the wizard converts all to one of the profile's two kinds."""
+TOWERS = (TOWER_BY_FREQUENCY, TOWER_BY_STIFFNESS)
+PAIRS = (PAIR_BY_FREQUENCY, PAIR_BY_STIFFNESS)
+WAYS = (*PAIRS, MODAL, *TOWERS)
+"""Ways into the mechanics, what engineers have most often first; the wizard converts all to one of
+the profile's two kinds."""
 
-YES, NO = "yes", "no"
+YES, NO, UNKNOWN = "yes", "no", "not known"
 
 MEASURED = "wizard.measured"
 """Key of the first question: files with measured responses, with ; or , between them."""
@@ -106,6 +104,7 @@ def ask(
     high: float,
     *,
     is_optional: bool = False,
+    motor_turn: float = 0.0,
 ) -> Question:
     """Return a question for a quantity that has no default.
 
@@ -117,10 +116,31 @@ def ask(
         Least and largest common value [SI]; outside it the wizard asks back.
     is_optional
         Whether it may be left empty.
+    motor_turn
+        As in ``Question``.
     """
     return Question(
-        key=key, dimension=dimension, example=example, low=low, high=high, is_optional=is_optional
+        key=key,
+        dimension=dimension,
+        example=example,
+        low=low,
+        high=high,
+        is_optional=is_optional,
+        motor_turn=motor_turn,
+        measured=SHAFT if motor_turn else "",
     )
+
+
+SHAFT = "shaft"
+"""Ending of the texts where a value at the motor's shaft is taken, too."""
+
+
+def motor_turn(answers: Answers) -> float:
+    """Return how far the motor turns per travel of a linear axis [rad/m]; 0: not known."""
+    lead = si_value(answers, "drive.lead", LENGTH)
+    if is_rotary(answers) or follows(answers) or not lead or lead < 0.0:
+        return 0.0
+    return 2.0 * pi * (si_value(answers, "drive.gear", RATIO) or 1.0) / lead
 
 
 def damping_ratio(key: str) -> Question:

@@ -119,7 +119,7 @@ class RichConsole:
                 for choice in question.choices
             ]
             commands = [
-                questionary.Choice(title=f"({words.text(f'wizard-{name}')})", value=sign)
+                questionary.Choice(title=f"{sign}  {words.text(f'wizard-{name}')}", value=sign)
                 for sign, name in (BACK, HELP, QUIT)
             ]
             asked = questionary.select(
@@ -127,14 +127,14 @@ class RichConsole:
                 choices=[*choices, *commands],
                 default=default if default in question.choices else None,
             )
-            _end_at_control_d(asked.application)
+            _take_signs(asked.application)
             return str(asked.unsafe_ask())
         prompt = f"{words.say(question.text)}{hint(question, default, words)}:"
         return str(questionary.text(prompt).unsafe_ask())
 
 
-def _end_at_control_d(application: Application[Any]) -> None:
-    """End of input leaves a list, too: on its own the list takes no letters and ignores the key."""
+def _take_signs(application: Application[Any]) -> None:
+    """< ? q and the end of input act in a list, too: on its own it takes no letters."""
     from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent, merge_key_bindings
 
     own = KeyBindings()
@@ -142,6 +142,12 @@ def _end_at_control_d(application: Application[Any]) -> None:
     @own.add("c-d")
     def _(event: KeyPressEvent) -> None:
         event.app.exit(exception=EOFError())
+
+    for sign, _name in (BACK, HELP, QUIT):
+
+        @own.add(sign)
+        def _(event: KeyPressEvent, sign: str = sign) -> None:
+            event.app.exit(result=sign)
 
     present = application.key_bindings
     application.key_bindings = merge_key_bindings([present, own]) if present else own

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import copysign, pi, prod, sqrt
 
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.profile.lines import read_key, read_path, show_key
@@ -16,9 +16,10 @@ from mtcommission.wizard.axis_units import (
     MODAL,
     NO,
     PAIR_BY_FREQUENCY,
-    PAIR_BY_STIFFNESS,
+    PAIRS,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
+    UNKNOWN,
     YES,
     axis_units,
     follows,
@@ -65,6 +66,16 @@ class Pair:
     measured_gain: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairMode:
+    """One mode of motor and load, or a further one: frequency [Hz], and shares [1/kg]."""
+
+    frequency_hz: float
+    damping_ratio: float
+    tcp_gain: float
+    measured_gain: float
+
+
 def couple(*, motor_mass: float, load_mass: float, stiffness: float, damping_ratio: float) -> Pair:
     """Return the modal form of motor - spring - load.
 
@@ -97,6 +108,39 @@ def couple(*, motor_mass: float, load_mass: float, stiffness: float, damping_rat
     )
 
 
+def share_out(
+    frequencies: Sequence[float], *, motor_mass: float, moving_mass: float
+) -> tuple[tuple[float, float], ...]:
+    """Return the shares of modes at tool and encoder [1/kg] where only frequencies were measured.
+
+    The tool ends a chain of masses that begins at the motor. Then the response from force to tool
+    has no zeros, 1/(M s²) Π ω_j²/(s² + ω_j²), so the share of mode k at the tool is
+    -1/M Π_{j≠k} ω_j²/(ω_j² - ω_k²), whatever the masses between. A mode of the frame may stand
+    beside the chain instead: no share is taken for less than 1/M, the worst case of a tool on the
+    far side of one spring. Close frequencies would ask for a tool of hardly any mass: no share is
+    taken for more than ``MOST_SHARE``/M. At the encoder the shares add up to 1/m_motor - 1/M, since
+    the motor alone moves at first; they are divided like those at the tool, which is what the chain
+    with the heaviest tool does. Of one mode both are exact: motor, spring and load.
+
+    Examples
+    --------
+    >>> share_out([40.0, 80.0], motor_mass=1.0, moving_mass=4.0)
+    ((-0.333..., 0.428...), (0.25, 0.321...))
+    """
+    m = moving_mass
+    tool = []
+    for k, own in enumerate(frequencies):
+        others = [f for j, f in enumerate(frequencies) if j != k]
+        chain = prod(f**2 / (f**2 - own**2) for f in others if f != own)
+        tool.append(-copysign(min(max(abs(chain), 1.0), MOST_SHARE), chain) / m)
+    seen = (1.0 / motor_mass - 1.0 / m) / sum(map(abs, tool))
+    return tuple((gain, seen * abs(gain)) for gain in tool)
+
+
+MOST_SHARE = 3.0
+"""Largest share at the tool that is taken without a measurement there, in 1/M (empirical)."""
+
+
 def to_profile(answers: Answers) -> Data:
     """Return the profile's tables for the answers.
 
@@ -126,6 +170,8 @@ def _tables(answers: Answers) -> Data:
     flat = {key: text for key, text in flat.items() if not key.startswith("plant.")}
     if not follows(answers):
         flat.pop("drive.kind", None)  # a servo is what a profile means without it
+    if flat.get("control.position_loop") == UNKNOWN:
+        del flat["control.position_loop"]  # the profile's reader calls it assumed
     plant = {key: text for key, text in _plant(answers).items() if text}
     payload = flat.pop("requirements.payload.1", "")
     least = flat.pop("requirements.payload.0", "")
@@ -167,9 +213,21 @@ def list_unmeasured(answers: Answers) -> tuple[str, ...]:
     asked = {question.key for question in list_questions(answers)}
     # The same key of [plant] may come from another description of the mechanics by now.
     valid = [key for key in list_accepted(answers) if key in asked or not key.startswith("plant.")]
-    keys = [DERIVED_FROM.get(key, key) for key in valid if _has(answers, key)]
+    keys = [_written_as(key) for key in valid if _has(answers, key)]
+    if modes := further_modes(answers):
+        places = [f"plant.modes.{i}" for i in range(1 + len(modes))]
+        keys += [f"{place}.{gain}" for place in places for gain in ("tcp_gain", "measured_gain")]
     written = flatten(_tables(answers))
     return tuple(show_key(read_path(key)) for key in dict.fromkeys(keys) if _has(written, key))
+
+
+def _written_as(key: str) -> str:
+    """The profile's key of a default; a further mode of a pair is one later there."""
+    _, _, rest = key.partition("pair.modes.")
+    if rest:
+        index, _, name = rest.partition(".")
+        return f"plant.modes.{int(index) + 1}.{name}"
+    return DERIVED_FROM.get(key, key)
 
 
 def _has(answers: Answers, key: str) -> bool:
@@ -202,7 +260,10 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     kind = answers.pop("plant.kind", "")
     if kind and "wizard.way" not in answers and not follows(answers):
         answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
-    for table, most in (("plant.modes", MOST_MODES), ("moves", MOST_MOVES)):
+    if any(key.startswith("pair.modes.") for key in answers):
+        answers.setdefault("pair.further", YES)
+    for table in ("plant.modes", "pair.modes", "moves"):
+        most = MOST_MOVES if table == "moves" else MOST_MODES
         for i in range(most):
             here, there = f"{table}.{i}.", f"{table}.{i + 1}."
             if any(key.startswith(here) for key in answers):
@@ -300,8 +361,8 @@ def _plant(answers: Answers) -> dict[str, str]:
             return {"plant.kind": "manipulator", **tower}
         case chosen if chosen == TOWER_BY_FREQUENCY:
             return {"plant.kind": "manipulator", **tower, **_tower_springs(answers)}
-        case chosen if chosen in (PAIR_BY_STIFFNESS, PAIR_BY_FREQUENCY):
-            return {"plant.kind": "modal", **_pair_mode(answers)}
+        case chosen if chosen in PAIRS:
+            return {"plant.kind": "modal", **_pair_plant(answers)}
         case chosen if chosen == MODAL:
             return {"plant.kind": "modal", **modal}
     return {}
@@ -341,15 +402,57 @@ def pair_of(answers: Answers) -> Pair | None:
     return couple(motor_mass=m_1, load_mass=m_2, stiffness=k, damping_ratio=zeta)
 
 
-def _pair_mode(answers: Answers) -> dict[str, str]:
+def further_modes(answers: Answers) -> tuple[tuple[float, float], ...]:
+    """Return frequency [Hz] and damping ratio of what was measured besides motor and load."""
+    found, more = list[tuple[float, float]](), "pair.further"
+    while answers.get("wizard.way") in PAIRS and answers.get(more) == YES:
+        place = f"pair.modes.{len(found)}"
+        f = si_value(answers, f"{place}.frequency", FREQUENCY)
+        zeta = si_value(answers, f"{place}.damping_ratio", RATIO)
+        if not f or zeta is None:
+            break
+        found.append((f, zeta))
+        more = f"{place}.more"
+    return tuple(found)
+
+
+def pair_modes(answers: Answers) -> tuple[PairMode, ...]:
+    """Return the mode of motor and load, then the further ones; none while something is missing."""
+    pair = pair_of(answers)
+    if pair is None:
+        return ()
+    first = PairMode(
+        frequency_hz=pair.frequency_hz,
+        damping_ratio=pair.damping_ratio,
+        tcp_gain=pair.tcp_gain,
+        measured_gain=pair.measured_gain,
+    )
+    further = further_modes(answers)
+    if not further:
+        return (first,)
+    found = [(pair.frequency_hz, pair.damping_ratio), *further]
+    shares = share_out(
+        [f for f, _ in found],
+        motor_mass=1.0 / (pair.measured_gain + 1.0 / pair.moving_mass),
+        moving_mass=pair.moving_mass,
+    )
+    return tuple(
+        PairMode(frequency_hz=f, damping_ratio=zeta, tcp_gain=tool, measured_gain=seen)
+        for (f, zeta), (tool, seen) in zip(found, shares, strict=True)
+    )
+
+
+def _pair_plant(answers: Answers) -> dict[str, str]:
     pair, unit = pair_of(answers), axis_units(answers)
     if pair is None:
         return {}
-    return {
-        "plant.moving_mass": f"{pair.moving_mass:.10g} {unit.mass.si}",
-        "plant.modes.0.name": "drive",
-        "plant.modes.0.frequency": f"{pair.frequency_hz:.10g} Hz",
-        "plant.modes.0.damping_ratio": f"{pair.damping_ratio:.10g}",
-        "plant.modes.0.tcp_gain": f"{pair.tcp_gain:.10g} {unit.gain.si}",
-        "plant.modes.0.measured_gain": f"{pair.measured_gain:.10g} {unit.gain.si}",
-    }
+    plant = {"plant.moving_mass": f"{pair.moving_mass:.10g} {unit.mass.si}"}
+    for i, mode in enumerate(pair_modes(answers)):
+        plant |= {
+            f"plant.modes.{i}.name": f"mode{i + 1}" if i else "drive",
+            f"plant.modes.{i}.frequency": f"{mode.frequency_hz:.10g} Hz",
+            f"plant.modes.{i}.damping_ratio": f"{mode.damping_ratio:.10g}",
+            f"plant.modes.{i}.tcp_gain": f"{mode.tcp_gain:.10g} {unit.gain.si}",
+            f"plant.modes.{i}.measured_gain": f"{mode.measured_gain:.10g} {unit.gain.si}",
+        }
+    return plant

@@ -118,7 +118,8 @@ def _is_tables(value: object) -> bool:
 def _origins(answers: Answers, accepted: str) -> Iterator[tuple[str, str]]:
     """What was typed where the profile holds derived values."""
     for key, text in answers.items():
-        if key.startswith(("measured.", "pair.")) and text:
+        is_number = not key.endswith((".further", ".more"))
+        if key.startswith(("measured.", "pair.")) and text and is_number:
             mark = f" ({accepted})" if key in list_accepted(answers) else ""
             yield key.partition(".")[2], f"{text}{mark}"
 

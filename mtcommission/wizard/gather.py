@@ -181,7 +181,8 @@ def _own_keys() -> tuple[str, ...]:
     """Every key that is asked for in some way, elements of arrays as the first one."""
     keys: dict[str, None] = {}
     for way in WAYS:
-        asked = {"wizard.way": way, "plant.modes.0.more": YES, "moves.0.more": YES}
+        more = ("plant.modes.0.more", "pair.further", "moves.0.more")
+        asked = {"wizard.way": way, "drive.lead": "10 mm", **dict.fromkeys(more, YES)}
         keys |= dict.fromkeys(_generic(question.key) for question in list_questions(asked))
     return tuple(keys)
 

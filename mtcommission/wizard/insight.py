@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import pi, sqrt
+from itertools import combinations
+from math import inf, pi, sqrt
 
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES
+from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,
@@ -17,17 +20,21 @@ from mtcommission.units.quantities import (
     ROTARY_DAMPING,
     ROTARY_STIFFNESS,
     STIFFNESS,
+    TIME,
     Dimension,
 )
 from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,
+    PAIRS,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     axis_units,
     follows,
+    motor_turn,
 )
-from mtcommission.wizard.convert import pair_of
+from mtcommission.wizard.convert import pair_modes
+from mtcommission.wizard.mechanics import ROTOR
 from mtcommission.wizard.question import Answers, si_value
 
 CONTRADICTION = 0.1
@@ -105,7 +112,104 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
             mass_unit=unit.mass.si,
         )
         found.append(Insight(text=text))
+    found += [*_rotor(answers), *_twice_measured(answers), *_rests(answers, mass, force)]
     return (*found, *_contradictions(answers))
+
+
+def _rotor(answers: Answers) -> Iterator[Insight]:
+    """What the rotor is at the axis: often more than all that moves in a line."""
+    turn = motor_turn(answers)
+    if not turn:
+        return
+    motor = si_value(answers, "pair.motor_mass", MASS)
+    if answers.get("wizard.way") in PAIRS and motor:
+        yield Insight(text=Message("insight-shaft", mass=motor, inertia=1e4 * motor / turn**2))
+    if answers.get("wizard.way") != MODAL:
+        return
+    rotor, mass = si_value(answers, ROTOR, INERTIA), si_value(answers, "plant.moving_mass", MASS)
+    if rotor and mass:
+        own = rotor * turn**2
+        kind = "insight-rotor-missing" if mass <= own else "insight-rotor"
+        text = Message(kind, rotor=own, mass=mass, whole=own + mass, share=own / mass)
+        yield Insight(text=text, is_warning=mass <= own)
+    elif mass:
+        yield Insight(text=Message("insight-rotor-unknown", mass=mass, each=1e-4 * turn**2))
+
+
+def _twice_measured(answers: Answers) -> Iterator[Insight]:
+    """Two measured frequencies so close that they may be one resonance."""
+    is_pair = answers.get("wizard.way") in PAIRS
+    found = [mode.frequency_hz for mode in pair_modes(answers)] if is_pair else []
+    for first, second in combinations(found, 2):
+        if abs(first - second) < CONTRADICTION * max(first, second):
+            text = Message("insight-twice-measured", first=first, second=second)
+            yield Insight(text=text, is_warning=True)
+
+
+def _rests(answers: Answers, mass: float | None, force: float | None) -> Iterator[Insight]:
+    """What the rest after each move leaves of the acceleration, where heat takes some of it."""
+    unit = axis_units(answers)
+    continuous = si_value(answers, "drive.continuous_force", unit.force)
+    if not mass or not force or not continuous or min(mass, force, continuous) <= 0.0:
+        return
+    for i in range(MOST_MOVES):
+        place = f"moves.{i}"
+        rest = si_value(answers, f"{place}.dwell", TIME)
+        distance = si_value(answers, f"{place}.distance", unit.length)
+        step = si_value(answers, f"{place}.velocity_step", unit.velocity)
+        top = step or si_value(answers, f"{place}.max_velocity", unit.velocity) or inf
+        if rest is None or rest < 0.0 or not (distance or step) or top <= 0.0:
+            continue
+        work = _Work(mass=mass, distance=0.0 if step else abs(distance or 0.0), velocity=top)
+        if work.heat(force / mass, rest) <= continuous:
+            continue
+        text = Message(
+            "insight-rest",
+            number=i + 1,
+            rest=rest,
+            acceleration=work.largest(continuous, rest, force / mass),
+            most=force / mass,
+            rate=unit.acceleration.si,
+            enough=work.rest_for(force / mass, continuous),
+        )
+        yield Insight(text=text)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Work:
+    """A move of a rigid mass [kg] over a distance [m], 0: only to its velocity [m/s]."""
+
+    mass: float
+    distance: float
+    velocity: float
+
+    def times(self, acceleration: float) -> tuple[float, float]:
+        """Return for how long the mass is accelerated, and how long the move takes [s]."""
+        if not self.distance:
+            return self.velocity / acceleration, self.velocity / acceleration
+        top = min(self.velocity, sqrt(self.distance * acceleration))
+        return 2.0 * top / acceleration, self.distance / top + top / acceleration
+
+    def heat(self, acceleration: float, rest: float) -> float:
+        """Return the RMS force over move and rest [N]."""
+        accelerated, whole = self.times(acceleration)
+        return self.mass * acceleration * sqrt(accelerated / (whole + rest))
+
+    def largest(self, allowed: float, rest: float, most: float) -> float:
+        """Return the acceleration that heats as much as is allowed [m/s²], below the most."""
+        low, high = 0.0, most
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.heat(middle, rest) > allowed else (middle, high)
+        return 0.5 * (low + high)
+
+    def rest_for(self, acceleration: float, allowed: float) -> float:
+        """Return the rest with which an acceleration heats as much as is allowed [s]."""
+        accelerated, whole = self.times(acceleration)
+        return accelerated * (self.mass * acceleration / allowed) ** 2 - whole
+
+
+BISECTIONS = 40
 
 
 def _motion_force(answers: Answers) -> float | None:
@@ -140,16 +244,14 @@ def _modes(answers: Answers) -> list[_Mode]:
         return _tower_modes(answers, measured=way == TOWER_BY_FREQUENCY)
     if way == MODAL or follows(answers):
         return _bode_modes(answers)
-    pair = pair_of(answers)
-    if pair is None:
-        return []
     return [
         _Mode(
-            name=Message("mode-of-pair"),
-            omega=2.0 * pi * pair.frequency_hz,
-            damping_ratio=pair.damping_ratio,
-            tcp_gain=pair.tcp_gain,
+            name=f"mode{i + 1}" if i else Message("mode-of-pair"),
+            omega=2.0 * pi * mode.frequency_hz,
+            damping_ratio=mode.damping_ratio,
+            tcp_gain=mode.tcp_gain,
         )
+        for i, mode in enumerate(pair_modes(answers))
     ]
 
 

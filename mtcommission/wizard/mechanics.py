@@ -23,6 +23,7 @@ from mtcommission.wizard.axis_units import (
     PAIR_BY_STIFFNESS,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
+    TOWERS,
     WAYS,
     YES,
     ask,
@@ -31,8 +32,12 @@ from mtcommission.wizard.axis_units import (
     damping_ratio,
     follows,
     is_rotary,
+    motor_turn,
 )
-from mtcommission.wizard.question import Answers, Question
+from mtcommission.wizard.question import Answers, Question, si_value
+
+ROTOR = "wizard.rotor"
+"""Key of the inertia that the whole rigid mass must contain."""
 
 HELD = "held"
 """How the modes of a motor that follows are measured."""
@@ -42,7 +47,7 @@ def ask_mechanics(answers: Answers) -> tuple[Question, ...]:
     """Return the questions for the way that was chosen; first the choice itself."""
     if follows(answers):
         return _held(answers)
-    ways = WAYS[2:] if is_rotary(answers) else WAYS
+    ways = tuple(way for way in WAYS if way not in TOWERS) if is_rotary(answers) else WAYS
     way = Question(key="wizard.way", choices=ways, default=ways[0])
     match answers.get("wizard.way", ""):
         case chosen if chosen == TOWER_BY_STIFFNESS:
@@ -103,17 +108,36 @@ def _tower_frequencies() -> tuple[Question, ...]:
 
 
 def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
-    tail = damping_ratio("pair.damping_ratio")
-    if by_stiffness:
-        return (*_pair_masses(answers), _pair_stiffness(answers, is_optional=False), tail)
-    return (*_pair_masses(answers), *_pair_by_frequency(answers), tail)
+    spring = (
+        (_pair_stiffness(answers, is_optional=False),)
+        if by_stiffness
+        else _pair_by_frequency(answers)
+    )
+    own = (*_pair_masses(answers), *spring, damping_ratio("pair.damping_ratio"))
+    return (*own, *_further_modes(answers))
+
+
+def _further_modes(answers: Answers) -> tuple[Question, ...]:
+    """Resonances that were measured besides that of motor and load: of each no more than a peak."""
+    found = [Question(key="pair.further", choices=(NO, YES), default=NO)]
+    for i in range(MOST_MODES - 1):
+        if answers.get(found[-1].key) != YES:
+            break
+        place = f"pair.modes.{i}"
+        found += [
+            ask(f"{place}.frequency", FREQUENCY, "110 Hz", 1.0, 2e3),
+            damping_ratio(f"{place}.damping_ratio"),
+        ]
+        if i + 2 < MOST_MODES:
+            found.append(Question(key=f"{place}.more", choices=(NO, YES), default=NO))
+    return tuple(found)
 
 
 def _pair_masses(answers: Answers) -> tuple[Question, Question]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     motor, load = ("2 kg m^2", "6 kg m^2") if turns else ("320 kg", "1150 kg")
     return (
-        ask("pair.motor_mass", unit.mass, motor, *usual.mass),
+        ask("pair.motor_mass", unit.mass, motor, *usual.mass, motor_turn=motor_turn(answers)),
         ask("pair.load_mass", unit.mass, load, *usual.mass),
     )
 
@@ -135,8 +159,16 @@ def _pair_stiffness(answers: Answers, *, is_optional: bool) -> Question:
 
 def _modal(answers: Answers) -> tuple[Question, ...]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
+    turn = motor_turn(answers)
     found = [
-        ask("plant.moving_mass", unit.mass, "8 kg m^2" if turns else "800 kg", *usual.mass),
+        *([ask(ROTOR, INERTIA, "0.005 kg m^2", 1e-6, 10.0, is_optional=True)] if turn else []),
+        ask(
+            "plant.moving_mass",
+            unit.mass,
+            "8 kg m^2" if turns else "800 kg",
+            *usual.mass,
+            motor_turn=turn,
+        ),
     ]
     for i in range(MOST_MODES):
         found += _mode(answers, i)
@@ -167,7 +199,8 @@ def _held(answers: Answers) -> tuple[Question, ...]:
 
 
 def _mode(answers: Answers, index: int) -> tuple[Question, ...]:
-    gain, place = axis_units(answers).gain, f"plant.modes.{index}"
+    unit, place = axis_units(answers), f"plant.modes.{index}"
+    gain, mass = unit.gain, si_value(answers, "plant.moving_mass", unit.mass)
     return (
         Question(key=f"{place}.name", default=f"mode{index + 1}"),
         ask(f"{place}.frequency", FREQUENCY, "40 Hz", 1.0, 2e3),
@@ -175,6 +208,8 @@ def _mode(answers: Answers, index: int) -> tuple[Question, ...]:
         Question(
             key=f"{place}.tcp_gain",
             dimension=gain,
+            # The worst case of a tool on the far side of the mode, as identify takes it.
+            default=f"{-1.0 / mass:.5g} {gain.si}" if mass and mass > 0.0 else "",
             example="0.1 1/(kg m^2)" if is_rotary(answers) else "0.002 1/kg",
         ),
         Question(key=f"{place}.measured_gain", dimension=gain, default=f"0 {gain.si}"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from mtcommission.control_kinds.kinds import KINDS
@@ -12,9 +12,13 @@ from mtcommission.errors import Refused
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import (
     DIGITS,
+    FORCE,
     GAIN,
+    INERTIA,
+    MASS,
     NUMBER,
     RATIO,
+    TORQUE,
     Dimension,
     convert_to,
     parse_quantity,
@@ -51,6 +55,9 @@ class Question:
         negative values are refused.
     is_optional
         Whether an empty reply leaves the value out.
+    motor_turn
+        How far the motor turns per travel [rad/m], so that inertia or torque at its shaft is taken
+        for a mass or a force, too; 0: not known, or without meaning.
     measured
         Under which circumstances the value is found, where that changes where to look; ""
         otherwise.
@@ -64,7 +71,13 @@ class Question:
     low: float = -inf
     high: float = inf
     is_optional: bool = False
+    motor_turn: float = 0.0
     measured: str = ""
+
+    @property
+    def decides(self) -> bool:
+        """Whether its default, where it was only accepted, is an assumption."""
+        return self.dimension is not None or self.key == "control.kind"
 
     @property
     def plain(self) -> Message:
@@ -185,6 +198,9 @@ def _free_text(text: str) -> str:
 
 
 def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
+    at_shaft = _from_shaft(question, dimension, text)
+    if at_shaft:
+        return replace(_quantity(question, dimension, at_shaft), taken_as=at_shaft)
     value = parse_quantity(text, dimension, decimal_comma=True)
     plain = text.replace("\t", " ").strip().replace("\N{MINUS SIGN}", "-")
     digits = DIGITS.match(plain)
@@ -215,6 +231,22 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
     is_doubtful = (is_bare or "," in text) and is_share
     taken_as = _in_other_words(plain, value, dimension) if is_doubtful else ""
     return Reply(text=plain, warning=warning, taken_as=taken_as)
+
+
+AT_SHAFT = {MASS: (INERTIA, 2), FORCE: (TORQUE, 1)}
+"""What a mass and a force are at the motor's shaft, and the power of its turn per travel."""
+
+
+def _from_shaft(question: Question, dimension: Dimension, text: str) -> str:
+    """A value that was typed for the motor's shaft, as at the axis; "" for any other."""
+    if not question.motor_turn or dimension not in AT_SHAFT or NUMBER.fullmatch(text.strip()):
+        return ""
+    own, power = AT_SHAFT[dimension]
+    try:
+        value = parse_quantity(text, own, decimal_comma=True)
+    except Refused:
+        return ""
+    return f"{value * question.motor_turn**power:.6g} {dimension.si}"
 
 
 def _in_other_words(plain: str, value: float, dimension: Dimension) -> str:
@@ -271,6 +303,8 @@ def show_common(question: Question) -> Message:
     Message('wizard-span', low='10 kN/m', high='10 GN/m')
     """
     unit = question.dimension.si if question.dimension else ""
+    if question.dimension is RATIO and question.high > 1.0:  # no share, as of a gear
+        return Message("wizard-span", low=f"{question.low:g}", high=f"{question.high:g}")
     return Message("wizard-span", low=_shown(question.low, unit), high=_shown(question.high, unit))
 
 

@@ -6,6 +6,7 @@ questions, and going back needs no memory but the answers.
 
 from __future__ import annotations
 
+from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.control_kinds.kinds import GENERIC, KINDS
 from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import GAIN, RATIO, TIME
@@ -14,14 +15,15 @@ from mtcommission.wizard.axis_units import (
     NO,
     SERVO,
     SOURCE,
-    TOWER_BY_FREQUENCY,
-    TOWER_BY_STIFFNESS,
+    TOWERS,
+    UNKNOWN,
     YES,
     ask,
     axis_units,
     common,
     follows,
     is_rotary,
+    motor_turn,
 )
 from mtcommission.wizard.mechanics import ask_mechanics
 from mtcommission.wizard.question import Answers, Question
@@ -71,6 +73,7 @@ def _machine() -> tuple[Question, ...]:
 def _drive(answers: Answers) -> tuple[Question, ...]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     kind = Question(key="drive.kind", choices=(SERVO, SOURCE), default=SERVO)
+    turn = motor_turn(answers)
     if follows(answers):
         acceleration, velocity = ("100 rad/s^2", "10 rad/s") if turns else ("10 m/s^2", "0.5 m/s")
         return (
@@ -80,21 +83,22 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
         )
     return (
         kind,
-        Question(
-            key="drive.max_force",
-            dimension=unit.force,
-            example="800 N m" if turns else "2 kN",
-            low=usual.force[0],
-            high=usual.force[1],
+        *_drive_train(answers),
+        ask(
+            "drive.max_force",
+            unit.force,
+            "800 N m" if turns else "2 kN",
+            *usual.force,
+            motor_turn=turn,
         ),
         Question(key="drive.force_lag", dimension=TIME, default="2 ms", low=1e-4, high=2e-2),
-        Question(
-            key="drive.continuous_force",
-            dimension=unit.force,
-            example="400 N m" if turns else "1 kN",
-            low=usual.force[0],
-            high=usual.force[1],
+        ask(
+            "drive.continuous_force",
+            unit.force,
+            "400 N m" if turns else "1 kN",
+            *usual.force,
             is_optional=True,
+            motor_turn=turn,
         ),
         Question(key="drive.static_load", dimension=unit.force, default=f"0 {unit.force.si}"),
     )
@@ -116,7 +120,8 @@ def _move(answers: Answers, index: int) -> tuple[Question, ...]:
     dwell = Question(key=f"{place}.dwell", dimension=TIME, default="0 s", low=0.0, high=3600.0)
     more = Question(key=f"{place}.more", choices=(NO, YES), default=NO)
     size = _velocity_step(answers, place) if is_step else _positioning(answers, place)
-    return (kind, *size, dwell, more)
+    heats = bool(answers.get("drive.continuous_force")) and not follows(answers)
+    return (kind, *size, *((dwell,) if heats else ()), more)
 
 
 def _velocity_step(answers: Answers, place: str) -> tuple[Question]:
@@ -211,33 +216,45 @@ def _control(answers: Answers) -> tuple[Question, ...]:
     gains_of_states = any(key.startswith("control.state_feedback.") for key in answers)
     return (
         Question(key="control.kind", choices=tuple(KINDS), default=GENERIC.key),
+        *_position_loop(kind),
         Question(
             key="control.position_cycle", dimension=TIME, default=position, low=5e-5, high=0.02
         ),
         Question(
             key="control.velocity_cycle", dimension=TIME, default=velocity, low=3e-5, high=5e-3
         ),
-        *_drive_train(answers),
+        _resolution(answers),
         *_gains(answers, "control"),
         *(feeds_states_back[gains_of_states:] if kind.state_feedback else ()),
     )
 
 
+def _position_loop(kind: ControlKind) -> tuple[Question, ...]:
+    """Where the position loop closes, where that can be chosen; unknown, it stays an assumption."""
+    loops = [loop.value for loop in kind.position_loops]
+    if len(loops) < 2:
+        return ()
+    return (Question(key="control.position_loop", choices=(UNKNOWN, *loops), default=UNKNOWN),)
+
+
 def _drive_train(answers: Answers) -> tuple[Question, ...]:
-    """What turns values at the axis into those at the motor, and the encoder's steps."""
+    """What turns values at the motor into those at the axis: first of all that needs it."""
     unit, turns = axis_units(answers), is_rotary(answers)
     lead = ask("drive.lead", unit.length, "10 mm", 1e-4, 1.0, is_optional=True)
     gear = Question(key="drive.gear", dimension=RATIO, default="1", low=0.01, high=1e3)
-    resolution = ask(
+    has_gear = turns or bool(answers.get(lead.key))
+    return (*(() if turns else (lead,)), *((gear,) if has_gear else ()))
+
+
+def _resolution(answers: Answers) -> Question:
+    return ask(
         "drive.encoder_resolution",
-        unit.length,
-        "0.1 arcsec" if turns else "0.1 um",
+        axis_units(answers).length,
+        "0.1 arcsec" if is_rotary(answers) else "0.1 um",
         1e-11,
         1e-4,
         is_optional=True,
     )
-    has_gear = turns or bool(answers.get(lead.key))
-    return (*(() if turns else (lead,)), *((gear,) if has_gear else ()), resolution)
 
 
 def _gains(answers: Answers, table: str) -> tuple[Question, ...]:
@@ -279,7 +296,7 @@ def _optimal(answers: Answers) -> tuple[Question, ...]:
     if answers.get("wizard.experts") != YES:
         return (wanted,)
     final = ask("damping_optimal.t_f", TIME, "52.2 ms", 1e-3, 60.0, is_optional=True)
-    if answers.get("wizard.way") not in (TOWER_BY_STIFFNESS, TOWER_BY_FREQUENCY):
+    if answers.get("wizard.way") not in TOWERS:
         return (wanted, final)
     weights = tuple(
         Question(key=f"damping_optimal.weights.{state}", example="1e15", is_optional=True)

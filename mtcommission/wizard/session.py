@@ -26,7 +26,7 @@ from mtcommission.wizard.console import (
     explain,
     introduce,
 )
-from mtcommission.wizard.convert import list_unmeasured, to_profile
+from mtcommission.wizard.convert import to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import Insight, find_insights
@@ -174,7 +174,7 @@ def _fill(source: Source) -> dict[str, str]:
             fault = Fault(where="", key=_shown(question.key), message=error.message)
             faults.append(source.locate(fault))
         filled[question.key] = text
-        if text and not typed and question.dimension is not None:
+        if text and not typed and question.decides:
             filled = note_accepted(filled, question.key)
         place += 1
     if faults:
@@ -332,7 +332,7 @@ def _take(
     found = {**known, question.key: text}
     if typed:
         found = note_stated(found, question.key)
-    elif not before and text and question.dimension is not None:
+    elif not before and text and question.decides:
         found = note_accepted(found, question.key)
     if reply.warning:
         speaker.tell(found, Message("wizard-warning", what=reply.warning))
@@ -392,9 +392,8 @@ def _summarise(speaker: _Speaker, answers: Answers, machine: Machine, output: Pa
     speaker.tell(answers, written, indent="")
     for insight in find_insights(answers):
         _tell_insight(speaker, answers, insight)
-    unmeasured = list_unmeasured(answers)
-    if unmeasured:
-        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(unmeasured)))
+    if machine.assumed:
+        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(machine.assumed)))
     for remark in check_plausibility(machine):
         speaker.tell(answers, Message("wizard-warning", what=remark.with_key()))
 

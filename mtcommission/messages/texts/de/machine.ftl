@@ -72,12 +72,24 @@ assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force)
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt drive.acceleration_curve bis { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = die Art der Steuerung; die eigene nennen (control.kind)
+assumed-loop = Lageregelung { $place }
+loop-at-control = in der Steuerung
+loop-at-interpolated = in der Steuerung, Vorsteuerung interpoliert
+loop-at-drive = im Antrieb (DSC)
+assumed-position-cycle = Lagereglertakt { TIME($cycle) }
+assumed-velocity-cycle = Geschwindigkeitsreglertakt { TIME($cycle) }
+assumed-static-load = Gewichts- oder Prozess{ $axis ->
+    [rotary] moment
+   *[linear] kraft
+} { QUANTITY($load, $unit) }
+assumed-dwell = Ruhezeit von { TIME($dwell) } nach Bewegung { $number }
 assumed-keys = nicht gemessen: { $keys }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
     [rotary] mit der Drehzahl fallendes Moment (max_force gilt für die höchste)
    *[linear] mit dem Tempo fallende Kraft (max_force gilt für das höchste)
 }
+neglected-heat = Erwärmung des Motors (drive.continuous_force angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
 neglected-encoder = Geberstufen (drive.encoder_resolution angeben)
 neglected-travel = Eigenformen über den Verfahrweg (frequency_spread weiten)

@@ -39,7 +39,7 @@ name-Kp = Geschwindigkeitsreglerverstärkung Kp
 name-Tn = Nachstellzeit Tn
 name-encoder = Lagegeber
 name-kind = Art der Steuerung
-name-position-loop = Lageregelung geschlossen in
+name-position-loop = Ort der Lageregelung
 name-lead = Weg je Umdrehung der Spindel
 name-gear = Motorumdrehungen je Umdrehung der Spindel
 name-encoder-resolution = Auflösung des Gebers
@@ -65,6 +65,8 @@ name-moving-mass = { $axis ->
 name-frequency = Eigenfrequenz
 name-damping-ratio = Dämpfungsgrad
 name-max-acceleration = Größte Beschleunigung des Motors
+name-position-cycle = Lagereglertakt
+name-velocity-cycle = Geschwindigkeitsreglertakt
 name-drive-kind = Art des Antriebs
 name-max-force = { $axis ->
     [rotary] Größtes Drehmoment

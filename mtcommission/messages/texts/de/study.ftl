@@ -106,6 +106,8 @@ change-lag = { $axis ->
     [rotary] Halbe Verzögerung der Drehmomentregelung
    *[linear] Halbe Verzögerung der Kraftregelung
 }
+change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
+change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
 change-stiffer = Steifigkeit { SHARE($share) } höher, alle Eigenformen
 change-lighter = { $axis ->

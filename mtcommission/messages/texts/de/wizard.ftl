@@ -36,6 +36,8 @@ ask-drive-continuous-force = { $axis ->
    *[linear] Dauerkraft
 }
 ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
+ask-drive-max-force-shaft-where = Motordatenblatt: Spitzenkraft, oder das Spitzenmoment an der Welle in N m, das in eine Kraft umgerechnet wird.
+ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Moment an der Welle in N m wird in eine Kraft umgerechnet.
 ask-drive-continuous-force-empty = keine thermische Grenze
 ask-drive-static-load = { $axis ->
     [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält
@@ -46,7 +48,7 @@ ask-drive-static-load-where = { $axis ->
    *[linear] Senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9.81 m/s^2; sonst 0.
 }
 ask-wizard-way = Von der Mechanik bekannt
-ask-wizard-way-where = Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (die Maschine der Veröffentlichung). Motor und Last: zwei Massen mit einer Feder. Bode-Diagramm: Eigenform für Eigenform.
+ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder, dazu weitere gemessene Resonanzen. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
 ask-plant-base-mass = Masse des Gestells
 ask-plant-base-mass-where = Gewichte der Stückliste oder CAD.
 ask-plant-slider-mass = Masse des Schlittens
@@ -72,8 +74,11 @@ ask-moves-distance-where = Ein typischer Schritt zwischen zwei Arbeitsgängen.
 ask-moves-max-velocity = Geschwindigkeitsgrenze
 ask-moves-max-velocity-where = Eilgang der Achse, aus der Steuerung oder ihrem Datenblatt.
 ask-moves-max-velocity-empty = keine
-ask-moves-dwell = Pause danach
-ask-moves-dwell-where = Zählt nur für die thermische Last.
+ask-moves-dwell = Ruhezeit danach, bis zur nächsten
+ask-moves-dwell-where = Kühlt den Motor: mit 0 s fährt die Achse ohne Pause, und { $axis ->
+    [rotary] das Dauermoment
+   *[linear] die Dauerkraft
+} kann Beschleunigung kosten. Enter allein gilt als angenommen.
 ask-moves-more = Noch eine Bewegung
 ask-moves-more-where = Z. B. eine kurze und eine lange.
 ask-moves-velocity-step = Geschwindigkeit am Ende
@@ -97,6 +102,8 @@ ask-requirements-contour-feed-where = Der größte Vorschub beim Schlichten; der
 ask-requirements-contour-feed-empty = jedes Tempo
 ask-control-kind = Steuerung
 ask-control-kind-where = Was sie nicht hat, wird weder benutzt noch versprochen; fehlt die eigene, die allgemeine Kaskade nehmen. mtcommission export druckt Grenzwerte und Verstärkungen in ihren Namen.
+ask-control-position-loop = Wo der Lageregelkreis schließt
+ask-control-position-loop-where = Im Antrieb heißt DSC (SINUMERIK: MD32640 = 1); damit darf Kv höher sein. Unbekannt nimmt, was die Steuerung ohne Vorgabe tut, die nächste Zeile, und kennzeichnet es als angenommen.
 ask-control-position-cycle = Takt des Lagereglers
 ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
 ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
@@ -118,7 +125,7 @@ ask-control-tcp-sensor-where = Ein direktes Messsystem am Werkzeug, das der Regl
 ask-control-state-feedback = Zustandsrückführung
 ask-control-state-feedback-where = Ein freier Regler dämpft die Eigenformen über einen Beobachter; aus lässt die reine Kaskade.
 ask-drive-lead = Weg je Umdrehung von Spindel oder Ritzel
-ask-drive-lead-where = Spindel: Steigung; Ritzel: Teilkreis x pi. Rechnet Verstärkung und Trägheit auf die Motorwelle um.
+ask-drive-lead-where = Spindel: Steigung; Ritzel: Teilkreis x pi. Rechnet Moment, Trägheit und Verstärkung an der Motorwelle auf die Achse um, und zurück.
 ask-drive-lead-empty = Linearmotor
 ask-drive-gear = { $axis ->
     [rotary] Motorumdrehungen je Umdrehung der Achse
@@ -179,6 +186,7 @@ ask-pair-motor-mass-where = { $axis ->
     [rotary] Rotor und Getriebe: Trägheitsmoment x Übersetzung^2.
    *[linear] Rotor, Spindel, Getriebe: Trägheitsmoment x (2 pi / Steigung)^2; bewegter Teil eines Linearmotors.
 }
+ask-pair-motor-mass-shaft-where = Läufer, Kupplung, Spindel, Getriebe: ihre Trägheit an der Motorwelle in kg m^2, die in eine Masse umgerechnet wird; oder diese Masse in kg.
 ask-pair-load-mass = { $axis ->
     [rotary] Trägheitsmoment auf der Werkzeugseite der Feder
    *[linear] Masse auf der Werkzeugseite der Feder
@@ -196,6 +204,14 @@ ask-pair-damping-ratio = Dämpfungsgrad der Last gegen den gehaltenen Motor
 ask-pair-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
+ask-pair-further = Weitere gemessene Resonanz
+ask-pair-further-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last. Was sie am Werkzeug bewirkt, wird im ungünstigsten Fall genommen und als angenommen gekennzeichnet.
+ask-pair-modes-frequency = Ihre Frequenz
+ask-pair-modes-frequency-where = Die Spitze im Bode-Diagramm, nicht die Antiresonanz davor.
+ask-pair-modes-damping-ratio = Ihr Dämpfungsgrad
+ask-pair-modes-damping-ratio-where = Halbe relative 3-dB-Breite der Spitze; Maschinenstrukturen zeigen 0,01 bis 0,1.
+ask-pair-modes-more = Weitere gemessene Resonanz
+ask-pair-modes-more-where = Bis zu sieben; die oberhalb der Bandbreite des Regelkreises zählen kaum.
 ask-pair-stiffness-check = Steifigkeit zwischen beiden
 ask-pair-stiffness-check-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
 ask-pair-stiffness-check-empty = unbekannt
@@ -207,6 +223,10 @@ ask-plant-moving-mass-where = { $axis ->
     [rotary] Drehmoment durch Winkelbeschleunigung bei tiefen Frequenzen.
    *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
 }
+ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
+ask-wizard-rotor = Trägheit an der Motorwelle
+ask-wizard-rotor-where = Läufer, Kupplung und Spindel: Datenblätter. Die ganze starre Masse, nach der dann gefragt wird, enthält sie und wird daran geprüft.
+ask-wizard-rotor-empty = unbekannt
 ask-plant-modes-name = Name der Eigenform { $number }
 ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
 ask-plant-modes-frequency = Ihre Eigenfrequenz
@@ -215,7 +235,7 @@ ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Be
 ask-plant-modes-damping-ratio = Dämpfungsgrad dieser Eigenform
 ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-plant-modes-tcp-gain = Ihr Anteil an der Werkzeuglage, mit Vorzeichen
-ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist.
+ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist. Enter nimmt den ungünstigsten Fall eines Werkzeugs jenseits davon, als angenommen gekennzeichnet.
 ask-plant-modes-tcp-gain-held-where = Wie weit das Werkzeug schwingt, wenn die Beschleunigung des Motors diese Eigenform anregt; 1, wenn sie die einzige ist. Die Anteile aller ergeben zusammen 1.
 ask-plant-modes-measured-gain = Ihr Anteil an der Geberlage, mit Vorzeichen
 ask-plant-modes-measured-gain-where = Dasselbe von Kraft zu Lagegeber; 0, wenn der Geber die Eigenform nicht sieht.
@@ -234,6 +254,10 @@ choice-no = nein
 choice-auto = Eigenformen dämpfen
 choice-off = aus
 choice-none = keiner
+choice-not-known = unbekannt
+choice-control = in der Steuerung
+choice-interpolated = in der Steuerung, Vorsteuerung interpoliert
+choice-drive = im Antrieb (DSC)
 choice-position = Lage
 choice-positioning-from-rest-to-rest = Positionieren von Ruhe zu Ruhe
 choice-acceleration-to-a-velocity = Beschleunigen auf eine Geschwindigkeit
@@ -265,7 +289,7 @@ wizard-taken-as = gelesen als { $what }
 wizard-follows = = { $what }
 wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
 wizard-compute-with = Die Grenzwerte berechnet: mtcommission run { $file }
-wizard-assumed = Vorgabe übernommen, nicht gemessen: { $keys }
+wizard-assumed = Angenommen, weder angegeben noch gemessen: { $keys }
 wizard-example = Beispiel: { $example }.
 wizard-example-behind = z. B. { $example }
 wizard-expected = Erwartet: { $what }.
@@ -301,6 +325,17 @@ insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($defle
 }
 insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
 insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })
+# mass at the axis, $inertia [kg cm^2] at the motor's shaft
+insight-shaft = { PLAIN($mass) } kg auf der Motorseite sind { PLAIN($inertia) } kg cm^2 an seiner Welle
+insight-rotor = Läufer und Spindel sind an der Achse { PLAIN($rotor) } kg, { SHARE($share) } der ganzen starren Masse von { PLAIN($mass) } kg
+insight-rotor-missing = Läufer und Spindel allein sind an der Achse { PLAIN($rotor) } kg, mehr als die ganze starre Masse von { PLAIN($mass) } kg: ist das nur die Last, sind es zusammen { PLAIN($whole) } kg; mit < zurückgehen und das angeben
+insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg
+insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen keine 10 % auseinander: sind sie eine Resonanz, zählt sie jetzt doppelt; mit < zurückgehen und eine weglassen
+# $rest, $enough [s]
+insight-rest = mit einer Ruhezeit von { TIME($rest) } nach Bewegung { $number } erlaubt { $axis ->
+    [rotary] das Dauermoment
+   *[linear] die Dauerkraft
+} etwa { PLAIN($acceleration) } von { PLAIN($most) } { $rate } (starrer Körper); ganz ab einer Ruhezeit von { TIME($enough) }
 insight-contradiction = { $part }: Masse und Steifigkeit ergeben { PLAIN($expected) } Hz, gemessen sind { PLAIN($measured) } Hz; das Profil nimmt den gemessenen Wert, aber eines der drei ist falsch
 part-base = Gestell
 part-tower = Turm

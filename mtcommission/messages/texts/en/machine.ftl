@@ -79,12 +79,24 @@ assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) }
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what drive.acceleration_curve leaves up to { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = the kind of control; name yours by control.kind
+assumed-loop = position loop { $place }
+loop-at-control = in the control
+loop-at-interpolated = in the control, feed-forward interpolated
+loop-at-drive = in the drive (DSC)
+assumed-position-cycle = position cycle { TIME($cycle) }
+assumed-velocity-cycle = velocity cycle { TIME($cycle) }
+assumed-static-load = weight or process { $axis ->
+    [rotary] torque
+   *[linear] force
+} { QUANTITY($load, $unit) }
+assumed-dwell = rest of { TIME($dwell) } after move { $number }
 assumed-keys = not measured: { $keys }
 neglected-steps = open-loop steps (a stiff position loop stands in for the motor)
 neglected-force-over-speed = { $axis ->
     [rotary] torque falling with speed (max_force holds at the fastest)
    *[linear] force falling with speed (max_force holds at the fastest)
 }
+neglected-heat = heating of the motor (state drive.continuous_force)
 neglected-friction = friction and backlash (errors at standstill of their own)
 neglected-encoder = encoder steps (state drive.encoder_resolution)
 neglected-travel = modes changing over the travel (widen frequency_spread)

@@ -39,7 +39,7 @@ name-Kp = Velocity gain Kp
 name-Tn = Integral time Tn
 name-encoder = Encoder
 name-kind = Kind of control
-name-position-loop = Position loop closes in
+name-position-loop = Place of the position loop
 name-lead = Travel per turn of the screw
 name-gear = Turns of the motor per turn of the screw
 name-encoder-resolution = Resolution of the encoder
@@ -71,6 +71,8 @@ name-moving-mass = { $axis ->
 name-frequency = Frequency
 name-damping-ratio = Damping ratio
 name-max-acceleration = Max acceleration of the motor
+name-position-cycle = Position cycle
+name-velocity-cycle = Velocity cycle
 name-drive-kind = Kind of drive
 name-max-force = { $axis ->
     [rotary] Max torque

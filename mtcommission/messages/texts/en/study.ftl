@@ -110,6 +110,8 @@ change-lag = { $axis ->
     [rotary] Half the lag of the torque loop
    *[linear] Half the lag of the force loop
 }
+change-dwell = Rest of { TIME($dwell) } or more after each move
+change-rest = Longer rest after each move
 change-spread = Frequencies measured to ± { SHARE($spread) }
 change-stiffer = Stiffness { SHARE($share) } higher, all modes
 change-lighter = { $axis ->

@@ -39,6 +39,8 @@ ask-drive-continuous-force = { $axis ->
    *[linear] Continuous force
 }
 ask-drive-continuous-force-where = Motor data sheet: rated or stall value, the thermal (RMS) limit.
+ask-drive-max-force-shaft-where = Motor data sheet: peak force, or the peak torque at the shaft in N m, which is turned into a force.
+ask-drive-continuous-force-shaft-where = Motor data sheet: rated or stall value, the thermal (RMS) limit; a torque at the shaft in N m is turned into a force.
 ask-drive-continuous-force-empty = no thermal limit
 ask-drive-static-load = { $axis ->
     [rotary] Weight or process torque that the drive holds
@@ -49,7 +51,7 @@ ask-drive-static-load-where = { $axis ->
    *[linear] Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.
 }
 ask-wizard-way = Known of the mechanics
-ask-wizard-way-where = Tower: slider with a tool column on a base that gives way (the paper's machine). Motor and load: two masses with a spring. Bode plot: mode by mode.
+ask-wizard-way-where = Motor and load: two masses with a spring, further measured resonances where there are any. Bode plot: mode by mode, with its share at the tool. Tower: slider with a tool column on a base that gives way (the paper's machine).
 ask-plant-base-mass = Mass of the base
 ask-plant-base-mass-where = Weights of the parts list or CAD.
 ask-plant-slider-mass = Mass of the slider
@@ -75,8 +77,11 @@ ask-moves-distance-where = A typical step between two operations.
 ask-moves-max-velocity = Velocity limit
 ask-moves-max-velocity-where = Rapid traverse of the axis, from the control or its data sheet.
 ask-moves-max-velocity-empty = none
-ask-moves-dwell = Rest after it
-ask-moves-dwell-where = Counts for the thermal load only.
+ask-moves-dwell = Rest after it, until the next one
+ask-moves-dwell-where = Cools the motor: with 0 s the axis never pauses, and the continuous { $axis ->
+    [rotary] torque
+   *[linear] force
+} may cost acceleration. Enter alone marks it as assumed.
 ask-moves-more = Another move
 ask-moves-more-where = E.g. a short and a long one.
 ask-moves-velocity-step = Velocity at the end
@@ -100,6 +105,8 @@ ask-requirements-contour-feed-where = The largest feed of a finishing cut; rapid
 ask-requirements-contour-feed-empty = any velocity
 ask-control-kind = Control
 ask-control-kind-where = What it lacks is neither used nor promised; where yours is not listed, take the generic cascade. Limits and gains are printed in its own names by mtcommission export.
+ask-control-position-loop = Where the position loop closes
+ask-control-position-loop-where = In the drive is DSC (SINUMERIK: MD32640 = 1); it lets Kv rise. Not known takes what the control does unless told otherwise, the next line, and marks it as assumed.
 ask-control-position-cycle = Cycle of the position controller
 ask-control-position-cycle-where = Control: interpolation or position cycle, 0.5 to 4 ms.
 ask-control-velocity-cycle = Cycle of the velocity controller
@@ -121,7 +128,7 @@ ask-control-tcp-sensor-where = A direct measuring system at the tool that the co
 ask-control-state-feedback = State feedback
 ask-control-state-feedback-where = A free controller damps the modes through an observer; off leaves the plain cascade.
 ask-drive-lead = Travel per turn of screw or pinion
-ask-drive-lead-where = Screw: lead; pinion: pitch circle x pi. Turns gains and inertia into values at the motor shaft.
+ask-drive-lead-where = Screw: lead; pinion: pitch circle x pi. Turns torque, inertia and gains at the motor shaft into values at the axis, and back.
 ask-drive-lead-empty = linear motor
 ask-drive-gear = { $axis ->
     [rotary] Turns of the motor per turn of the axis
@@ -182,6 +189,7 @@ ask-pair-motor-mass-where = { $axis ->
     [rotary] Rotor and gearbox: inertia x (gear ratio)^2.
    *[linear] Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.
 }
+ask-pair-motor-mass-shaft-where = Rotor, coupling, screw, gearbox: their inertia at the motor shaft in kg m^2, which is turned into a mass; or that mass in kg.
 ask-pair-load-mass = { $axis ->
     [rotary] Inertia on the tool's side of the spring
    *[linear] Mass on the tool's side of the spring
@@ -199,6 +207,14 @@ ask-pair-damping-ratio = Damping ratio of the load against the held motor
 ask-pair-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
+ask-pair-further = Another measured resonance
+ask-pair-further-where = A peak in the Bode plot besides that of motor and load. What it does at the tool is then taken for the worst case, and marked as assumed.
+ask-pair-modes-frequency = Its frequency
+ask-pair-modes-frequency-where = The peak in the Bode plot, not the antiresonance before it.
+ask-pair-modes-damping-ratio = Its damping ratio
+ask-pair-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-pair-modes-more = Another measured resonance
+ask-pair-modes-more-where = Up to seven; those above the bandwidth of the loop hardly matter.
 ask-pair-stiffness-check = Stiffness between the two
 ask-pair-stiffness-check-where = Only to check it against the frequency; leave empty if unknown.
 ask-pair-stiffness-check-empty = unknown
@@ -210,6 +226,10 @@ ask-plant-moving-mass-where = { $axis ->
     [rotary] Torque over angular acceleration at low frequencies.
    *[linear] Force over acceleration at low frequencies.
 }
+ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
+ask-wizard-rotor = Inertia at the motor shaft
+ask-wizard-rotor-where = Rotor, coupling and screw: data sheets. The whole rigid mass that comes next contains it, and is checked against it.
+ask-wizard-rotor-empty = not known
 ask-plant-modes-name = Name of mode { $number }
 ask-plant-modes-name-where = What moves: column, ram, table, ...; letters, digits and _.
 ask-plant-modes-frequency = Its eigenfrequency
@@ -218,7 +238,7 @@ ask-plant-modes-frequency-held-where = With the motor held: the peak of an accel
 ask-plant-modes-damping-ratio = Damping ratio of this mode
 ask-plant-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-plant-modes-tcp-gain = Its share in the tool position, signed
-ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool.
+ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool. Enter takes the worst case of a tool on its far side, marked as assumed.
 ask-plant-modes-tcp-gain-held-where = How far the tool swings where the acceleration of the motor excites this mode; 1 where it is the only one. The shares of all modes add up to 1.
 ask-plant-modes-measured-gain = Its share in the encoder position, signed
 ask-plant-modes-measured-gain-where = The same from force to encoder; 0 if the encoder does not see the mode.
@@ -239,6 +259,10 @@ choice-no = no
 choice-auto = damp the modes
 choice-off = off
 choice-none = none
+choice-not-known = not known
+choice-control = in the control
+choice-interpolated = in the control, feed-forward interpolated
+choice-drive = in the drive (DSC)
 choice-position = position
 choice-positioning-from-rest-to-rest = positioning from rest to rest
 choice-acceleration-to-a-velocity = acceleration to a velocity
@@ -274,7 +298,7 @@ wizard-taken-as = taken as { $what }
 wizard-follows = = { $what }
 wizard-written = Written: { $file }: { $name }, axis { $letter }
 wizard-compute-with = Compute the limits with: mtcommission run { $file }
-wizard-assumed = Default accepted, not measured: { $keys }
+wizard-assumed = Assumed, neither stated nor measured: { $keys }
 wizard-example = Example: { $example }.
 wizard-example-behind = e.g. { $example }
 wizard-expected = Expected: { $what }.
@@ -311,6 +335,17 @@ insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit:
 }
 insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
 insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
+# mass at the axis, $inertia [kg cm^2] at the motor's shaft
+insight-shaft = { PLAIN($mass) } kg on the motor's side are { PLAIN($inertia) } kg cm^2 at its shaft
+insight-rotor = rotor and screw are { PLAIN($rotor) } kg at the axis, { SHARE($share) } of the whole rigid mass of { PLAIN($mass) } kg
+insight-rotor-missing = rotor and screw alone are { PLAIN($rotor) } kg at the axis, more than the whole rigid mass of { PLAIN($mass) } kg: if that is the load alone, the whole is { PLAIN($whole) } kg; go back with < and state it
+insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
+insight-twice-measured = { PLAIN($first) } Hz and { PLAIN($second) } Hz are less than 10 % apart: if they are one resonance, it counts twice now; go back with < and remove one
+# $rest, $enough [s]
+insight-rest = with a rest of { TIME($rest) } after move { $number } the continuous { $axis ->
+    [rotary] torque
+   *[linear] force
+} allows about { PLAIN($acceleration) } of { PLAIN($most) } { $rate } (rigid body); all of it from a rest of { TIME($enough) } on
 insight-contradiction = { $part }: mass and stiffness give { PLAIN($expected) } Hz, measured are { PLAIN($measured) } Hz; the profile takes the measured value, but one of the three is wrong
 part-base = base
 part-tower = tower
