@@ -51,6 +51,9 @@ NOTICEABLE = 0.9997
 CLOSE = 0.002
 """Share of a bound that may be left over [-]."""
 
+FIRST = 3
+"""Places with each filter that are settled at a first look."""
+
 REFINED, REACHES = 4, (0.35, 0.16, 0.08, 0.04, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-]."""
 
@@ -97,12 +100,10 @@ def explore(
         items = [own, *neighbours(control, own, NEARBY)]
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
-    explorer.look_at([(item, t) for item in items for t in jerk_times])
-    best: dict[SetpointFilter | None, Found] = {}
-    for found in explorer.ranked():
-        best.setdefault(found.setpoint_filter, found)
-    for begin in sorted(best.values(), key=lambda item: item.duration)[:refined]:
-        explorer.refine(begin, is_free=is_free)
+    begins = [found for item in items if (found := explorer.first_look(item, jerk_times))]
+    for begin in sorted(begins, key=lambda item: item.duration)[:refined]:
+        if begin.duration <= WORTHWHILE * explorer.soonest():
+            explorer.refine(begin, is_free=is_free)
     return explorer.ranked()
 
 
@@ -135,17 +136,27 @@ class Explorer:
         best = min(near, key=lambda item: item.acceleration / item.jerk_time)
         return (best, *(item for item in found if item is not best))
 
-    def look_at(self, places: list[Place], *, latest: float | None = None) -> None:
-        """Find the largest accelerations at some places, those first that may be the shortest.
+    def first_look(self, item: SetpointFilter | None, jerk_times: list[float]) -> Found | None:
+        """Look at the jerk times that may be soon enough, and find the best with a filter."""
+        latest = WORTHWHILE * self.soonest()
+        places = [(item, t) for t in jerk_times if self._shortest(item, t) <= latest]
+        return self.look_at(places, latest=latest, most=FIRST)
 
-        ``latest``: durations above it are left out; None: what takes longer than the best so far.
+    def look_at(self, places: list[Place], *, latest: float, most: int) -> Found | None:
+        """Find the largest accelerations at some places, those first that promise most.
+
+        The best of them, where one is no later than ``latest``; at most so many are settled.
         """
         new = [place for place in dict.fromkeys(places) if place not in self.known]
-        for place in sorted(new, key=lambda place: self._shortest(*place)):
-            most = WORTHWHILE * self._soonest() if latest is None else latest
-            a = self._hope(*place, most)
-            if a is not None:
-                self.known[place] = self._settle(*place, a, most)
+        hopes = [(hope, place) for place in new if (hope := self._hope(*place, latest))]
+        best: Found | None = None
+        for (duration, a), place in sorted(hopes, key=lambda pair: pair[0][0])[:most]:
+            if duration > latest:
+                break
+            found = self.known[place] = self._settle(*place, a, latest)
+            if found is not None and (best is None or found.duration < best.duration):
+                best, latest = found, min(latest, found.duration)
+        return best
 
     def refine(self, begin: Found, *, is_free: bool) -> None:
         """Look about a place, ever nearer, in the direction of either time."""
@@ -158,14 +169,14 @@ class Explorer:
                 items = neighbours(control, here.setpoint_filter, reach)
                 places = [(here.setpoint_filter, time) for time in around]
                 places += [(item, time) for item in items for time in (t, *around)]
-                self.look_at(places, latest=NOTICEABLE * here.duration)
-                found = [item for place in places if (item := self.known.get(place)) is not None]
-                best = min(found, key=lambda item: item.duration, default=here)
-                if best.duration >= NOTICEABLE * here.duration:
+                latest = NOTICEABLE * here.duration
+                found = self.look_at(places, latest=latest, most=len(places))
+                if found is None:
                     break
-                here = best
+                here = found
 
-    def _soonest(self) -> float:
+    def soonest(self) -> float:
+        """Duration of the best so far [s]; inf where nothing was found."""
         return min((f.duration for f in self.known.values() if f is not None), default=inf)
 
     def _shortest(self, item: SetpointFilter | None, t_j: float) -> float:
@@ -173,8 +184,10 @@ class Explorer:
         a = min(float(self.ladder[-1]), self.largest_jerk * t_j)
         return float(self.bench.durations(item, np.array([a]), t_j)[0])
 
-    def _hope(self, item: SetpointFilter | None, t_j: float, latest: float) -> float | None:
-        """The largest acceleration that quick looks leave possible, where that is soon enough."""
+    def _hope(
+        self, item: SetpointFilter | None, t_j: float, latest: float
+    ) -> tuple[float, float] | None:
+        """The least duration that quick looks leave possible, and its acceleration."""
         a = self.ladder[self.ladder <= self.largest_jerk * t_j]
         a = a[self.bench.durations(item, a, t_j) <= latest]
         if not len(a):
@@ -185,10 +198,11 @@ class Explorer:
         if not allowed.any():
             return None
         last = int(np.flatnonzero(allowed)[-1])
-        if last == len(a) - 1:
-            return float(a[last])
-        low, high = np.log(max(used[last], 1e-12)), np.log(used[last + 1])
-        return float(a[last] * (a[last + 1] / a[last]) ** (-low / (high - low)))
+        found = a[last : last + 1]
+        if last < len(a) - 1:
+            low, high = np.log(max(used[last], 1e-12)), np.log(used[last + 1])
+            found = found * (a[last + 1] / a[last]) ** (-low / (high - low))
+        return float(self.bench.durations(item, found, t_j)[0]), float(found[0])
 
     def _settle(
         self, item: SetpointFilter | None, t_j: float, a: float, latest: float

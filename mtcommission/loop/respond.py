@@ -106,8 +106,9 @@ class LoopPoles:
     @property
     def rates(self) -> Complex:
         """The poles in the continuous plane, (n_corners, n_poles) [1/s]; -inf of padding."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(self.factors) / self.dt)
+        gone = np.abs(self.factors) == 0.0
+        found = np.log(np.where(gone, 1.0, self.factors)) / self.dt
+        return np.asarray(np.where(gone, -np.inf, found))
 
     def power(self, m: Cycles) -> Complex:
         """λ^m of every pole, shape (*m.shape, n_corners, n_poles)."""
