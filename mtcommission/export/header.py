@@ -131,7 +131,7 @@ def _lost_letters(*names: str) -> tuple[Message, ...]:
 
 
 def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
-    def show(value: float, unit: str) -> str | Message:
+    def show(value: float, unit: str) -> Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
 
     verdict = judged.verdict

@@ -155,10 +155,13 @@ class Row:
             raise unreadable(f"{self.name} {text}") from None
 
 
-def fixed(name: str, text: str, meaning: Message | None = None, *, section: str = "") -> Row:
+def fixed(
+    name: str, text: str, meaning: Message | None = None, *, unit: str = "", section: str = ""
+) -> Row:
     """Return a row that must be just so for the others to act as they were simulated."""
+    codes: dict[float | str, str] = {"set": text}
     return Row(
-        Setting.FIXED, name, index=name, codes={"set": text}, meaning=meaning, section=section
+        Setting.FIXED, name, index=name, unit=unit, codes=codes, meaning=meaning, section=section
     )
 
 

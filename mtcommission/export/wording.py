@@ -23,7 +23,7 @@ _RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
 DEGREE, TURN = pi / 180.0, 2.0 * pi
 
 
-def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
+def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     """Return an SI value with a unit that people read.
 
     Parameters
@@ -37,22 +37,25 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
 
     Returns
     -------
-    str or Message
-        Four digits, or that it is not settled.
+    Message
+        Four digits with the language's decimal mark, or that it is not settled.
 
     Examples
     --------
-    >>> show_value(5e-6, "m", in_degrees=True), show_value(4.848e-5, "rad", in_degrees=True)
-    ('5 um', '0.002778 deg')
+    >>> from mtcommission.messages.catalogue import Catalogue
+    >>> Catalogue("de").say(show_value(4.848e-5, "rad", in_degrees=True))
+    '0,002778 deg'
     >>> show_value(float("inf"), "s", in_degrees=False)
     Message('export-not-settled')
     """
     if not isfinite(value):
         return Message("export-not-settled")
     if in_degrees and unit.split("/")[0] == "rad":
-        return f"{value / DEGREE:.4g} {unit.replace('rad', 'deg', 1)}"
-    size, prefix = {"m": (MICRO, "u"), "rad": (MICRO, "u"), "s": (MILLI, "m")}.get(unit, (1.0, ""))
-    return f"{value / size:.4g} {prefix}{unit}"
+        size, shown = DEGREE, unit.replace("rad", "deg", 1)
+    else:
+        sizes = {"m": (MICRO, "um"), "rad": (MICRO, "urad"), "s": (MILLI, "ms")}
+        size, shown = sizes.get(unit, (1.0, unit))
+    return Message("export-value", value=value / size, unit=shown)
 
 
 def name_mode(key: str) -> Message:

@@ -63,6 +63,7 @@ export-missed = { $name } { $value }, erlaubt { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
 export-mode-missed = keine Grenzwerte fuer die Bearbeitungsart { $mode }
+export-value = { PLAIN($value, digits: 4) } { $unit }
 export-not-settled = nicht eingeschwungen
 export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }
 export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } waere einzuhalten)
@@ -189,6 +190,7 @@ plcopen-quadratic = CODESYS: der Ruck wirkt nur mit der Rampenform quadratisch.
 linuxcnc-jerk = Ruck; 0 wuerde die Grenze abschalten
 linuxcnc-gain = Kv, fuer einen Antrieb, der Maschineneinheiten/s nimmt
 linuxcnc-planner = ruckbegrenzter Planer
+linuxcnc-path-acceleration = Obergrenze jeder Bewegung der Linearachsen: nie unter dem größten ihrer Werte, ein höherer darf stehen bleiben
 linuxcnc-path-jerk = Bahnruck: der kleinste aller Linearachsen
 linuxcnc-units = Fuer LinuxCNC 2.10 und neuer; als Maschineneinheiten gelten mm und Grad.
 linuxcnc-joints = Die Gelenknummern gelten fuer triviale Kinematik: X Y Z A B C U V W sind die Gelenke 0 bis 8.
@@ -210,8 +212,10 @@ klipper-shaper = Der Shaper verlaengert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein
 marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Hoeckern, 8 MZV; die Buchstaben haben sich zwischen Versionen geaendert
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
-marlin-corner = Junction Deviation [mm], wenn der Build sie hat (?)
-marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten Winkel von höchstens { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung hinter dem Shaper für sich innerhalb des freigegebenen Anteils am Band. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+marlin-corner = Junction Deviation, wenn der Build sie hat
+marlin-step = größter Geschwindigkeitssprung, für Builds mit CLASSIC_JERK
+marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten Winkel, J = v² (sqrt(2) − 1)/a: den von { NUMBER($usual, digits: 3) } mm/s, mindestens aber die 0,01 mm und höchstens die 0,3 mm, die die Firmware annimmt; 0,01 mm sind bei der Beschleunigung der Rechnung { NUMBER($least, digits: 3) } mm/s. Bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung hinter dem Shaper für sich innerhalb des freigegebenen Anteils am Band. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+marlin-step-bound = M205 J kann die Ecke hier nicht begrenzen: die Firmware weist weniger als 0,01 mm ab und behält den alten Wert, und mit 0,01 mm wird ein rechter Winkel bei der Beschleunigung der Rechnung mit { NUMBER($least, digits: 3) } mm/s durchfahren. Bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band. Eingetragen ist daher der Sprung selbst, höchstens { NUMBER($usual, digits: 3) } mm/s, für einen Build mit CLASSIC_JERK; ohne diesen schwingt die Achse an Ecken weiter aus, als das Band erlaubt. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
 marlin-grid = FT Motion legt die Kopien eines Shapers um ganze Abtastwerte von 1 ms auseinander (FTM_FS = 1000 Hz, shaping.cpp, Stand 195278e4): alle Frequenzen eines Bereichs ergeben denselben Shaper, geschrieben ist seine Mitte, die daher von der gemessenen abweichen kann. Das ist simuliert; eine Ausgabe mit anderem FTM_FS formt anders.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
 ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse

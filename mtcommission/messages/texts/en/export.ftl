@@ -67,6 +67,7 @@ export-missed = { $name } { $value }, allowed { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = too little margin, { $margins }
 export-mode-missed = no limits for machining mode { $mode }
+export-value = { PLAIN($value, digits: 4) } { $unit }
 export-not-settled = not settled
 export-no-limits-within = no limits keep the tool within the band of machining mode { $mode }, { $band }
 export-no-limits-but = no limits keep the tool within the band of machining mode { $mode }, { $band } ({ $attainable } could be met)
@@ -202,6 +203,7 @@ plcopen-quadratic = CODESYS: the jerk acts only with the ramp type quadratic.
 linuxcnc-jerk = jerk; 0 would switch the limit off
 linuxcnc-gain = Kv, for a drive that takes machine units/s
 linuxcnc-planner = jerk-limited planner
+linuxcnc-path-acceleration = ceiling of every move of the linear axes: never below the largest of their values, a higher one may stay
 linuxcnc-path-jerk = path jerk: the least of all linear axes
 linuxcnc-units = For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.
 linuxcnc-joints = Joint numbers assume trivial kinematics: X Y Z A B C U V W are joints 0 to 8.
@@ -223,8 +225,10 @@ klipper-shaper = The shaper makes each move longer by its own length.
 marlin-fixed-time = fixed-time motion on
 marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 and 7 EI with two and three humps, 8 MZV; letters changed between versions
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
-marlin-corner = junction deviation [mm], for builds with it (?)
-marlin-corner-bound = M205 J stands for a step of velocity at a right angle of at most { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+marlin-corner = junction deviation, for builds with it
+marlin-step = largest step of velocity, for builds with CLASSIC_JERK
+marlin-corner-bound = M205 J stands for a step of velocity at a right angle, J = v² (sqrt(2) − 1)/a: that of { NUMBER($usual, digits: 3) } mm/s, but at least the 0.01 mm and at most the 0.3 mm that the firmware takes; 0.01 mm is { NUMBER($least, digits: 3) } mm/s with the acceleration of the run. Up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+marlin-step-bound = M205 J cannot hold the corner here: the firmware refuses less than 0.01 mm and keeps the old value, and 0.01 mm takes a right angle at { NUMBER($least, digits: 3) } mm/s with the acceleration of the run. Up to { NUMBER($most, digits: 3) } mm/s the vibration that the step of velocity leaves behind the shaper stays by itself within the reserved share of the band. So the step itself is written, at most { NUMBER($usual, digits: 3) } mm/s, for a build with CLASSIC_JERK; a build without it rings at corners by more than the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
 marlin-grid = FT motion places a shaper's copies whole samples of 1 ms apart (FTM_FS = 1000 Hz, shaping.cpp at 195278e4): every frequency of a range gives the same shaper, here its middle is written, so it may differ from the measured one. This is simulated; a build with another FTM_FS shapes otherwise.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface
