@@ -34,6 +34,10 @@ FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 USUAL_CORNER = 5e-3
 """square_corner_velocity that Klipper takes unless told otherwise [m/s] (Config_Reference)."""
 
+PRACTICAL = 20.0
+"""The most that any of Klipper's sample configurations has as max_accel, most have 3 (config/ at
+84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model."""
+
 JUNCTION_DEVIATIONS = (1e-5, 3e-4)
 """What Marlin takes as M205 J [m]; it refuses any other and keeps the old one
 (M200-M205.cpp at 5ec63799)."""
@@ -168,13 +172,19 @@ def _of_mode(subject: Subject) -> Message:
     return Message("klipper-of-mode", mode=subject.mode.name)
 
 
+def _written(subject: Subject) -> float:
+    """What a printer's firmware is to get at most of the recommended acceleration [m/s²]."""
+    return min(subject.limits.acceleration, PRACTICAL)
+
+
 def _make_up(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     """What the acceleration had to give for the missing jerk limit; nothing if it gave none."""
-    share = read_limits(chosen.values).acceleration / subject.limits.acceleration
+    a = read_limits(chosen.values).acceleration
+    share = a / subject.limits.acceleration
     shaper = "yes" if (Setting.SHAPER, "") in chosen.values else "no"
     if not chosen.verdict.assessment.is_met:
         return (Message("export-least-vibration", share=share, shaper=shaper),)
-    if share > WHOLE:
+    if a > WHOLE * _written(subject):
         return ()
     return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
 
@@ -275,8 +285,7 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
 
 
 def _marlin_corner(subject: Subject, letter: str) -> list[Row]:
-    """How fast a corner is taken: by junction deviation, or where that would have to be finer
-    than Marlin takes by the step of velocity itself."""
+    """By junction deviation; by the step of velocity where J would be below what M205 takes."""
     if not subject.machine.drive.follows:
         return []
     if deviation := _junction_deviation(subject):
@@ -290,7 +299,7 @@ def _junction_deviation(subject: Subject) -> float:
     """J = v² (sqrt(2) - 1)/a of a right angle that keeps the band [m]; 0: below what M205 takes."""
 
     def deviation(velocity: float) -> float:
-        return velocity**2 * (sqrt(2.0) - 1.0) / subject.limits.acceleration
+        return velocity**2 * (sqrt(2.0) - 1.0) / _written(subject)
 
     least, most = JUNCTION_DEVIATIONS
     if deviation(_most_at_corner(subject, MARLIN_USUAL)) < least:
@@ -300,7 +309,7 @@ def _junction_deviation(subject: Subject) -> float:
 
 def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     least, _ = JUNCTION_DEVIATIONS
-    by_least = sqrt(least * subject.limits.acceleration / (sqrt(2.0) - 1.0))
+    by_least = sqrt(least * _written(subject) / (sqrt(2.0) - 1.0))
     fits = subject.machine.drive.follows and _junction_deviation(subject)
     bound = "marlin-corner-bound" if fits else "marlin-step-bound"
     return (
@@ -340,6 +349,7 @@ OPEN_CONTROLS = (
         rows=_klipper,
         layout=CONFIG,
         shapers=partial(_write_shapers, kinds=KLIPPER_USUAL),
+        ceiling=PRACTICAL,
         notes=_klipper_notes,
     ),
     Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
@@ -349,6 +359,7 @@ OPEN_CONTROLS = (
         rows=_marlin,
         layout=G_CODE,
         shapers=partial(_write_shapers, kinds=MARLIN_USUAL),
+        ceiling=PRACTICAL,
         notes=_marlin_notes,
     ),
     Control(key="ros2", rows=_ros, layout=YAML, in_degrees=False),

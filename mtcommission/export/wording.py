@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from math import isfinite, pi
 from unicodedata import combining, normalize
@@ -17,6 +18,9 @@ LETTERS = str.maketrans(
     | {THIN_SPACE: " "}
 )
 """Signs of our sentences in the letters that every control reads."""
+
+CAPITAL = re.compile("[ÄÖÜ](?=[A-ZÄÖÜ])|(?<=[A-ZÄÖÜ])[ÄÖÜ]")
+"""A capital among capitals."""
 
 _RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
 
@@ -53,7 +57,7 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     if in_degrees and unit.split("/")[0] == "rad":
         size, shown = DEGREE, unit.replace("rad", "deg", 1)
     else:
-        sizes = {"m": (MICRO, "um"), "rad": (MICRO, "urad"), "s": (MILLI, "ms")}
+        sizes = {"m": (MICRO, "µm"), "rad": (MICRO, "µrad"), "s": (MILLI, "ms")}
         size, shown = sizes.get(unit, (1.0, unit))
     return Message("export-value", value=value / size, unit=shown)
 
@@ -72,11 +76,14 @@ def to_ascii(text: str) -> str:
     '5 um/s^2, 2x10^-5 N m fuer die Saeule'
     >>> to_ascii("vérifié à la main")
     'verifie a la main'
+    >>> to_ascii("UNVOLLSTÄNDIG, Übergang")
+    'UNVOLLSTAENDIG, Uebergang'
     """
     signs = [
         ("^" if sign in _RAISED and (before not in _RAISED) else "") + _RAISED.get(sign, sign)
         for before, sign in pairwise(f" {text}")
     ]
-    plain = normalize("NFKD", "".join(signs).translate(LETTERS))  # é is e and its accent
+    capitals = CAPITAL.sub(lambda one: LETTERS[ord(one[0])].upper(), "".join(signs))
+    plain = normalize("NFKD", capitals.translate(LETTERS))  # é is e and its accent
     letters = "".join(sign for sign in plain if not combining(sign))
     return letters.encode("ascii", "replace").decode()

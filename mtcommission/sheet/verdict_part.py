@@ -157,9 +157,11 @@ def _setpoint_filter(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
         return ()
     (_, kind), *numbers = filter_rows(item, words)
     if item.frequency_hz:
-        (_, frequency), *others = numbers
-        aside = ", ".join(f"{label} {number}" for label, number in others)
-        return (BigValue(label=capitalised(kind), value=frequency, aside=aside),)
+        labels = (kind, *(label for label, _ in numbers[1:]))
+        return tuple(
+            BigValue(label=capitalised(label), value=number, aside="")
+            for label, (_, number) in zip(labels, numbers, strict=True)
+        )
     value = ", ".join(number for _, number in numbers)
     return (BigValue(label=capitalised(kind), value=value, aside=""),)
 

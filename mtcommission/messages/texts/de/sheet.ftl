@@ -59,10 +59,13 @@ velocity = Geschwindigkeit
 
 verdict-heading = Ergebnis und einzugebende Werte
 verdict-met = Alle Anforderungen erfüllt
+as-typed = Einzugeben ist die Beschleunigung { $acceleration }; was dieses Blatt daneben zeigt, gilt für die der Rechnung, { $wanted }.
+verdict-incomplete = Erfüllt, ABER UNVOLLSTÄNDIG
+verdict-missed = Anforderungen so eingegeben NICHT erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 obstacle = Im Weg steht: { $obstacle }
-what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigste Bewegung, ungünstigster Eckfall).
+what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigster Fall).
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
@@ -570,11 +573,12 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 
 # $jerk: how the control takes it, or none
 entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->
-    [none] die Beschleunigung nie aufrunden)
-   *[other] den Ruck nie auf-, die Ruckzeit nie abrunden)
-}
+    [none] Beschleunigung nie aufrunden
+   *[other] Ruck nie auf-, Ruckzeit nie abrunden
+}; { $mark } muss so sein)
 parameter = Parameter
-entry-above = wie oben
+# $why: a fault
+entry-none = Hier keine einzugebenden Werte: { $why }
 old-value = Alt
 new-value = Neu
 signature-heading = Unterschrift

@@ -59,6 +59,9 @@ velocity = Velocity
 
 verdict-heading = Verdict and values to enter
 verdict-met = All requirements met
+as-typed = The acceleration to type is { $acceleration }; what this sheet shows beside it is of the run, with { $wanted }.
+verdict-incomplete = Requirements met, BUT INCOMPLETE
+verdict-missed = Requirements NOT met as typed
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
 obstacle = What stands in the way: { $obstacle }
@@ -565,13 +568,14 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 
 ## Entry and signature
 
-# $jerk: how the control takes it, or none
+# $jerk: how the control takes it, or none; $mark: stands before such a row
 entry-caption = Values to enter (verify before use; never round { $jerk ->
-    [none] the acceleration up)
-   *[other] the jerk up or the jerk time down)
-}
+    [none] acceleration up
+   *[other] jerk up, jerk time down
+}; { $mark } must be so)
 parameter = Parameter
-entry-above = as above
+# $why: a fault
+entry-none = No values to type in here: { $why }
 old-value = Old
 new-value = New
 signature-heading = Signature
