@@ -71,10 +71,10 @@ def run(
     with show_stage() as progress:
         found = commission(machine, profile=source, progress=progress)
     record = record_run(found, created=now())
-    notes: tuple[Message, ...] = ()
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         typed = type_in(record)
+        notes = () if isinstance(typed, Message) else typed.doubts
         files = {
             "record.json": dump_json(record).encode(),
             "sheet.html": print_html(record, language=language, typed=typed).encode(),
@@ -83,7 +83,7 @@ def run(
             files["sheet.pdf"] = print_pdf(
                 record, language=language, typed=typed, appendix=appendix
             )
-            notes = remark_on_print(record)
+            notes = (*notes, *remark_on_print(record))
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
             cycle = found.tuned.controller.position_cycle

@@ -132,8 +132,8 @@ SINUMERIK = ControlKind(
         "position_cycle": read(
             COMPENSATIONS,
             "MD10050 x MD10060 (?), shown in MD10061",
-            "1 to 2 ms typical; 828D 1.5 or 3 ms (?). On an 840D sl the ratio is fixed at 1. MD10070 "
-            "is the ratio of the interpolator.",
+            "1 to 2 ms typical; 828D 1.5 or 3 ms (?). Ratio fixed at 1 on an 840D sl; MD10070 is "
+            "that of the interpolator.",
         ),
         "velocity_cycle": read(EARLIER, note="125 us in the maker's example."),
         "position_gain": read(

@@ -57,10 +57,10 @@ def entries(record: Record, typed: Export | Message, words: Catalogue) -> tuple[
     table = Table(
         caption=text("entry-caption", jerk=record.loop.jerk, mark=ELSEWHERE_MARK),
         columns=(
-            Column(head=text("parameter"), width=2.6),
+            Column(head=text("parameter"), width=3.15),
             *([Column(head=text("old-value"), width=0.95, is_number=True)] if has_old else []),
-            Column(head=text("new-value"), width=1.35, is_number=True),
-            Column(head=text("meaning"), width=4.5),
+            Column(head=text("new-value"), width=1.45, is_number=True),
+            Column(head=text("meaning"), width=4.3),
         ),
         rows=tuple(
             (
