@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
-from functools import wraps
+from functools import cache, wraps
 from math import exp, pi, sin
 from typing import Any
 
@@ -20,6 +20,7 @@ from mtcommission.export.subject import Subject
 from mtcommission.export.write import CONTROLS, Export
 from mtcommission.limits.commissioning_rule.by_hand import T_F, Kp, f, formulas_for, m
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
@@ -979,6 +980,11 @@ def retuned(record: Json) -> Json:
     return later
 
 
+@cache
+def _tuned(name: str) -> Controller:
+    return tune_loop(read_shipped(name).machine).controller
+
+
 def typed_rows(name: str, record: Record) -> Export:
     """The rows that an example machine's control gets, with the made-up numbers; nothing judged."""
     machine = read_shipped(name).machine
@@ -987,7 +993,7 @@ def typed_rows(name: str, record: Record) -> Export:
         record=record,
         kind=kind,
         machine=machine,
-        controller=tune_loop(machine).controller,
+        controller=_tuned(name),
         limits=read_limits(record.limits.recommended),
     )
     control, loop = CONTROLS[kind.key], loop_of(subject)

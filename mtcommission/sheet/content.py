@@ -31,7 +31,6 @@ from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.sizes_part import move_sizes
 from mtcommission.sheet.verdict_part import (
     checks_table,
-    could_be_met,
     judged_during,
     warnings_told,
 )
@@ -115,7 +114,6 @@ def _values(record: Record, typed: Export | Message, words: Catalogue) -> Sectio
         blocks=(
             headline_as_typed(record, typed, words),
             *warnings_told(record, words),
-            *could_be_met(record, words),
             *entries(record, typed, words),
             checks_table(record.assessment.checks, words),
             Paragraph(text=judged_during(record, words), tone=Tone.NOTE),

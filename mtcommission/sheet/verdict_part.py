@@ -33,6 +33,7 @@ def headline(record: Record, words: Catalogue) -> Headline:
         obstacle = say_requirement(assessment.obstacle, words)
         told.append(f"{text('obstacle', obstacle=obstacle)}.")
     told.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
+    told += attainable_sentences(record, words)
     return Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
@@ -213,12 +214,6 @@ def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
         )
         for item in record.limits.attainable
     ]
-
-
-def could_be_met(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
-    """Return the same as a paragraph; nothing where nothing stands in the way."""
-    said = attainable_sentences(record, words)
-    return (Paragraph(text=" ".join(said)),) if said else ()
 
 
 def share_used(check: Check, words: Catalogue) -> str:

@@ -386,22 +386,11 @@ phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
 reference-delay = Sollwertverzögerung τ
-feedforward = Vorsteuerung: { $name }
-feedforward-velocity = Geschwindigkeit
-feedforward-acceleration = Beschleunigung
-feedforward-jerk = Ruck
-state-feedback = Zustandsrückführung von { $name }
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
 sensor-encoder = Lagegeber
 sensor-tcp = Sensor am TCP
 observed = Beobachtete Zustände: { $names }.
-reference-model = Referenzmodell des Integralanteils
-force-filter = { $axis ->
-    [rotary] Filter { $number } im Momentensollwert
-   *[linear] Filter { $number } im Kraftsollwert
-}
-cycles = Takte: Lage, Geschwindigkeit
 position-cycle = Lagereglertakt
 velocity-cycle = Geschwindigkeitsreglertakt
 trade-off-caption = Steifigkeit gegen Einschwingzeit: { $shown } von { $tried } versuchten Regelkreisen, jeder mit seinen besten Grenzwerten aus einer groben Suche, ungünstigster Fall
@@ -542,7 +531,6 @@ profile-caption = Profil { $name }, wie gelesen
 measure-heading = Messungen an der Maschine
 measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
 measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
-at-shaft = { $own } an der Achse, { $shaft } an der Motorwelle
 measure-how-held = Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
 measure-how-2 = { $axis ->
     [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
