@@ -236,6 +236,10 @@ def test_sinumerik_can_be_typed_in() -> None:
     rows = _rows(_record(SCREW, "sinumerik"), "en")
     assert rows["N32400 $MA_AX_JERK_ENABLE"][-2] == "1"
     assert rows["N32410 $MA_AX_JERK_TIME"][-2] == "0.016\u202fs"
+    two = average(0.012) | {"kind": "two_moving_averages", "second_time": 0.008}
+    both = _rows(_record(SCREW, "sinumerik", setpoint_filter=two), "en")
+    names = ("N32402 $MA_AX_JERK_MODE", "N32410 $MA_AX_JERK_TIME", "N32411 $MA_AX_JERK_TIME_ADD")
+    assert [both[name][-2] for name in names] == ["4", "0.012\u202fs", "0.008\u202fs"]
     delays = [name for name in rows if "EQUIV" in name]
     assert delays == ["N32800 $MA_EQUIV_CURRCTRL_TIME[0]"]
     assert rows["N32620 $MA_FFW_MODE"][-2] == "4"
