@@ -243,9 +243,8 @@ def _heidenhain_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]
     )
 
 
-def _fanuc(subject: Subject, loop: Values) -> list[Row]:
+def _fanuc(subject: Subject, _loop: Values) -> list[Row]:
     length, size = subject.small_unit
-    has_average = loop.get((Setting.AVERAGE, ""))
     return [
         Row(Setting.RISE_TIME, "1620", unit="ms", scale=MILLI, step=1),
         Row(Setting.JERK_TIME, "1774", unit="ms", scale=MILLI, step=_cycles(subject, MILLI)),
@@ -258,7 +257,6 @@ def _fanuc(subject: Subject, loop: Values) -> list[Row]:
             meaning=Message("gain-kv-name-and-unit"),
         ),
         doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", scale=1e-4, step=1),
-        *([doubted(Setting.AVERAGE, "1769", unit="ms", scale=MILLI)] if has_average else []),
         Row(Setting.RAPID, "1420", unit=f"{length}/min", scale=size / 60.0, is_elsewhere=True),
     ]
 
