@@ -97,7 +97,7 @@ def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
             meaning=Message("sinumerik-dsc"),
         ),
         *_sinamics(subject, loop),
-        doubted(
+        Row(
             Setting.POSITION_CYCLE,
             "position cycle",
             unit="us",

@@ -137,5 +137,7 @@ PLC_CONTROLS = (
     Control(key="twincat", rows=_twincat, layout=CONSTANTS, notes=_twincat_notes),
     Control(key="plcopen", rows=_constants, layout=CONSTANTS, notes=_plcopen_notes),
     Control(key="generic", rows=_generic, layout=TABLE, in_degrees=False),
-    Control(key="state-space", rows=_state_space, layout=TABLE, in_degrees=False),
 )
+
+FREE = Control(key="state-space", rows=_state_space, layout=TABLE, in_degrees=False)
+"""The free controller: no product, so no name of a control, but its rows stand on page 1."""

@@ -35,7 +35,7 @@ from mtcommission.export.held import (
 from mtcommission.export.layout import LIST, Entry, Layout, read_elsewhere
 from mtcommission.export.numeric import NUMERIC_CONTROLS
 from mtcommission.export.open_source import OPEN_CONTROLS
-from mtcommission.export.plc import PLC_CONTROLS
+from mtcommission.export.plc import FREE, PLC_CONTROLS
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.export.wording import to_ascii
@@ -103,7 +103,7 @@ def export_own(record: Record) -> Export:
     InputError
         If the loop is unstable as typed, or the record does not belong to its own profile.
     """
-    own = CONTROLS[record.loop.kind]
+    own = CONTROLS.get(record.loop.kind, FREE)
     try:
         return _export(record, own)
     except InputError as refused:
@@ -305,6 +305,6 @@ def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> li
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
     lines = layout.write([entry for entry in entries if not entry.row.is_elsewhere], words)
     if elsewhere:
-        heading = wrap_whole(words.text("export-set-elsewhere"), WIDTH)
+        heading = wrap_whole(to_ascii(words.text("export-set-elsewhere")), WIDTH)
         lines += ["", *map(layout.comment, heading), *layout.write_elsewhere(elsewhere, words)]
     return lines
