@@ -15,6 +15,7 @@ from typing import Any
 from mtcommission.export.control import complete
 from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.layout import Entry
+from mtcommission.export.plc import FREE
 from mtcommission.export.row import Setting
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import CONTROLS, Export
@@ -996,7 +997,7 @@ def typed_rows(name: str, record: Record) -> Export:
         controller=_tuned(name),
         limits=read_limits(record.limits.recommended),
     )
-    control, loop = CONTROLS[kind.key], loop_of(subject)
+    control, loop = CONTROLS.get(kind.key, FREE), loop_of(subject)
     values = dict(loop)
     for mode in ("", *(mode.name for mode in record.limits.modes)):
         values |= write_limits(subject.limits, subject.fastest, mode)
