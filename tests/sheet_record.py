@@ -8,24 +8,37 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
-from functools import wraps
+from functools import cache, wraps
 from math import exp, pi, sin
 from typing import Any
 
+from mtcommission.export.control import complete
+from mtcommission.export.held import loop_of, today_of, write_limits
+from mtcommission.export.layout import Entry
+from mtcommission.export.plc import FREE
+from mtcommission.export.row import Setting
+from mtcommission.export.subject import Subject
+from mtcommission.export.write import CONTROLS, Export
 from mtcommission.limits.commissioning_rule.by_hand import T_F, Kp, f, formulas_for, m
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages import formula
 from mtcommission.messages.formula import call
 from mtcommission.messages.message import Message, Value, to_json
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.data import describe_move, list_data
 from mtcommission.record.files import find_checksum
 from mtcommission.record.loop import feature_entries
+from mtcommission.record.read_back import read_limits
+from mtcommission.record.schema.loop import ClosedLoop
 from mtcommission.record.schema.record import SCHEMA, Record
-from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.record.schema.values import ForceFilterEntry
+from mtcommission.record.shape import entry_of, to_entry, to_plain
 from mtcommission.study.machining_modes import NO_LIMITS
 
 Json = dict[str, Any]
@@ -966,6 +979,91 @@ def retuned(record: Json) -> Json:
     later["loop"]["Kv"] *= 0.9
     later["checksum"] = find_checksum(later)
     return later
+
+
+@cache
+def _tuned(name: str) -> Controller:
+    return tune_loop(read_shipped(name).machine).controller
+
+
+def typed_rows(name: str, record: Record) -> Export:
+    """The rows that an example machine's control gets, with the made-up numbers; nothing judged."""
+    machine = read_shipped(name).machine
+    kind = machine.control.kind
+    subject = Subject(
+        record=record,
+        kind=kind,
+        machine=machine,
+        controller=_tuned(name),
+        limits=read_limits(record.limits.recommended),
+    )
+    control, loop = CONTROLS.get(kind.key, FREE), loop_of(subject)
+    values = dict(loop)
+    for mode in ("", *(mode.name for mode in record.limits.modes)):
+        values |= write_limits(subject.limits, subject.fastest, mode)
+    rows = complete(control.rows(subject, loop), loop, machine.axis_units)
+    old = today_of(subject, subject.fastest)
+    entries = [
+        Entry(
+            row=row,
+            value=row.encode(values[row.key]),
+            old=row.encode(old[row.key]) if row.key in old else "",
+        )
+        if row.setting is not Setting.FIXED
+        else Entry(row=row, value=row.encode("set"))
+        for row in rows
+        if row.key in values or row.setting is Setting.FIXED
+    ]
+    return Export(
+        control=kind.key,
+        header=(),
+        entries=tuple(entries),
+        limits=subject.limits,
+        verdict=None,
+        is_met=True,
+        meets_requirements=True,
+        judgement=Message("export-ceiling"),
+        doubts=(),
+        text="",
+    )
+
+
+def exportable_record(text: str) -> Json:
+    """Made-up limits, with the loop that tuning gives a profile: it can be exported."""
+    machine = parse_profile(text, where="test.toml")
+    tuned, control = tune_loop(machine), machine.control
+    controller = tuned.controller
+    record = rotary_record() if machine.motion is Motion.ROTARY else example_record()
+    record["profile"] |= {"text": text, "sha256": profile_text_hash(text.encode())}
+    record["machine"] |= {
+        "name": machine.name,
+        "axis": machine.axis,
+        "drive": machine.drive.kind.value,
+    }
+    record["data"] = to_plain(list_data(machine, build_plant(machine), text))
+    follows = machine.drive.follows
+    record["loop"] |= {
+        "kind": control.kind.key,
+        "jerk": control.kind.jerk.value,
+        "position_loop": control.position_loop.value,
+        "Kv": None if follows else controller.position_gain,
+        "Kp": None if follows else controller.velocity_gain,
+        "Tn": None if follows else controller.integral_time,
+        "reference_delay": controller.reference_delay,
+        "state_feedback": {},
+        "force_filters": [
+            to_plain(entry_of(ForceFilterEntry, item, kind=item.kind.value))
+            for item in controller.force_filters
+        ],
+        "feedforward": {
+            "velocity": controller.velocity_feedforward,
+            "acceleration": controller.acceleration_feedforward,
+            "jerk": controller.jerk_feedforward,
+            "mass": controller.feedforward_mass,
+        },
+        "closed_loop": to_plain(entry_of(ClosedLoop, tuned.loops[0].lifted)),
+    }
+    return record
 
 
 def shipped_record(name: str) -> Json:

@@ -23,10 +23,17 @@ from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf
 from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.entry_part import entry_rows
 from mtcommission.sheet.plot_model import LinePlot
 
-from .sheet_record import example_record, not_met, on_json, said, shipped_record, with_today
+from .sheet_record import (
+    example_record,
+    not_met,
+    on_json,
+    said,
+    shipped_record,
+    typed_rows,
+    with_today,
+)
 
 compose, print_html, print_pdf = map(on_json, (compose, print_html, print_pdf))
 
@@ -37,6 +44,12 @@ TOP, BOTTOM = 62.0, 842.0 - 57.0
 """What header and footer leave of A4 [pt]."""
 SMALLEST = 7.95
 """Letters [pt]; 8 but for rounding."""
+
+
+def pdf_of(name, record, language):
+    """With all rows that the control of an example machine gets."""
+    loaded = to_entry(record, Record)
+    return print_pdf(loaded, language=language, typed=typed_rows(name, loaded))
 
 
 def read(pdf):
@@ -70,18 +83,18 @@ def expect_four_full_pages(pdf: bytes) -> None:
 def test_every_example_machine_has_four_full_pages(name, language):
     record = shipped_record(name)
     assert to_plain(to_entry(record, Record)) == record
-    expect_four_full_pages(print_pdf(record, language=language))
+    expect_four_full_pages(pdf_of(name, record, language))
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("change", [with_today, not_met], ids=lambda change: change.__name__)
 @pytest.mark.parametrize("name", ["ball-screw", "milling-manipulator", "honing-z"])
 def test_so_has_one_with_old_values_or_a_requirement_missed(name, change, language):
-    expect_four_full_pages(print_pdf(change(shipped_record(name)), language=language))
+    expect_four_full_pages(pdf_of(name, change(shipped_record(name)), language))
 
 
 def test_letters_are_large_enough_on_every_page():
-    for page in read(print_pdf(shipped_record("ball-screw"), language="de")):
+    for page in read(pdf_of("ball-screw", shipped_record("ball-screw"), "de")):
         found = sizes(page)
         assert len(found) > 50
         assert min(found) >= SMALLEST, sorted(found)[:3]
@@ -145,22 +158,6 @@ def test_the_margins_in_the_bode_plot_end_on_the_curves():
     np.testing.assert_allclose(sorted(gain.y), [-gain_margin, 0.0], atol=0.02)
     np.testing.assert_allclose(phase.x, crossover, rtol=1e-3)
     np.testing.assert_allclose(sorted(phase.y), [-180.0, -180.0 + phase_margin], atol=0.1)
-
-
-def test_gain_and_inertia_stand_at_the_shaft_too_where_the_lead_is_known() -> None:
-    """A drive behind a screw takes N m s/rad: the axis's number would be thousands of times it."""
-    entry = shipped_record("ball-screw")
-    record = to_entry(entry, Record)
-    rows = {feature: value for _, feature, value in entry_rows(record, Catalogue())}
-    square = (0.03 / (2.0 * np.pi)) ** 2  # lead of 30 mm, gear 1
-    assert record.loop.Kp is not None
-    gain = Catalogue().format.quantity(record.loop.Kp * square, "N m s/rad")
-    shown = [value for _, feature, value in entry_rows(record, Catalogue()) if "shaft" in value]
-    assert any(gain in value for value in shown)
-    inertia = Catalogue().format.quantity(record.loop.feedforward.mass * square, "kg m^2")
-    assert inertia in rows["acceleration_feedforward"]
-    without = to_entry(shipped_record("milling-manipulator"), Record)
-    assert not any("shaft" in value for *_, value in entry_rows(without, Catalogue()))
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

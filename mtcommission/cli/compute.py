@@ -66,21 +66,24 @@ def run(
     from mtcommission.export.catalogue import CONTROL_KEYS
     from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise, type_in
 
     with show_stage() as progress:
         found = commission(machine, profile=source, progress=progress)
     record = record_run(found, created=now())
-    notes: tuple[Message, ...] = ()
     with show_stage() as progress:
         progress(Message("stage-sheet"))
+        typed = type_in(record)
+        notes = () if isinstance(typed, Message) else typed.doubts
         files = {
             "record.json": dump_json(record).encode(),
-            "sheet.html": print_html(record, language=language).encode(),
+            "sheet.html": print_html(record, language=language, typed=typed).encode(),
         }
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(record, language=language, appendix=appendix)
-            notes = remark_on_print(record)
+            files["sheet.pdf"] = print_pdf(
+                record, language=language, typed=typed, appendix=appendix
+            )
+            notes = (*notes, *remark_on_print(record))
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
             cycle = found.tuned.controller.position_cycle

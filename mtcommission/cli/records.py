@@ -38,7 +38,7 @@ def sheet(
     from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
     from mtcommission.record.verified import load_verdict
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
 
     inputs = [record, *(one for one in (compare, verified) if one)]
     require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)
@@ -47,11 +47,17 @@ def sheet(
     found = load_verdict(verified, loaded) if verified else None
     with trusting(record), show_stage() as progress:
         progress(Message("stage-sheet"))
-        page = print_html(loaded, language=language, before=before, verified=found)
+        typed = type_in(loaded)
+        page = print_html(loaded, language=language, before=before, verified=found, typed=typed)
         files = {"sheet.html": page.encode()}
         if not no_pdf:
             files["sheet.pdf"] = print_pdf(
-                loaded, language=language, before=before, verified=found, appendix=appendix
+                loaded,
+                language=language,
+                before=before,
+                verified=found,
+                typed=typed,
+                appendix=appendix,
             )
     write_files(output, files)
     for note in () if no_pdf else remark_on_print(loaded):

@@ -120,13 +120,9 @@ class FilterChoice:
         Of a shaper [Hz].
     least_damping, most_damping
         Damping ratios that a shaper takes [-].
-    typed
-        What is typed in, by the control's own names: for the kind, then for each of its numbers,
-        in ``enter``'s places; empty: not read.
     """
 
     kind: str
-    typed: tuple[str, ...] = ()
     least_cycles: float = 0.0
     most_cycles: float = inf
     advised_cycles: float = inf
@@ -136,32 +132,6 @@ class FilterChoice:
     most_frequency_hz: float = inf
     least_damping: float = 0.0
     most_damping: float = 0.99
-
-    def enter(
-        self,
-        *,
-        time: float,
-        second_time: float,
-        frequency_hz: float,
-        damping_ratio: float,
-        axis: str = "X",
-    ) -> tuple[str, ...]:
-        """Return what is typed in for an axis, by the control's own names.
-
-        Examples
-        --------
-        >>> jerk_filter = FilterChoice(kind="moving_average", typed=("mode = 2", "T = {ms[0]:g}"))
-        >>> jerk_filter.enter(time=0.02, second_time=0.0, frequency_hz=0.0, damping_ratio=0.0)
-        ('mode = 2', 'T = 20')
-        """
-        s = (time, second_time)
-        ms, us = ([factor * one for one in s] for factor in (1e3, 1e6))
-        upper = axis.upper() if len(axis) == 1 else f"<{axis}>"
-        axes = {"axis": upper.lower(), "AXIS": upper}
-        return tuple(
-            part.format(s=s, ms=ms, us=us, hz=frequency_hz, zeta=damping_ratio, **axes)
-            for part in self.typed
-        )
 
     def possible_times(self, position_cycle: float) -> tuple[float, float]:
         """Return between which lengths an average acts [s]."""

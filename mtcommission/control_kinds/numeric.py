@@ -71,13 +71,11 @@ SINUMERIK = ControlKind(
     setpoint_filters=(
         FilterChoice(
             kind=MOVING_AVERAGE,
-            typed=("MD32402 = 2", "MD32410 = {s[0]:.6g} s"),
             least_cycles=1.0,
             advised_cycles=16.0,
         ),
         FilterChoice(
             kind=TWO_AVERAGES,
-            typed=("MD32402 = 4", "MD32410 = {s[0]:.6g} s", "MD32411 = {s[1]:.6g} s"),
             least_cycles=1.0,
             advised_cycles=16.0,
         ),
@@ -133,8 +131,9 @@ SINUMERIK = ControlKind(
         ),
         "position_cycle": read(
             COMPENSATIONS,
-            "MD10070",
-            "1 to 2 ms typical; 828D 1.5 or 3 ms (?).",
+            "MD10050 x MD10060 (?), shown in MD10061",
+            "1 to 2 ms typical; 828D 1.5 or 3 ms (?). Ratio fixed at 1 on an 840D sl; MD10070 is "
+            "that of the interpolator.",
         ),
         "velocity_cycle": read(EARLIER, note="125 us in the maker's example."),
         "position_gain": read(
@@ -233,9 +232,7 @@ FANUC_MANUAL = "check against FANUC AC Servo Motor Parameter Manual B-65270EN"
 FANUC = ControlKind(
     key="fanuc",
     jerk=Jerk.TIME,
-    setpoint_filters=(
-        FilterChoice(kind=MOVING_AVERAGE, typed=("", "1769 = {ms[0]:.6g} ms (?)"), step=1e-3),
-    ),
+    setpoint_filters=(FilterChoice(kind=MOVING_AVERAGE, step=1e-3),),
     reference_delay=False,
     position_loops=(PositionLoop.DRIVE,),
     position_cycle=1e-3,
@@ -285,7 +282,6 @@ ISG = ControlKind(
     setpoint_filters=(
         FilterChoice(
             kind=MOVING_AVERAGE,
-            typed=("filter_fir.type = 1", "order_time = {us[0]:.9g} us"),
             least_cycles=1.0,
             most_cycles=200.0,
             step=1e-6,

@@ -118,11 +118,6 @@ KLIPPER = _sends_steps(
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
-            typed=(
-                f"shaper_type_{{axis}} = {shaper}",
-                "shaper_freq_{axis} = {hz:.2f}",
-                "damping_ratio_{axis} = {zeta:.3f}",
-            ),
             most_damping=MOST_DAMPING.get(shaper, 0.99),
         )
         for shaper in KLIPPER_SHAPERS
@@ -199,11 +194,6 @@ MARLIN = _sends_steps(
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
-            typed=(
-                f"M493 {{AXIS}} C{code}",
-                "M493 {AXIS} A{hz:.2f}",
-                "M493 {AXIS} I{zeta:.3f}",
-            ),
             least_frequency_hz=20.0,
             most_frequency_hz=500.0,
             least_damping=0.01,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.control_kinds.kind import SHAPERS, PositionLoop
 from mtcommission.export.choose import Chosen
 from mtcommission.export.layout import Layout
 from mtcommission.export.row import Key, Row, Setting, Values
@@ -36,6 +37,8 @@ class Control:
         Sentences for the header, given the limits as typed.
     in_degrees
         Whether its angles are degrees, not radians.
+    ceiling
+        More acceleration than this is not written, whatever the model allows [m/s²].
     """
 
     key: str
@@ -44,6 +47,7 @@ class Control:
     shapers: Callable[[Subject], Sequence[Values]] = lambda _subject: ()
     notes: Callable[[Subject, Chosen], tuple[Message, ...]] = lambda _subject, _chosen: ()
     in_degrees: bool = True
+    ceiling: float = inf
 
 
 def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
@@ -64,11 +68,17 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
     time = partial(Row, unit="us", scale=MICRO)
     loops: dict[float | str, str] = {loop.value: loop.value for loop in PositionLoop}
     kinds: dict[float | str, str] = {kind.value: kind.value for kind in FilterKind}
+    shapers: dict[float | str, str] = {kind: kind for kind in SHAPERS}
     rows = (
         Row(Setting.ACCELERATION, "acceleration", unit=units.acceleration.si),
         Row(Setting.JERK, "jerk", unit=units.jerk.si),
         Row(Setting.AVERAGE, "moving average", unit="ms", scale=MILLI, digits=9),
         Row(Setting.SECOND_AVERAGE, "second moving average", unit="ms", scale=MILLI, digits=9),
+        Row(Setting.SHAPER, "setpoint shaper", codes=shapers),
+        Row(Setting.SHAPER_FREQUENCY, "shaper frequency", unit="Hz", digits=9),
+        Row(Setting.SHAPER_DAMPING, "shaper damping ratio", digits=9),
+        Row(Setting.TAP, "tap {}", digits=12),
+        time(Setting.TAP_SPACING, "tap spacing", digits=9),
         Row(Setting.POSITION_LOOP, "position loop", codes=loops),
         time(Setting.POSITION_CYCLE, "position cycle", digits=9),
         time(Setting.VELOCITY_CYCLE, "velocity cycle", digits=9),

@@ -69,6 +69,7 @@ def compose_header(
     record = subject.record
     machine, profile, tool = record.machine, record.profile, record.tool
     chosen = Chosen(values=judged.held.values, verdict=judged.verdict)
+    verdict, *without = say_judgement(subject, control, judged)
     sentences = [
         Message(
             "export-title",
@@ -85,10 +86,11 @@ def compose_header(
         *_lost_letters(machine.name, machine.axis, profile.name),
         Message("export-hash", hash=profile.sha256),
         Message("export-verify"),
-        _verdict(subject, control, judged),
+        verdict,
         _corners(subject),
         *_left_out(subject, judged.verdict),
-        *(Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out),
+        *without,
+        *say_ceiling(subject, control, judged),
         Message("export-safe-side"),
         *_shaft(subject, rows),
         *control.notes(subject, chosen),
@@ -124,6 +126,30 @@ def find_lost_margins(record: Record, held: Held) -> Message | None:
     return Message("export-margins-lost", margins=describe_margins(analyses))
 
 
+def say_judgement(subject: Subject, control: Control, judged: Judged) -> tuple[Message, ...]:
+    """Return the verdict on the text, then each machining mode that is not to be used, and why."""
+    without = [
+        Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out
+    ]
+    return (_verdict(subject, control, judged), *without)
+
+
+def say_ceiling(subject: Subject, control: Control, judged: Judged) -> list[Message]:
+    """Return why less acceleration is written than the axis would take, where that is so."""
+    if subject.limits.acceleration <= control.ceiling:
+        return []
+    before, after = subject.settling_time, judged.verdict.settling_time
+    return [
+        Message(
+            "export-ceiling",
+            wanted=1e3 * subject.limits.acceleration,
+            ceiling=1e3 * control.ceiling,
+            before=show_value(before, "s", in_degrees=False),
+            after=show_value(after, "s", in_degrees=False),
+        )
+    ]
+
+
 def _lost_letters(*names: str) -> tuple[Message, ...]:
     """Say that a name has letters that plain text for a control cannot hold."""
     lost = any(to_ascii(name).count("?") > name.count("?") for name in names)
@@ -131,7 +157,7 @@ def _lost_letters(*names: str) -> tuple[Message, ...]:
 
 
 def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
-    def show(value: float, unit: str) -> str | Message:
+    def show(value: float, unit: str) -> Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
 
     verdict = judged.verdict

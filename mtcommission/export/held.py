@@ -5,12 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import pi
 
-from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
+from mtcommission.control_kinds.kind import (
+    FIR,
+    MOVING_AVERAGE,
+    SHAPERS,
+    TWO_AVERAGES,
+    PositionLoop,
+)
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.control import (
+    Control,
+    FilterKind,
+    ForceFilter,
+    StateFeedback,
+    StateGain,
+)
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
@@ -95,6 +107,9 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
         if has:
             values[setting, ""] = float(value)
     values[Setting.FEEDFORWARD, ""] = _feedforward(values)
+    if kind.state_feedback:
+        gains = subject.record.loop.state_feedback
+        values |= {(Setting.STATE_GAIN, state): gain for state, gain in gains.items()}
     if kind.find_filter(MOVING_AVERAGE):
         values[Setting.AVERAGE, ""] = 0.0
     values |= write_filter(subject.setpoint_filter)
@@ -304,6 +319,11 @@ def _control(values: Values, subject: Subject) -> Control:
     if values.get((Setting.FEEDFORWARD, ""), _feedforward(values)) != _feedforward(values):
         raise unreadable(Setting.FEEDFORWARD.value[0])
     lag = subject.machine.drive.force_lag
+    fed_back = tuple(
+        StateGain(state=index, value=number(values, setting, index))
+        for setting, index in values
+        if setting is Setting.STATE_GAIN
+    )
     force, jerk = given(Setting.FORCE_FEEDFORWARD), given(Setting.JERK_FEEDFORWARD)
     mass = force or (jerk / lag if lag else 0.0)
     return Control(
@@ -320,7 +340,8 @@ def _control(values: Values, subject: Subject) -> Control:
         reference_delay=given(Setting.REFERENCE_DELAY),
         position_cycle=given(Setting.POSITION_CYCLE),
         velocity_cycle=given(Setting.VELOCITY_CYCLE),
-        state_feedback=StateFeedback.OFF,
+        state_feedback=StateFeedback.GIVEN if fed_back else StateFeedback.OFF,
+        state_gains=fed_back,
         force_filters=tuple(
             ForceFilter(
                 kind=FilterKind(values[Setting.FILTER_KIND, i]),
@@ -345,6 +366,9 @@ def write_filter(item: SetpointFilter | None) -> dict[Key, float | str]:
             (Setting.SHAPER_FREQUENCY, ""): item.frequency_hz,
             (Setting.SHAPER_DAMPING, ""): item.damping_ratio,
         }
+    if item.taps:
+        taps = {(Setting.TAP, str(i)): tap for i, tap in enumerate(item.taps, start=1)}
+        return {**taps, (Setting.TAP_SPACING, ""): item.spacing}
     times = zip((Setting.AVERAGE, Setting.SECOND_AVERAGE), item.averages, strict=False)
     return {(setting, ""): time for setting, time in times}
 
@@ -357,6 +381,10 @@ def _read_filter(values: Values) -> SetpointFilter | None:
             frequency_hz=number(values, Setting.SHAPER_FREQUENCY),
             damping_ratio=number(values, Setting.SHAPER_DAMPING),
         )
+    if (Setting.TAP_SPACING, "") in values:
+        taps = [number(values, setting, i) for setting, i in values if setting is Setting.TAP]
+        spacing = number(values, Setting.TAP_SPACING)
+        return SetpointFilter(kind=FIR, taps=tuple(taps), spacing=spacing)
     time, second = (
         number(values, setting) if (setting, "") in values else 0.0
         for setting in (Setting.AVERAGE, Setting.SECOND_AVERAGE)

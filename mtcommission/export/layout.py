@@ -162,7 +162,7 @@ def _text_comment(text: str) -> str:
 
 def _write_table(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     head = tuple(
-        words.text(f"export-head-{what}")
+        to_ascii(words.text(f"export-head-{what}"))
         for what in ("parameter", "new-value", "unit", "old-value", "meaning")
     )
     rows = [
@@ -252,7 +252,7 @@ def _write_constants(entries: Sequence[Entry], words: Catalogue) -> list[str]:
         name, _, _ = inline[0].row.name.partition("[")
         remark = inline[0].remark(words)
         values = ";".join(entry.value for entry in inline)
-        lines += ["", _text_comment(words.text("export-for-nc-program", remark=remark))]
+        lines += ["", _text_comment(to_ascii(words.text("export-for-nc-program", remark=remark)))]
         lines.append(_text_comment(f"{name}({values})#"))
     return lines
 
@@ -280,8 +280,8 @@ def _write_list(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     writer.writerow(COLUMNS)
     for entry in entries:
         row = entry.row
-        doubt = words.text("export-verified" if row.is_verified else "export-doubted")
-        place = words.text("export-elsewhere") if row.is_elsewhere else row.section
+        doubt = to_ascii(words.text("export-verified" if row.is_verified else "export-doubted"))
+        place = to_ascii(words.text("export-elsewhere")) if row.is_elsewhere else row.section
         meaning = entry.meaning(words)
         cells = (place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt)
         writer.writerow(map(_harmless, cells))

@@ -97,6 +97,15 @@ def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
             meaning=Message("sinumerik-dsc"),
         ),
         *_sinamics(subject, loop),
+        Row(
+            Setting.POSITION_CYCLE,
+            "position cycle",
+            unit="us",
+            scale=MICRO,
+            digits=9,
+            meaning=Message("sinumerik-position-cycle"),
+            is_elsewhere=True,
+        ),
     ]
 
 

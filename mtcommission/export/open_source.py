@@ -34,6 +34,14 @@ FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 USUAL_CORNER = 5e-3
 """square_corner_velocity that Klipper takes unless told otherwise [m/s] (Config_Reference)."""
 
+PRACTICAL = 20.0
+"""The most that any of Klipper's sample configurations has as max_accel, most have 3 (config/ at
+84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model."""
+
+JUNCTION_DEVIATIONS = (1e-5, 3e-4)
+"""What Marlin takes as M205 J [m]; it refuses any other and keeps the old one
+(M200-M205.cpp at 5ec63799)."""
+
 WHOLE = 0.999
 """Share of the recommended acceleration that is all of it, but for rounding."""
 
@@ -55,9 +63,18 @@ def _require_linear(subject: Subject, control: str) -> None:
         raise InputError([Fault(where="--control", message=message)])
 
 
-def _acceleration(subject: Subject, name: str, *, section: str = "") -> Row:
+def _acceleration(
+    subject: Subject, name: str, meaning: Message | None = None, *, section: str = ""
+) -> Row:
     length, size = subject.small_unit
-    return Row(Setting.ACCELERATION, name, unit=f"{length}/s^2", scale=size, section=section)
+    return Row(
+        Setting.ACCELERATION,
+        name,
+        unit=f"{length}/s^2",
+        scale=size,
+        meaning=meaning,
+        section=section,
+    )
 
 
 def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -> Row:
@@ -67,16 +84,24 @@ def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -
     )
 
 
-def _shapers(subject: Subject, kinds: tuple[str, ...]) -> tuple[Values, ...]:
-    """Zero-vibration shapers on the mode that a setpoint excites most."""
+def _shapers(subject: Subject, kinds: tuple[str, ...]) -> tuple[SetpointFilter, ...]:
+    """The run's own shaper, or zero-vibration shapers on the mode that a setpoint excites most."""
+    if subject.setpoint_filter:
+        return (subject.setpoint_filter,)
     mode = subject.mode
     damping = min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING)
     return tuple(
-        write_filter(
-            SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
-        )
+        SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
         for kind in kinds
     )
+
+
+def _write_shapers(subject: Subject, kinds: tuple[str, ...]) -> tuple[Values, ...]:
+    return tuple(map(write_filter, _shapers(subject, kinds)))
+
+
+KLIPPER_USUAL, MARLIN_USUAL = ("zv", "zvd"), ("marlin_zv", "marlin_zvd")
+"""Shapers that are tried where the run's filter is none of the control's."""
 
 
 def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
@@ -84,8 +109,12 @@ def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
     joint = f"JOINT_{LETTERS.index(letter)}"
     rows = [fixed("PLANNER_TYPE", "1", Message("linuxcnc-planner"), section="TRAJ")]
     if not subject.is_rotary:
+        ceiling = Message("linuxcnc-path-acceleration")
         path = Message("linuxcnc-path-jerk")
-        rows.append(_jerk(subject, "MAX_LINEAR_JERK", path, section="TRAJ"))
+        rows += [
+            _acceleration(subject, "MAX_LINEAR_ACCELERATION", ceiling, section="TRAJ"),
+            _jerk(subject, "MAX_LINEAR_JERK", path, section="TRAJ"),
+        ]
     rows.append(
         Row(Setting.POSITION_CYCLE, "SERVO_PERIOD", unit="ns", scale=NANO, step=1, section="EMCMOT")
     )
@@ -143,36 +172,41 @@ def _of_mode(subject: Subject) -> Message:
     return Message("klipper-of-mode", mode=subject.mode.name)
 
 
+def _written(subject: Subject) -> float:
+    """What a printer's firmware is to get at most of the recommended acceleration [m/s²]."""
+    return min(subject.limits.acceleration, PRACTICAL)
+
+
 def _make_up(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     """What the acceleration had to give for the missing jerk limit; nothing if it gave none."""
-    share = read_limits(chosen.values).acceleration / subject.limits.acceleration
+    a = read_limits(chosen.values).acceleration
+    share = a / subject.limits.acceleration
     shaper = "yes" if (Setting.SHAPER, "") in chosen.values else "no"
     if not chosen.verdict.assessment.is_met:
         return (Message("export-least-vibration", share=share, shaper=shaper),)
-    if share > WHOLE:
+    if a > WHOLE * _written(subject):
         return ()
     return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
 
 
-def _corner_velocity(subject: Subject) -> float:
-    """Klipper's default, or less where that leaves the band [m/s]; 0: the model does not say."""
-    if not subject.machine.drive.follows:
-        return 0.0
-    return min(find_corner_velocity(subject.machine, subject.setpoint_filter), USUAL_CORNER)
+def _most_at_corner(subject: Subject, kinds: tuple[str, ...]) -> float:
+    """The step of velocity that keeps the band behind whichever shaper is written [m/s]."""
+    return min(find_corner_velocity(subject.machine, one) for one in _shapers(subject, kinds))
 
 
-def _of_corner(subject: Subject, kind: str) -> tuple[Message, ...]:
+def _of_corner(
+    subject: Subject, kind: str, kinds: tuple[str, ...], **values: float
+) -> tuple[Message, ...]:
     """What the model says of the corner, and what it does not."""
     if not subject.machine.drive.follows:
         return ()
-    most = find_corner_velocity(subject.machine, subject.setpoint_filter)
-    return (Message(kind, usual=1e3 * USUAL_CORNER, most=1e3 * most),)
+    most = _most_at_corner(subject, kinds)
+    return (Message(kind, usual=1e3 * USUAL_CORNER, most=1e3 * most, **values),)
 
 
 def _klipper(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Klipper")
     letter = _letter(subject, "XYZ", "Klipper").lower()
-    corner = _corner_velocity(subject)
     row = partial(Row, section="input_shaper", is_verified=letter != "z")
     of_mode = _of_mode(subject)
     return [
@@ -184,18 +218,7 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
             meaning=Message("klipper-tool-head"),
             section="printer",
         ),
-        *(
-            [
-                fixed(
-                    "square_corner_velocity",
-                    f"{1e3 * corner:.3g}",
-                    Message("klipper-corner"),
-                    section="printer",
-                )
-            ]
-            if corner
-            else []
-        ),
+        *_klipper_corner(subject),
         row(
             Setting.SHAPER,
             f"shaper_type_{letter}",
@@ -212,11 +235,20 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
     ]
 
 
+def _klipper_corner(subject: Subject) -> list[Row]:
+    """Klipper's default, or less where that leaves the band."""
+    if not subject.machine.drive.follows:
+        return []
+    corner = f"{1e3 * min(_most_at_corner(subject, KLIPPER_USUAL), USUAL_CORNER):.3g}"
+    said = Message("klipper-corner")
+    return [fixed("square_corner_velocity", corner, said, unit="mm/s", section="printer")]
+
+
 def _klipper_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("klipper-no-jerk"),
         *_make_up(subject, chosen),
-        *_of_corner(subject, "klipper-corner-bound"),
+        *_of_corner(subject, "klipper-corner-bound", KLIPPER_USUAL),
         Message("klipper-cruise"),
         Message("klipper-shaper"),
         *(
@@ -231,11 +263,9 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Marlin")
     letter = _letter(subject, "XYZ", "Marlin")
     of_mode = _of_mode(subject)
-    corner, a = _corner_velocity(subject), subject.limits.acceleration
-    deviation = 1e3 * corner**2 * (sqrt(2.0) - 1.0) / a
     return [
         _acceleration(subject, f"M201 {letter}"),
-        *([fixed("M205 J", f"{deviation:.3g}", Message("marlin-corner"))] if corner else []),
+        *_marlin_corner(subject, letter),
         fixed("M493 S", "1", Message("marlin-fixed-time")),
         Row(
             Setting.SHAPER,
@@ -254,11 +284,38 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
     ]
 
 
+def _marlin_corner(subject: Subject, letter: str) -> list[Row]:
+    """By junction deviation; by the step of velocity where J would be below what M205 takes."""
+    if not subject.machine.drive.follows:
+        return []
+    if deviation := _junction_deviation(subject):
+        said = Message("marlin-corner")
+        return [fixed("M205 J", f"{1e3 * deviation:.3g}", said, unit="mm")]
+    corner, said = min(_most_at_corner(subject, MARLIN_USUAL), USUAL_CORNER), Message("marlin-step")
+    return [fixed(f"M205 {letter}", f"{1e3 * corner:.3g}", said, unit="mm/s")]
+
+
+def _junction_deviation(subject: Subject) -> float:
+    """J = v² (sqrt(2) - 1)/a of a right angle that keeps the band [m]; 0: below what M205 takes."""
+
+    def deviation(velocity: float) -> float:
+        return velocity**2 * (sqrt(2.0) - 1.0) / _written(subject)
+
+    least, most = JUNCTION_DEVIATIONS
+    if deviation(_most_at_corner(subject, MARLIN_USUAL)) < least:
+        return 0.0
+    return min(max(least, deviation(USUAL_CORNER)), most)
+
+
 def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
+    least, _ = JUNCTION_DEVIATIONS
+    by_least = sqrt(least * _written(subject) / (sqrt(2.0) - 1.0))
+    fits = subject.machine.drive.follows and _junction_deviation(subject)
+    bound = "marlin-corner-bound" if fits else "marlin-step-bound"
     return (
         Message("marlin-jerk"),
         *_make_up(subject, chosen),
-        *_of_corner(subject, "marlin-corner-bound"),
+        *_of_corner(subject, bound, MARLIN_USUAL, least=1e3 * by_least),
         Message("marlin-build"),
         Message("marlin-grid"),
     )
@@ -291,7 +348,8 @@ OPEN_CONTROLS = (
         key="klipper",
         rows=_klipper,
         layout=CONFIG,
-        shapers=partial(_shapers, kinds=("zv", "zvd")),
+        shapers=partial(_write_shapers, kinds=KLIPPER_USUAL),
+        ceiling=PRACTICAL,
         notes=_klipper_notes,
     ),
     Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
@@ -300,7 +358,8 @@ OPEN_CONTROLS = (
         key="marlin",
         rows=_marlin,
         layout=G_CODE,
-        shapers=partial(_shapers, kinds=("marlin_zv", "marlin_zvd")),
+        shapers=partial(_write_shapers, kinds=MARLIN_USUAL),
+        ceiling=PRACTICAL,
         notes=_marlin_notes,
     ),
     Control(key="ros2", rows=_ros, layout=YAML, in_degrees=False),

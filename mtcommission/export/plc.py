@@ -115,8 +115,29 @@ def _generic(subject: Subject, loop: Values) -> tuple[Row, ...]:
     return say_neutrally((*limits, *loop), subject.machine.axis_units)
 
 
+def _state_space(subject: Subject, loop: Values) -> tuple[Row, ...]:
+    units = subject.record.plant.units
+    fed_back = (index for setting, index in loop if setting is Setting.STATE_GAIN)
+    return (
+        *_generic(subject, loop),
+        *(
+            Row(
+                Setting.STATE_GAIN,
+                f"state feedback {state}",
+                index=state,
+                unit=f"{units['F']}/({units[state]})",
+                digits=6,
+            )
+            for state in fed_back
+        ),
+    )
+
+
 PLC_CONTROLS = (
     Control(key="twincat", rows=_twincat, layout=CONSTANTS, notes=_twincat_notes),
     Control(key="plcopen", rows=_constants, layout=CONSTANTS, notes=_plcopen_notes),
     Control(key="generic", rows=_generic, layout=TABLE, in_degrees=False),
 )
+
+FREE = Control(key="state-space", rows=_state_space, layout=TABLE, in_degrees=False)
+"""The free controller: no product, so no name of a control, but its rows stand on page 1."""

@@ -27,10 +27,12 @@ class Setting(Enum):
     JERK = ("jerk", ROUND_FLOOR, "limit-jerk")
     JERK_TIME = ("time of one acceleration ramp", ROUND_CEILING, "fanuc-bell-time")
     SHAPER = ("input shaper", "", "klipper-input-shaper")
-    SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN, "")
-    SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN, "")
+    SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN, "shaper-of-run")
+    SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN, "shaper-of-run")
     AVERAGE = ("moving average of the setpoint", ROUND_HALF_EVEN, "filter-average")
     SECOND_AVERAGE = ("second moving average", ROUND_HALF_EVEN, "filter-second-average")
+    TAP = ("weight of a tap of the setpoint filter", ROUND_HALF_EVEN, "filter-tap")
+    TAP_SPACING = ("time between the taps", ROUND_HALF_EVEN, "filter-tap-spacing")
     POSITION_LOOP = ("where the position loop closes", "", "loop-place")
     POSITION_CYCLE = ("position cycle", ROUND_HALF_EVEN, "cycle-position")
     VELOCITY_CYCLE = ("velocity cycle", ROUND_HALF_EVEN, "cycle-velocity")
@@ -48,6 +50,7 @@ class Setting(Enum):
     FILTER_FREQUENCY = ("its frequency", ROUND_HALF_EVEN, "filter-frequency")
     FILTER_DAMPING = ("its damping", ROUND_HALF_EVEN, "filter-damping")
     FILTER_WIDTH = ("its width", ROUND_HALF_EVEN, "filter-width")
+    STATE_GAIN = ("gain of a state that is fed back", ROUND_HALF_EVEN, "row-state-gain")
     FIXED = ("what must be so", "", "")
 
     @property
@@ -155,10 +158,13 @@ class Row:
             raise unreadable(f"{self.name} {text}") from None
 
 
-def fixed(name: str, text: str, meaning: Message | None = None, *, section: str = "") -> Row:
+def fixed(
+    name: str, text: str, meaning: Message | None = None, *, unit: str = "", section: str = ""
+) -> Row:
     """Return a row that must be just so for the others to act as they were simulated."""
+    codes: dict[float | str, str] = {"set": text}
     return Row(
-        Setting.FIXED, name, index=name, codes={"set": text}, meaning=meaning, section=section
+        Setting.FIXED, name, index=name, unit=unit, codes=codes, meaning=meaning, section=section
     )
 
 

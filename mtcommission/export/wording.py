@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from math import isfinite, pi
 from unicodedata import combining, normalize
@@ -18,12 +19,15 @@ LETTERS = str.maketrans(
 )
 """Signs of our sentences in the letters that every control reads."""
 
+CAPITAL = re.compile("[ÄÖÜ](?=[A-ZÄÖÜ])|(?<=[A-ZÄÖÜ])[ÄÖÜ]")
+"""A capital among capitals."""
+
 _RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
 
 DEGREE, TURN = pi / 180.0, 2.0 * pi
 
 
-def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
+def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     """Return an SI value with a unit that people read.
 
     Parameters
@@ -37,22 +41,25 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
 
     Returns
     -------
-    str or Message
-        Four digits, or that it is not settled.
+    Message
+        Four digits with the language's decimal mark, or that it is not settled.
 
     Examples
     --------
-    >>> show_value(5e-6, "m", in_degrees=True), show_value(4.848e-5, "rad", in_degrees=True)
-    ('5 um', '0.002778 deg')
+    >>> from mtcommission.messages.catalogue import Catalogue
+    >>> Catalogue("de").say(show_value(4.848e-5, "rad", in_degrees=True))
+    '0,002778 deg'
     >>> show_value(float("inf"), "s", in_degrees=False)
     Message('export-not-settled')
     """
     if not isfinite(value):
         return Message("export-not-settled")
     if in_degrees and unit.split("/")[0] == "rad":
-        return f"{value / DEGREE:.4g} {unit.replace('rad', 'deg', 1)}"
-    size, prefix = {"m": (MICRO, "u"), "rad": (MICRO, "u"), "s": (MILLI, "m")}.get(unit, (1.0, ""))
-    return f"{value / size:.4g} {prefix}{unit}"
+        size, shown = DEGREE, unit.replace("rad", "deg", 1)
+    else:
+        sizes = {"m": (MICRO, "µm"), "rad": (MICRO, "µrad"), "s": (MILLI, "ms")}
+        size, shown = sizes.get(unit, (1.0, unit))
+    return Message("export-value", value=value / size, unit=shown)
 
 
 def name_mode(key: str) -> Message:
@@ -69,11 +76,14 @@ def to_ascii(text: str) -> str:
     '5 um/s^2, 2x10^-5 N m fuer die Saeule'
     >>> to_ascii("vérifié à la main")
     'verifie a la main'
+    >>> to_ascii("UNVOLLSTÄNDIG, Übergang")
+    'UNVOLLSTAENDIG, Uebergang'
     """
     signs = [
         ("^" if sign in _RAISED and (before not in _RAISED) else "") + _RAISED.get(sign, sign)
         for before, sign in pairwise(f" {text}")
     ]
-    plain = normalize("NFKD", "".join(signs).translate(LETTERS))  # é is e and its accent
+    capitals = CAPITAL.sub(lambda one: LETTERS[ord(one[0])].upper(), "".join(signs))
+    plain = normalize("NFKD", capitals.translate(LETTERS))  # é is e and its accent
     letters = "".join(sign for sign in plain if not combining(sign))
     return letters.encode("ascii", "replace").decode()

@@ -1,5 +1,7 @@
 """Record -> Export: rows are written, read back from their text, judged; then the header.
 
+The sheet's first page shows the same rows.
+
 Nothing but what stands in the text reaches the loop that is simulated for the header, so the
 header cannot promise what the text does not hold.
 """
@@ -7,13 +9,21 @@ header cannot promise what the text does not hold.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.control_kinds.kinds import GENERIC, KINDS
+from mtcommission.errors import InputError
 from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import Chosen, choose_limits, take
 from mtcommission.export.control import Control, complete
-from mtcommission.export.header import WIDTH, Judged, compose_header, find_lost_margins
+from mtcommission.export.header import (
+    WIDTH,
+    Judged,
+    compose_header,
+    find_lost_margins,
+    say_ceiling,
+    say_judgement,
+)
 from mtcommission.export.held import (
     NOT_OF_A_SETPOINT,
     Held,
@@ -25,11 +35,12 @@ from mtcommission.export.held import (
 from mtcommission.export.layout import LIST, Entry, Layout, read_elsewhere
 from mtcommission.export.numeric import NUMERIC_CONTROLS
 from mtcommission.export.open_source import OPEN_CONTROLS
-from mtcommission.export.plc import PLC_CONTROLS
+from mtcommission.export.plc import FREE, PLC_CONTROLS
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.export.wording import to_ascii
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -57,9 +68,15 @@ class Export:
         What the control makes of the typed numbers [SI].
     verdict
         Of the simulation of what the text holds.
+    is_met
+        Whether that meets all requirements in every corner, with the margins of the record.
     meets_requirements
-        Whether that meets all requirements in every corner, and no machining mode had to be left
-        out.
+        Whether, moreover, no machining mode had to be left out.
+    judgement
+        What the header says of that.
+    doubts
+        What it says of machining modes left out, of a practical ceiling, and why it speaks in
+        neutral words.
     text
         The file.
     """
@@ -69,8 +86,34 @@ class Export:
     entries: tuple[Entry, ...]
     limits: MotionLimits
     verdict: Candidate
+    is_met: bool
     meets_requirements: bool
+    judgement: Message
+    doubts: tuple[Message, ...]
     text: str
+
+
+def export_own(record: Record) -> Export:
+    """Return the limits and the loop of a record for the control that it was computed for.
+
+    In neutral words where that control cannot name the axis; the doubts say so.
+
+    Raises
+    ------
+    InputError
+        If the loop is unstable as typed, or the record does not belong to its own profile.
+    """
+    own = CONTROLS.get(record.loop.kind, FREE)
+    try:
+        return _export(record, own)
+    except InputError as refused:
+        (fault, *_) = refused.faults
+        try:
+            found = _export(record, replace(CONTROLS[GENERIC.key], key=own.key))
+        except InputError:
+            raise refused from None
+        reason = Message("export-neutral", why=fault.message)
+        return replace(found, doubts=(reason, *found.doubts))
 
 
 def export_record(
@@ -95,7 +138,12 @@ def export_record(
         If there is no such control, it cannot take this axis, its loop is unstable, or the record
         does not belong to its own profile.
     """
-    target = CONTROLS[find_control_key(control)]
+    return _export(record, CONTROLS[find_control_key(control)], language, as_list=as_list)
+
+
+def _export(
+    record: Record, target: Control, language: str = "en", *, as_list: bool = False
+) -> Export:
     subject = build_subject(record, KINDS[target.key])
     follows = subject.machine.drive.follows
     words = Catalogue(language, rotary=subject.is_rotary, follows=follows)
@@ -132,13 +180,19 @@ def export_record(
     )
     head = [layout.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
     met = all(found.assessment.is_met for found in (verdict, *by_mode.values()))
+    met = met and not judged.lost_margins
+    judgement, *without = say_judgement(subject, target, judged)
+    without += say_ceiling(subject, target, judged)
     return Export(
         control=target.key,
         header=header,
         entries=entries,
         limits=held.limits(),
         verdict=verdict,
-        meets_requirements=met and not left_out and not judged.lost_margins,
+        is_met=met,
+        meets_requirements=met and not left_out,
+        judgement=judgement,
+        doubts=tuple(without),
         text="\n".join([*head, "", *lines]) + "\n",
     )
 
@@ -218,7 +272,7 @@ def _choose_limits(
         own = [row for row in rows if row.key not in held.values and row.index == ""]
         own = [row for row in own if row.setting in LIMITS | shared]
         proposed = () if subject.setpoint_filter else target.shapers(subject)
-        return choose_limits(subject, held, own, shapers=proposed)
+        return choose_limits(subject, held, own, shapers=proposed, ceiling=target.ceiling)
     own = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
     if not own or not mode.meets_requirements:
         return None
@@ -251,6 +305,6 @@ def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> li
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
     lines = layout.write([entry for entry in entries if not entry.row.is_elsewhere], words)
     if elsewhere:
-        heading = wrap_whole(words.text("export-set-elsewhere"), WIDTH)
+        heading = wrap_whole(to_ascii(words.text("export-set-elsewhere")), WIDTH)
         lines += ["", *map(layout.comment, heading), *layout.write_elsewhere(elsewhere, words)]
     return lines

@@ -23,11 +23,13 @@ from mtcommission.record.schema.record import Profile, Record
 from mtcommission.record.schema.what_if import WhatIfPart
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.entry_part import type_in
 
 if TYPE_CHECKING:
+    from mtcommission.export.write import Export
     from mtcommission.sheet.terminal import Summary
 
-__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "summarise"]
+__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "summarise", "type_in"]
 
 
 def print_html(
@@ -36,6 +38,7 @@ def print_html(
     language: str = "en",
     before: Record | None = None,
     verified: Verified | None = None,
+    typed: Export | Message | None = None,
 ) -> str:
     """Return the sheet as one HTML file that works offline.
 
@@ -49,6 +52,8 @@ def print_html(
         An earlier record of the axis; then the sheet tells what changed.
     verified
         What ``verify`` found; then the sheet shows it beside what was calculated.
+    typed
+        ``type_in`` of the record, where page and PDF are to share it.
 
     Raises
     ------
@@ -60,7 +65,7 @@ def print_html(
     from mtcommission.sheet.what_if_part import what_if
 
     _require(language)
-    document = compose(record, language, before=before, verified=verified)
+    document = compose(record, language, before=before, verified=verified, typed=typed)
     part, panel = record.what_if, None
     if part is not None:
         axis = record.machine
@@ -128,6 +133,7 @@ def print_pdf(
     language: str = "en",
     before: Record | None = None,
     verified: Verified | None = None,
+    typed: Export | Message | None = None,
     appendix: bool = False,
 ) -> bytes:
     """Return the sheet as PDF, A4; the same record always gives the same bytes.
@@ -145,6 +151,8 @@ def print_pdf(
         An earlier record of the axis; then the sheet tells what changed.
     verified
         What ``verify`` found; then the sheet shows it beside what was calculated.
+    typed
+        ``type_in`` of the record, where page and PDF are to share it.
     appendix
         Whether the evidence is printed behind them, as the page always shows it.
 
@@ -158,7 +166,7 @@ def print_pdf(
     from mtcommission.sheet.pdf import set_pdf
 
     _require(language)
-    document = compose(record, language, before=before, verified=verified)
+    document = compose(record, language, before=before, verified=verified, typed=typed)
     if not appendix:
         document = replace(document, sections=document.pages)
     return set_pdf(document, decimal_mark=LANGUAGES[language])

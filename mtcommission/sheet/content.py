@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.record.schema.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.basis_part import basis_rows, data_rows, holds_rows
 from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
-from mtcommission.sheet.entry_part import entries, signature
+from mtcommission.sheet.entry_part import entries, headline_as_typed, signature, type_in
 from mtcommission.sheet.evidence_part import certificates, versions
 from mtcommission.sheet.identified_part import identified
 from mtcommission.sheet.limits_part import (
@@ -28,11 +31,12 @@ from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.sizes_part import move_sizes
 from mtcommission.sheet.verdict_part import (
     checks_table,
-    could_be_met,
-    headline,
     judged_during,
     warnings_told,
 )
+
+if TYPE_CHECKING:
+    from mtcommission.export.write import Export
 
 HASH_DIGITS = 12
 """Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
@@ -44,6 +48,7 @@ def compose(
     *,
     before: Record | None = None,
     verified: Verified | None = None,
+    typed: Export | Message | None = None,
 ) -> Document:
     """Return the sheet of a record.
 
@@ -57,6 +62,8 @@ def compose(
         An earlier record of the axis, to tell what changed since.
     verified
         What ``verify`` found about this record.
+    typed
+        Its ``type_in``, where that is known already.
 
     Raises
     ------
@@ -67,6 +74,7 @@ def compose(
     words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
     text = words.text
     profile = record.profile
+    typed = type_in(record) if typed is None else typed
     changes = () if before is None else (differences(before, record, words),)
     return Document(
         language=language,
@@ -81,10 +89,10 @@ def compose(
         script_note=text("script-note"),
         page_word=text("page"),
         sections=(
-            _values(record, words),
+            _values(record, typed, words),
             _responses(record, words),
             _loop(record, words),
-            _measurements(record, words, verified),
+            _measurements(record, typed, words, verified),
             *changes,
             *_appendix(record, words),
         ),
@@ -92,7 +100,7 @@ def compose(
     )
 
 
-def _values(record: Record, words: Catalogue) -> Section:
+def _values(record: Record, typed: Export | Message, words: Catalogue) -> Section:
     """Page 1: verdict, what to enter, for what it holds, on what it rests."""
     text = words.text
 
@@ -104,10 +112,9 @@ def _values(record: Record, words: Catalogue) -> Section:
         key="verdict",
         heading=text("verdict-heading"),
         blocks=(
-            headline(record, words),
+            headline_as_typed(record, typed, words),
             *warnings_told(record, words),
-            *could_be_met(record, words),
-            entries(record, words),
+            *entries(record, typed, words),
             checks_table(record.assessment.checks, words),
             Paragraph(text=judged_during(record, words), tone=Tone.NOTE),
             told("holds-caption", holds_rows(record, words)),
@@ -135,13 +142,15 @@ def _loop(record: Record, words: Catalogue) -> Section:
     return Section(key="loop", heading=heading, blocks=loop_blocks(record, words))
 
 
-def _measurements(record: Record, words: Catalogue, verified: Verified | None) -> Section:
+def _measurements(
+    record: Record, typed: Export | Message, words: Catalogue, verified: Verified | None
+) -> Section:
     """Page 4: what to measure at the machine, with fields; signature."""
     text = words.text
     blocks = (
         *measurement_blocks(record, words, verified),
         Subheading(text=text("signature-heading")),
-        *signature(record, words),
+        *signature(record, typed, words),
     )
     return Section(key="measurements", heading=text("measure-heading"), blocks=blocks)
 

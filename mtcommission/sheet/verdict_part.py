@@ -37,6 +37,7 @@ def headline(record: Record, words: Catalogue) -> Headline:
         told.append(f"{text('obstacle', obstacle=obstacle)}.")
     told.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
     told += assumed_and_binding(record, words)
+    told += attainable_sentences(record, words)
     return Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
@@ -193,9 +194,11 @@ def _setpoint_filter(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
         return ()
     (_, kind), *numbers = filter_rows(item, words)
     if item.frequency_hz:
-        (_, frequency), *others = numbers
-        aside = ", ".join(f"{label} {number}" for label, number in others)
-        return (BigValue(label=capitalised(kind), value=frequency, aside=aside),)
+        labels = (kind, *(label for label, _ in numbers[1:]))
+        return tuple(
+            BigValue(label=capitalised(label), value=number, aside="")
+            for label, (_, number) in zip(labels, numbers, strict=True)
+        )
     value = ", ".join(number for _, number in numbers)
     return (BigValue(label=capitalised(kind), value=value, aside=""),)
 
@@ -247,12 +250,6 @@ def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
         )
         for item in record.limits.attainable
     ]
-
-
-def could_be_met(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
-    """Return the same as a paragraph; nothing where nothing stands in the way."""
-    said = attainable_sentences(record, words)
-    return (Paragraph(text=" ".join(said)),) if said else ()
 
 
 def share_used(check: Check, words: Catalogue) -> str:

@@ -8,33 +8,33 @@ export-no-control-but = keine Steuerung { $given }; ist { $meant } gemeint? Es g
 export-other-letter = { $control } nennt seine Achsen { $letters }; dieses Protokoll gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
 export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rundachse; --control generic verwenden
 
-export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis fuer { $control }
+export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis für { $control }
 export-computed = Berechnet { $created } mit { $tool } aus { $profile }
 export-lost-letters = Buchstaben der Namen, die dieser Text nicht fassen kann, stehen als "?".
 export-hash = Profil SHA-256 { $hash }
-export-verify = VOR GEBRAUCH PRUEFEN. Berechnet, nicht gemessen: keine Abnahmepruefung (ISO 230). Von Hand eingeben, alte Werte notieren, mit kleinem Override erproben.
+export-verify = VOR GEBRAUCH PRÜFEN. Berechnet, nicht gemessen: keine Abnahmeprüfung (ISO 230). Von Hand eingeben, alte Werte notieren, mit kleinem Override erproben.
 export-safe-side = Jeder Grenzwert ist zur sicheren Seite gerundet. Einheiten stehen neben den Werten.
 export-warning = WARNUNG: { $warning }
-export-not-measured = Vorgabe uebernommen, nicht gemessen: { $keys }.
-export-unreadable = eine Zeile des Exports fehlt, ist nicht zurueckzulesen oder widerspricht einer anderen: { $row }; bitte melden
+export-not-measured = Vorgabe übernommen, nicht gemessen: { $keys }.
+export-unreadable = eine Zeile des Exports fehlt, ist nicht zurückzulesen oder widerspricht einer anderen: { $row }; bitte melden
 export-unstable = der Regelkreis dieses Textes ist nicht stabil{ $lacking ->
     [yes] , weil dieser Steuerung fehlt: { $left_out }
    *[no] {""}
 }: { $why }; das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren
-export-corners = Beurteilt fuer Eigenfrequenzen +- { PLAIN($frequency, digits: 3, unit: "%") } %, Daempfungsgrade +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
+export-corners = Beurteilt für Eigenfrequenzen +- { PLAIN($frequency, digits: 3, unit: "%") } %, Dämpfungsgrade +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
     [yes] , Zuladung { SI($low, "MASS") } bis { SI($high, "MASS") }
    *[no] {""}
 }; die Reserve ist nicht abgezogen: es gilt der ganze erlaubte Wert.
-export-left-out = WEGGELASSEN ODER GEAENDERT, weil diese Steuerung nichts anderes hat: { $features }. Einschwingzeit mit allem { $before }, mit diesem Text { $after }{ $cost ->
+export-left-out = WEGGELASSEN ODER GEÄNDERT, weil diese Steuerung nichts anderes hat: { $features }. Einschwingzeit mit allem { $before }, mit diesem Text { $after }{ $cost ->
     [grows] {" "}({ CHANGE($change) })
    *[unknown] {""}
-}. Fuer Grenzwerte und Verstaerkungen, die zu dieser Steuerung passen, das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren.
+}. Für Grenzwerte und Verstärkungen, die zu dieser Steuerung passen, das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren.
 export-feature = { $what ->
-    [state-feedback] Zustandsrueckfuehrung
+    [state-feedback] Zustandsrückführung
     [velocity] Geschwindigkeitsvorsteuerung
     [acceleration] Kraftvorsteuerung
     [jerk] Ruckvorsteuerung
-    [delay] Verzoegerung des Lagesollwerts
+    [delay] Verzögerung des Lagesollwerts
     [setpoint-filter] Sollwertfilter dieser Art und Länge
     [force-filters] einige Filter der Sollkraft
     [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
@@ -42,38 +42,41 @@ export-feature = { $what ->
    *[loop-drive] Lageregelung im Antrieb
 }
 export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Toleranzband nicht ein, { $band }
-export-mode-left-out = ENTFAELLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
-export-warning-here = WARNUNG, fuer den Regelkreis dieses Textes: { $warning }
-export-shaft = Verstaerkung und Traegheit des Antriebs gelten an der Motorwelle: die Achse bewegt sich { LENGTH($travel) } je Radiant des Motors.
-export-no-shaft = Kp und die Kraftvorsteuerung gelten an der Achse (ein Linearmotor; fuer einen rotierenden drive.lead und drive.gear angeben).
+export-neutral = In neutralen Worten, denn { $why }
+export-mode-left-out = ENTFÄLLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
+export-warning-here = WARNUNG, für den Regelkreis dieses Textes: { $warning }
+export-ceiling = GESCHRIEBEN IST EINE PRAKTISCHE OBERGRENZE, angenommen: { NUMBER($ceiling, digits: 4) } mm/s², Einschwingzeit { $after }. Die Achse dieses Modells vertrüge { NUMBER($wanted, digits: 4) } mm/s², { $before }; was Extruder, Rahmen und Motortreiber vertragen, enthält es nicht. Keine Beispielkonfiguration von Klipper hat mehr (die meisten 3000 mm/s²). Mehr nur eingeben, wenn die eigenen es erwiesenermaßen vertragen, oder als drive.max_acceleration angeben, was sie vertragen.
+export-shaft = Verstärkung und Trägheit des Antriebs gelten an der Motorwelle: die Achse bewegt sich { LENGTH($travel) } je Radiant des Motors.
+export-no-shaft = Kp und die Kraftvorsteuerung gelten an der Achse (ein Linearmotor; für einen rotierenden drive.lead und drive.gear angeben).
 export-set-elsewhere = Im Antrieb einzustellen oder so vorausgesetzt, damit das Ergebnis oben gilt:
 export-elsewhere = im Antrieb oder vorausgesetzt
-export-segments = Diese Firmware aendert die Geschwindigkeit einmal je Abschnitt von 10 ms (Konstante der Ausgabe): Rampen nahe daran oder darunter werden zu Stufen, was die Simulation nicht zeigt.
-export-doubt = (?) bedeutet: Name, Einheit oder Verwendung nicht nachgelesen, im Listenhandbuch der eigenen Softwareversion pruefen.
+export-segments = Diese Firmware ändert die Geschwindigkeit einmal je Abschnitt von 10 ms (Konstante der Ausgabe): Rampen nahe daran oder darunter werden zu Stufen, was die Simulation nicht zeigt.
+export-doubt = (?) bedeutet: Name, Einheit oder Verwendung nicht nachgelesen, im Listenhandbuch der eigenen Softwareversion prüfen.
 export-verified = beim Hersteller nachgelesen
-export-doubted = (?) im Listenhandbuch der eigenen Softwareversion pruefen
-export-judged = Aus diesem Text simuliert, Zeile fuer Zeile zurueckgelesen (Massen, Eigenformen, Antrieb und Bewegungen sind die des Profils), { $corners ->
+export-doubted = (?) im Listenhandbuch der eigenen Softwareversion prüfen
+export-judged = Aus diesem Text simuliert, Zeile für Zeile zurückgelesen (Massen, Eigenformen, Antrieb und Bewegungen sind die des Profils), { $corners ->
     [1] im Nennfall
-   *[other] in { $corners } Eckfaellen
+   *[other] in { $corners } Eckfällen
 }: Einschwingzeit { $settling }, Restabweichung { $residual }
-export-all-met = { $judged }; alle Anforderungen erfuellt.
-export-not-all-met = { $judged }; ANFORDERUNGEN NICHT ERFUELLT: { $missed }.
+export-all-met = { $judged }; alle Anforderungen erfüllt.
+export-not-all-met = { $judged }; ANFORDERUNGEN NICHT ERFÜLLT: { $missed }.
 export-incomplete = { $judged }; Anforderungen erfüllt, ABER UNVOLLSTÄNDIG: { $missed }.
 export-missed = { $name } { $value }, erlaubt { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
-export-mode-missed = keine Grenzwerte fuer die Bearbeitungsart { $mode }
+export-mode-missed = keine Grenzwerte für die Bearbeitungsart { $mode }
+export-value = { PLAIN($value, digits: 4) } { $unit }
 export-not-settled = nicht eingeschwungen
 export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }
-export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } waere einzuhalten)
-export-least-vibration = KEINE BESCHLEUNIGUNG ERFUELLT HIER DIE ANFORDERUNGEN: von den erprobten Werten laesst dieser, { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung, { $shaper ->
+export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
+export-least-vibration = KEINE BESCHLEUNIGUNG ERFÜLLT HIER DIE ANFORDERUNGEN: von den erprobten Werten lässt dieser, { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung, { $shaper ->
     [yes] mit dem Shaper
    *[no] ohne Shaper
-} am wenigsten Schwingung zurueck.
+} am wenigsten Schwingung zurück.
 export-share-of-acceleration = Um die Anforderungen { $shaper ->
     [yes] mit dem Shaper
    *[no] ohne Shaper
-} zu erfuellen, ist die Beschleunigung { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung.
+} zu erfüllen, ist die Beschleunigung { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung.
 
 control-sinumerik = SINUMERIK 840D / 828D / ONE
 control-heidenhain = HEIDENHAIN auf NCK-Basis
@@ -82,6 +85,7 @@ control-isg = ISG-Kern / TwinCAT CNC
 control-twincat = Beckhoff TwinCAT NC / NCI
 control-plcopen = PLCopen-Bausteine, CODESYS
 control-generic = jede Steuerung: SI-Werte in neutralen Worten
+control-state-space = freier Regler: SI-Werte in neutralen Worten
 control-linuxcnc = LinuxCNC ab 2.10
 control-klipper = Klipper
 control-grblhal = grblHAL
@@ -89,86 +93,90 @@ control-fluidnc = FluidNC
 control-marlin = Marlin
 control-ros2 = ROS 2 / MoveIt
 
-export-mode-surface = Oberflaeche
+export-mode-surface = Oberfläche
 export-mode-accuracy = Genauigkeit
 export-mode-speed = Geschwindigkeit
 
 export-old = alt
-export-for-nc-program = Fuer das NC-Programm, nicht fuer die SPS: { $remark }
+export-for-nc-program = Für das NC-Programm, nicht für die SPS: { $remark }
 export-head-parameter = Parameter
 export-head-new-value = neuer Wert
 export-head-unit = Einheit
 export-head-old-value = alter Wert
 export-head-meaning = Bedeutung
 limit-acceleration = Beschleunigung
-limit-deceleration = Verzoegerung
+limit-deceleration = Verzögerung
 limit-jerk = Ruck
-limit-path-nci = Bahnbeschleunigung, -verzoegerung, -ruck (NCI)
+limit-path-nci = Bahnbeschleunigung, -verzögerung, -ruck (NCI)
 limit-axis-jerk = Achsruck
 limit-axis-jerk-at-rapid = Achsruck im Eilgang; die Regel des Herstellers, 5 x axPathJerk, wurde nicht beurteilt
 limit-recommended = empfohlen
-limit-rapid = Eilgang, zu dem die Anstiegszeit gehoert; so lassen, wie er ist
-limit-of-mode = { $mode }, Toleranzband { $band }, erfuellt
+limit-rapid = Eilgang, zu dem die Anstiegszeit gehört; so lassen, wie er ist
+limit-of-mode = { $mode }, Toleranzband { $band }, erfüllt
 gain-integral-time = Nachstellzeit, aufgerundet
 gain-kp-at-shaft = Kp dieses Regelkreises, an der Motorwelle
 gain-reference-model = Zeitkonstante des Referenzmodells vor dem Integrator
 gain-kv = Kv dieses Regelkreises
 gain-kv-name-and-unit = Kv dieses Regelkreises; Name und Einheit
-gain-kp-at-axis = Geschwindigkeitsverstaerkung, an der Achse
+gain-kp-at-axis = Geschwindigkeitsverstärkung, an der Achse
 gain-tn-unit = Tn dieses Regelkreises, aufgerundet; Einheit
 row-feedforward-velocity = Gewicht der Geschwindigkeitsvorsteuerung
 row-feedforward-force = Kraft je Beschleunigung, an der Achse
 row-feedforward-jerk = Kraft je Ruck, an der Achse
-row-feedforward-inertia = Momentenvorsteuerung: ganze Traegheit, an der Motorwelle
+row-feedforward-inertia = Momentenvorsteuerung: ganze Trägheit, an der Motorwelle
 cycle-position = Takt des Lagereglers
 cycle-velocity = Takt des Drehzahlreglers
-loop-place = wo er sich schliesst: control (Werte gehalten), interpolated, drive (DSC)
+loop-place = wo er sich schließt: control (Werte gehalten), interpolated, drive (DSC)
 filter-average = gleitender Mittelwert des Sollwerts; 0: keiner darf wirken
 filter-second-average = zweiter gleitender Mittelwert hinter dem ersten
+filter-tap = Gewicht des Sollwerts vor so vielen Abständen, der erste der neueste
+filter-tap-spacing = Abstand der Stützstellen des Sollwertfilters
 filter-count = wirksame Filter der Sollkraft, in dieser Reihenfolge
 filter-kind = Art des Filters der Sollkraft
 filter-frequency = seine Eigenfrequenz
-filter-damping = Daempfungsgrad: Zaehler einer Bandsperre, Nenner eines Tiefpasses
-filter-width = Daempfungsgrad des Nenners der Bandsperre
-delay-of-reference = Verzoegerung des Lagesollwerts, bis die vorgesteuerte Kraft wirkt
+filter-damping = Dämpfungsgrad: Zähler einer Bandsperre, Nenner eines Tiefpasses
+filter-width = Dämpfungsgrad des Nenners der Bandsperre
+row-state-gain = Kraft je Einheit dieses Zustands, über den Beobachter zurückgeführt
+delay-of-reference = Verzögerung des Lagesollwerts, bis die vorgesteuerte Kraft wirkt
 
 sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; Einheit
 sinumerik-filter-on = Ruckfilter ein
 sinumerik-moving-average = gleitender Mittelwert
 sinumerik-two-averages = zwei gleitende Mittelwerte hintereinander
-sinumerik-filter-off = Ruckfilter aus: seine Zeit kaeme zur Rampe hinzu
+sinumerik-filter-off = Ruckfilter aus: seine Zeit käme zur Rampe hinzu
 sinumerik-ffw-mode = 0 keine, 3 Drehzahl, 4 Moment, beide mit reiner Totzeit
-sinumerik-delay = ganze Verzoegerung des Lagesollwerts; was die Steuerung selbst beitraegt, ist darin enthalten
+sinumerik-delay = ganze Verzögerung des Lagesollwerts samt eigener
+sinumerik-position-cycle = Lageregler: MD10050 x MD10060 (?), siehe MD10061
 sinumerik-dsc = 1: Lageregelung im Antrieb (DSC; Telegramm 105, 106 oder mit Splines), 0: in der Steuerung
 sinumerik-filters = wirksame Filter des Momentensollwerts, je ein Bit
-sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zaehler; Reihenfolge der fuenf Parameter
+sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zähler; Reihenfolge der fünf Parameter
 sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Toleranzband beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
-sinumerik-path-jerk = Der Bahnruck MD20600 muss ueber den Achswerten liegen, sonst begrenzt er.
-sinumerik-turns = Beschleunigungen zaehlen in Umdrehungen, Lagen und Toleranzbaender in Grad.
+sinumerik-path-jerk = Der Bahnruck MD20600 muss über den Achswerten liegen, sonst begrenzt er.
+sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Toleranzbänder in Grad.
 
-heidenhain-path = maxPathJerk und maxPathJerkHi (Vorgabe 40 m/s^3) und maxPathYank begrenzen die Bahn: ueber den Achswerten halten, nach der Regel des Herstellers mindestens 1,75 x der groesste Achswert.
-heidenhain-filters = Die Lagefilter der Steuerung bringen eigene Ruckzeit mit: sie darf nicht doppelt gezaehlt werden.
-heidenhain-speed-gains = Die Drehzahlverstaerkungen sind hier Stroeme je Drehzahl: aus Kp und Tn unten folgen sie nur mit der Drehmomentkonstante des Motors.
+heidenhain-path = maxPathJerk und maxPathJerkHi (Vorgabe 40 m/s^3) und maxPathYank begrenzen die Bahn: über den Achswerten halten, nach der Regel des Herstellers mindestens 1,75 x der größte Achswert.
+heidenhain-filters = Die Lagefilter der Steuerung bringen eigene Ruckzeit mit: sie darf nicht doppelt gezählt werden.
+heidenhain-speed-gains = Die Drehzahlverstärkungen sind hier Ströme je Drehzahl: aus Kp und Tn unten folgen sie nur mit der Drehmomentkonstante des Motors.
 heidenhain-itnc = Bei einer iTNC 530 steht der Kv-Faktor in (m/min)/mm.
 
-fanuc-rise-time = Zeit vom Stillstand bis zum Eilgang, fuer den Wert von 1420 unten
+fanuc-rise-time = Zeit vom Stillstand bis zum Eilgang, für den Wert von 1420 unten
 fanuc-bell-time = Glockenzeit, Beschleunigung / Ruck
 fanuc-no-jerk = Einen Ruck in { $length }/s^3 gibt es hier nicht: die Glockenzeit bestimmt ihn.
-fanuc-gain = Die Drehzahlverstaerkung zaehlt hier relativ zur Motordatei (2021): Kp unten ist nur als Vielfaches des heutigen Werts einstellbar.
-fanuc-rapid = 1420 lassen, wie es ist; ist es nicht der Wert unten, 1620 x eigener Wert / Wert unten eingeben, aufgerundet, damit die Beschleunigung { PLAIN($acceleration, digits: 4) } { $length }/s^2 bleibt. Die Glockenzeit 1774 aendert sich nicht.
+fanuc-gain = Die Drehzahlverstärkung zählt hier relativ zur Motordatei (2021): Kp unten ist nur als Vielfaches des heutigen Werts einstellbar.
+fanuc-rapid = 1420 lassen, wie es ist; ist es nicht der Wert unten, 1620 x eigener Wert / Wert unten eingeben, aufgerundet, damit die Beschleunigung { PLAIN($acceleration, digits: 4) } { $length }/s^2 bleibt. Die Glockenzeit 1774 ändert sich nicht.
 fanuc-nano = AI nano contour control nimmt die Zeit aus 1773 statt 1620, und die Glockenform braucht 1603#6 (RBL) = 1.
-fanuc-look-ahead = 1788/1789 (Aenderung der Beschleunigung) und, nicht nachgelesen (?), 1660, 1671 und 1772 begrenzen Betriebsarten mit Vorausschau und duerfen nicht schneller sein als diese Werte.
+fanuc-look-ahead = 1788/1789 (Änderung der Beschleunigung) und, nicht nachgelesen (?), 1660, 1671 und 1772 begrenzen Betriebsarten mit Vorausschau und dürfen nicht schneller sein als diese Werte.
 
 isg-acceleration-rises = Rampenzeit, Beschleunigung steigt
-isg-acceleration-falls = Rampenzeit, Beschleunigung faellt
-isg-deceleration-rises = Rampenzeit, Verzoegerung steigt
-isg-deceleration-falls = Rampenzeit, Verzoegerung faellt
+isg-acceleration-falls = Rampenzeit, Beschleunigung fällt
+isg-deceleration-rises = Rampenzeit, Verzögerung steigt
+isg-deceleration-falls = Rampenzeit, Verzögerung fällt
 isg-ramp-at-rapid = Rampenzeit bei G0
 isg-acceleration-at-rapid = Beschleunigung bei G0
-isg-gear-sets = getriebe[0] ist der erste Getriebesatz; die Zeilen fuer weitere wiederholen.
-isg-own-limits = dynamik.a_max darf nicht unter diesen Beschleunigungen und dynamik.tr_min nicht ueber diesen Rampenzeiten liegen: der Kern wuerde seine eigenen Grenzen nehmen.
-isg-operation-mode = wo sich der Lageregelkreis schliesst; kv wirkt nur mit CNC_POSITION_CONTROL
+isg-gear-sets = getriebe[0] ist der erste Getriebesatz; die Zeilen für weitere wiederholen.
+isg-own-limits = dynamik.a_max darf nicht unter diesen Beschleunigungen und dynamik.tr_min nicht über diesen Rampenzeiten liegen: der Kern würde seine eigenen Grenzen nehmen.
+isg-operation-mode = wo sich der Lageregelkreis schließt; kv wirkt nur mit CNC_POSITION_CONTROL
 isg-feedforward = 0 keine, 0x101 Geschwindigkeit, 0x303 Geschwindigkeit und Moment
 isg-moving-average = gleitender Mittelwert; mit #FILTER ON einschalten
 isg-slope = Das Profil muss TRAPEZ, SIN2 oder HSC sein: mit STEP, der Vorgabe, wirkt keine Rampenzeit.
@@ -178,25 +186,26 @@ twincat-no-jerk-filter = Der Sollwertgenerator braucht neben diesen Grenzwerten 
 twincat-kp = Kp dieses Regelkreises, an der Motorwelle; AX5000 (AX8000: 3140:01, gleiche Einheit)
 twincat-tn = Tn dieses Regelkreises, aufgerundet; AX5000 (AX8000: 3140:02 in s)
 twincat-kv-in-drive = Kv dieses Regelkreises; AX5000, Lageregelung im Antrieb
-twincat-kv-in-nc = Kv dieses Regelkreises, (mm/s)/mm; der NC selbst, fuer einen Antrieb mit Drehzahlsollwert
+twincat-kv-in-nc = Kv dieses Regelkreises, (mm/s)/mm; der NC selbst, für einen Antrieb mit Drehzahlsollwert
 plcopen-unit = Die Einheit u der Achse gilt als 1 { $axis ->
     [rotary] Grad
    *[linear] mm
-}: die Skalierung der Achse pruefen und alle drei Werte umrechnen, wenn sie anders ist.
-plcopen-jerk-of-zero = Ein Ruck von 0 bedeutet nicht keinen: er waehlt die Vorgabe der Achse.
+}: die Skalierung der Achse prüfen und alle drei Werte umrechnen, wenn sie anders ist.
+plcopen-jerk-of-zero = Ein Ruck von 0 bedeutet nicht keinen: er wählt die Vorgabe der Achse.
 plcopen-quadratic = CODESYS: der Ruck wirkt nur mit der Rampenform quadratisch.
 
-linuxcnc-jerk = Ruck; 0 wuerde die Grenze abschalten
-linuxcnc-gain = Kv, fuer einen Antrieb, der Maschineneinheiten/s nimmt
+linuxcnc-jerk = Ruck; 0 würde die Grenze abschalten
+linuxcnc-gain = Kv, für einen Antrieb, der Maschineneinheiten/s nimmt
 linuxcnc-planner = ruckbegrenzter Planer
+linuxcnc-path-acceleration = Obergrenze jeder Bewegung der Linearachsen: nie unter dem größten ihrer Werte, ein höherer darf stehen bleiben
 linuxcnc-path-jerk = Bahnruck: der kleinste aller Linearachsen
-linuxcnc-units = Fuer LinuxCNC 2.10 und neuer; als Maschineneinheiten gelten mm und Grad.
-linuxcnc-joints = Die Gelenknummern gelten fuer triviale Kinematik: X Y Z A B C U V W sind die Gelenke 0 bis 8.
-linuxcnc-least-jerk = MAX_LINEAR_JERK unter 1 faellt stillschweigend auf Trapeze zurueck. Referenzfahrt mit PLANNER_TYPE = 0.
+linuxcnc-units = Für LinuxCNC 2.10 und neuer; als Maschineneinheiten gelten mm und Grad.
+linuxcnc-joints = Die Gelenknummern gelten für triviale Kinematik: X Y Z A B C U V W sind die Gelenke 0 bis 8.
+linuxcnc-least-jerk = MAX_LINEAR_JERK unter 1 fällt stillschweigend auf Trapeze zurück. Referenzfahrt mit PLANNER_TYPE = 0.
 grblhal-builds = Die Ruckeinstellungen gibt es nur in Ausgaben mit ENABLE_JERK_ACCELERATION.
-grblhal-corners = $11 (junction deviation) bestimmt, wie schnell Ecken gefahren werden, und gehoert nicht hierher.
-fluidnc-no-jerk = FluidNC hat noch keine Ruckgrenze veroeffentlicht.
-fluidnc-degrees = Der Name sagt mm, aber eine Rundachse zaehlt in Grad: der Wert steht in deg/s^2.
+grblhal-corners = $11 (junction deviation) bestimmt, wie schnell Ecken gefahren werden, und gehört nicht hierher.
+fluidnc-no-jerk = FluidNC hat noch keine Ruckgrenze veröffentlicht.
+fluidnc-degrees = Der Name sagt mm, aber eine Rundachse zählt in Grad: der Wert steht in deg/s^2.
 klipper-tool-head = des Werkzeugkopfs, also seiner langsamsten Achse
 klipper-input-shaper = Input Shaper
 klipper-of-mode = der Eigenform { $mode }
@@ -206,13 +215,15 @@ klipper-cruise = minimum_cruise_ratio (Vorgabe 0.5) senkt die Geschwindigkeit ku
 klipper-corner = Geschwindigkeitssprung am rechten Winkel
 klipper-corner-bound = square_corner_velocity: bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band, in jeder Ecke von Frequenz und Dämpfung; eingetragen ist das, höchstens die Vorgabe von Klipper, { NUMBER($usual, digits: 3) } mm/s. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
 klipper-three-humps = 3HUMP_EI war in Klipper von September 2025 bis 31. März 2026 fehlerhaft (ein fehlendes Komma, #7235): Klipper vorher aktualisieren.
-klipper-shaper = Der Shaper verlaengert jede Bewegung um seine eigene Dauer.
+klipper-shaper = Der Shaper verlängert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein
-marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Hoeckern, 8 MZV; die Buchstaben haben sich zwischen Versionen geaendert
+marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Höckern, 8 MZV; die Buchstaben haben sich zwischen Versionen geändert
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
-marlin-corner = Junction Deviation [mm], wenn der Build sie hat (?)
-marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten Winkel von höchstens { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung hinter dem Shaper für sich innerhalb des freigegebenen Anteils am Band. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+marlin-corner = Junction Deviation, wenn der Build sie hat
+marlin-step = größter Geschwindigkeitssprung, für Builds mit CLASSIC_JERK
+marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten Winkel, J = v² (sqrt(2) − 1)/a: den von { NUMBER($usual, digits: 3) } mm/s, mindestens aber die 0,01 mm und höchstens die 0,3 mm, die die Firmware annimmt; 0,01 mm sind bei der größten geschriebenen Beschleunigung { NUMBER($least, digits: 3) } mm/s. Bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung hinter dem Shaper für sich innerhalb des freigegebenen Anteils am Band. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+marlin-step-bound = M205 J kann die Ecke hier nicht begrenzen: die Firmware weist weniger als 0,01 mm ab und behält den alten Wert, und mit 0,01 mm wird ein rechter Winkel bei der größten geschriebenen Beschleunigung mit { NUMBER($least, digits: 3) } mm/s durchfahren. Bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band. Eingetragen ist daher der Sprung selbst, höchstens { NUMBER($usual, digits: 3) } mm/s, für einen Build mit CLASSIC_JERK; ohne diesen schwingt die Achse an Ecken weiter aus, als das Band erlaubt. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
 marlin-grid = FT Motion legt die Kopien eines Shapers um ganze Abtastwerte von 1 ms auseinander (FTM_FS = 1000 Hz, shaping.cpp, Stand 195278e4): alle Frequenzen eines Bereichs ergeben denselben Shaper, geschrieben ist seine Mitte, die daher von der gemessenen abweichen kann. Das ist simuliert; eine Ausgabe mit anderem FTM_FS formt anders.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
-ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse
+ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgröße
 export-no-loop = Der Motor folgt dem Sollwert: hier wird nichts von einem Regelkreis eingestellt.

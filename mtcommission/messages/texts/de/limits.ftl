@@ -4,7 +4,7 @@ joined-by-and = { $first } und { $second }
 # what the limits end at; $requirements: one or more, joined
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = kleinste Einschwingzeit; keine Grenzwerte erfüllen alle Anforderungen
-bound-by-motor = Beschleunigung des Motors, { ACCELERATION($acceleration) }
+bound-by-motor = keine Anforderung; mehr als die eigene Beschleunigung des Motors abzüglich der Reserve, { ACCELERATION($acceleration) }, wird nicht gesucht
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
 bound-by-jerk-in-proportion = Ruck im Verhältnis zum Toleranzband (höchstens { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = mehr Ruck als mit breiterem Toleranzband: bis { JERK($jerk) } hielt nichts dieses ein

@@ -59,6 +59,9 @@ velocity = Geschwindigkeit
 
 verdict-heading = Ergebnis und einzugebende Werte
 verdict-met = Alle Anforderungen erfüllt
+as-typed = Einzugeben ist die Beschleunigung { $acceleration }; was dieses Blatt daneben zeigt, gilt für die der Rechnung, { $wanted }.
+verdict-incomplete = Erfüllt, ABER UNVOLLSTÄNDIG
+verdict-missed = Anforderungen so eingegeben NICHT erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 # $keys of the profile; another-gives: $change and what it would $given
@@ -66,7 +69,7 @@ assumed-binds = Das Begrenzende beruht auf einem angenommenen Wert ({ $keys })
 another-gives = . { $change }: { $given }.
 another-unknown = : ihn angeben.
 obstacle = Im Weg steht: { $obstacle }
-what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigste Bewegung, ungünstigster Eckfall).
+what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigster Fall).
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
@@ -391,22 +394,11 @@ phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
 reference-delay = Sollwertverzögerung τ
-feedforward = Vorsteuerung: { $name }
-feedforward-velocity = Geschwindigkeit
-feedforward-acceleration = Beschleunigung
-feedforward-jerk = Ruck
-state-feedback = Zustandsrückführung von { $name }
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
 sensor-encoder = Lagegeber
 sensor-tcp = Sensor am TCP
 observed = Beobachtete Zustände: { $names }.
-reference-model = Referenzmodell des Integralanteils
-force-filter = { $axis ->
-    [rotary] Filter { $number } im Momentensollwert
-   *[linear] Filter { $number } im Kraftsollwert
-}
-cycles = Takte: Lage, Geschwindigkeit
 position-cycle = Lagereglertakt
 velocity-cycle = Geschwindigkeitsreglertakt
 trade-off-caption = Steifigkeit gegen Einschwingzeit: { $shown } von { $tried } versuchten Regelkreisen, jeder mit seinen besten Grenzwerten aus einer groben Suche, ungünstigster Fall
@@ -547,7 +539,6 @@ profile-caption = Profil { $name }, wie gelesen
 measure-heading = Messungen an der Maschine
 measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
 measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
-at-shaft = { $own } an der Achse, { $shaft } an der Motorwelle
 measure-how-held = Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
 measure-how-2 = { $axis ->
     [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
@@ -578,11 +569,12 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 
 # $jerk: how the control takes it, or none
 entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->
-    [none] die Beschleunigung nie aufrunden)
-   *[other] den Ruck nie auf-, die Ruckzeit nie abrunden)
-}
+    [none] Beschleunigung nie aufrunden
+   *[other] Ruck nie auf-, Ruckzeit nie abrunden
+}; { $mark } muss so sein)
 parameter = Parameter
-entry-above = wie oben
+# $why: a fault
+entry-none = Hier keine einzugebenden Werte: { $why }
 old-value = Alt
 new-value = Neu
 signature-heading = Unterschrift

@@ -45,8 +45,11 @@ export-feature = { $what ->
    *[loop-drive] position loop in the drive
 }
 export-mode-fails = the limits of machining mode { $mode } do not keep its band, { $band }, with the loop of this text
+export-neutral = In neutral words, since { $why }
 export-mode-left-out = LEFT OUT: { $why }. Do not use this mode with the old values.
 export-warning-here = WARNING, for the loop of this text: { $warning }
+# $wanted, $ceiling: mm/s^2
+export-ceiling = WRITTEN IS A PRACTICAL CEILING, assumed: { NUMBER($ceiling, digits: 4) } mm/s², settling time { $after }. The axis of this model would take { NUMBER($wanted, digits: 4) } mm/s², { $before }; what extruder, frame and motor driver take is not in it. No sample configuration of Klipper has more (most have 3000 mm/s²). Type more only where yours are known to take it, or state what they take as drive.max_acceleration.
 export-shaft = Gain and inertia of the drive count at the motor's shaft: the axis moves { LENGTH($travel) } per radian of the motor.
 export-no-shaft = Kp and the force feed-forward stand at the axis (a linear motor; for a rotary one state drive.lead and drive.gear).
 export-set-elsewhere = Set in the drive, or must be so, for the result above to hold:
@@ -67,6 +70,7 @@ export-missed = { $name } { $value }, allowed { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = too little margin, { $margins }
 export-mode-missed = no limits for machining mode { $mode }
+export-value = { PLAIN($value, digits: 4) } { $unit }
 export-not-settled = not settled
 export-no-limits-within = no limits keep the tool within the band of machining mode { $mode }, { $band }
 export-no-limits-but = no limits keep the tool within the band of machining mode { $mode }, { $band } ({ $attainable } could be met)
@@ -87,6 +91,7 @@ control-isg = ISG kernel / TwinCAT CNC
 control-twincat = Beckhoff TwinCAT NC / NCI
 control-plcopen = PLCopen motion blocks, CODESYS
 control-generic = any control: SI values in neutral words
+control-state-space = a free controller: SI values in neutral words
 control-linuxcnc = LinuxCNC 2.10 and newer
 control-klipper = Klipper
 control-grblhal = grblHAL
@@ -132,11 +137,14 @@ cycle-velocity = cycle of the velocity loop
 loop-place = where it closes: control (values held), interpolated, drive (DSC)
 filter-average = moving average of the setpoint; 0: none may act
 filter-second-average = second moving average behind the first
+filter-tap = weight of the setpoint this many spacings ago, the first the newest
+filter-tap-spacing = time between the taps of the setpoint filter
 filter-count = filters of the set force that act, in this order
 filter-kind = kind of the filter of the set force
 filter-frequency = its natural frequency
 filter-damping = damping ratio: numerator of a notch, denominator of a low-pass
 filter-width = damping ratio of the notch's denominator
+row-state-gain = force per unit of this state, fed back through the observer
 delay-of-reference = delay of the position setpoint until the fed-forward force acts
 
 # SINUMERIK
@@ -147,7 +155,8 @@ sinumerik-moving-average = moving average
 sinumerik-two-averages = two moving averages behind each other
 sinumerik-filter-off = jerk filter off: its time would add to the ramp
 sinumerik-ffw-mode = 0 none, 3 speed, 4 torque, both with a pure delay
-sinumerik-delay = whole delay of the position setpoint; what the control adds by itself is part of it
+sinumerik-delay = whole delay of the position setpoint, the control's own included
+sinumerik-position-cycle = cycle of the position loop: MD10050 x MD10060 (?), see MD10061
 sinumerik-dsc = 1: position loop in the drive (DSC; telegram 105, 106 or with splines), 0: in the control
 sinumerik-filters = filters of the torque setpoint that act, one bit each
 sinumerik-filter-kind = 1 low-pass, 2 second order with a numerator; order of the five parameters
@@ -202,6 +211,7 @@ plcopen-quadratic = CODESYS: the jerk acts only with the ramp type quadratic.
 linuxcnc-jerk = jerk; 0 would switch the limit off
 linuxcnc-gain = Kv, for a drive that takes machine units/s
 linuxcnc-planner = jerk-limited planner
+linuxcnc-path-acceleration = ceiling of every move of the linear axes: never below the largest of their values, a higher one may stay
 linuxcnc-path-jerk = path jerk: the least of all linear axes
 linuxcnc-units = For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.
 linuxcnc-joints = Joint numbers assume trivial kinematics: X Y Z A B C U V W are joints 0 to 8.
@@ -223,8 +233,10 @@ klipper-shaper = The shaper makes each move longer by its own length.
 marlin-fixed-time = fixed-time motion on
 marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 and 7 EI with two and three humps, 8 MZV; letters changed between versions
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
-marlin-corner = junction deviation [mm], for builds with it (?)
-marlin-corner-bound = M205 J stands for a step of velocity at a right angle of at most { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+marlin-corner = junction deviation, for builds with it
+marlin-step = largest step of velocity, for builds with CLASSIC_JERK
+marlin-corner-bound = M205 J stands for a step of velocity at a right angle, J = v² (sqrt(2) − 1)/a: that of { NUMBER($usual, digits: 3) } mm/s, but at least the 0.01 mm and at most the 0.3 mm that the firmware takes; 0.01 mm is { NUMBER($least, digits: 3) } mm/s with the acceleration that is written at most. Up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+marlin-step-bound = M205 J cannot hold the corner here: the firmware refuses less than 0.01 mm and keeps the old value, and 0.01 mm takes a right angle at { NUMBER($least, digits: 3) } mm/s with the acceleration that is written at most. Up to { NUMBER($most, digits: 3) } mm/s the vibration that the step of velocity leaves behind the shaper stays by itself within the reserved share of the band. So the step itself is written, at most { NUMBER($usual, digits: 3) } mm/s, for a build with CLASSIC_JERK; a build without it rings at corners by more than the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
 marlin-grid = FT motion places a shaper's copies whole samples of 1 ms apart (FTM_FS = 1000 Hz, shaping.cpp at 195278e4): every frequency of a range gives the same shaper, here its middle is written, so it may differ from the measured one. This is simulated; a build with another FTM_FS shapes otherwise.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface

@@ -6,7 +6,7 @@ joined-by-and = { $first } and { $second }
 # what the limits end at; $requirements: one or more, joined
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = least settling time; no limits meet all requirements
-bound-by-motor = acceleration of the motor, { ACCELERATION($acceleration) }
+bound-by-motor = no requirement; more than the motor's own acceleration less the reserve, { ACCELERATION($acceleration) }, is not looked for
 bound-by-settling-later = settling time (higher limits settle later)
 bound-by-jerk-in-proportion = jerk in proportion to the band (at most { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = more jerk than with a wider band: up to { JERK($jerk) } nothing met this one

@@ -59,6 +59,9 @@ velocity = Velocity
 
 verdict-heading = Verdict and values to enter
 verdict-met = All requirements met
+as-typed = The acceleration to type is { $acceleration }; what this sheet shows beside it is of the run, with { $wanted }.
+verdict-incomplete = Requirements met, BUT INCOMPLETE
+verdict-missed = Requirements NOT met as typed
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
 # $keys of the profile; another-gives: $change and what it would $given
@@ -388,22 +391,11 @@ phase-margin = Phase margin
 sensitivity-peak = Sensitivity peak
 bandwidth = Bandwidth of the velocity loop (−3 dB)
 reference-delay = Reference delay τ
-feedforward = Feed-forward: { $name }
-feedforward-velocity = velocity
-feedforward-acceleration = acceleration
-feedforward-jerk = jerk
-state-feedback = State feedback from { $name }
 no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
 sensor-encoder = encoder
 sensor-tcp = tcp
 observed = Observed states: { $names }.
-reference-model = Reference model of the integral part
-force-filter = { $axis ->
-    [rotary] Filter { $number } in the torque setpoint
-   *[linear] Filter { $number } in the force setpoint
-}
-cycles = Cycles: position, velocity
 position-cycle = Position cycle
 velocity-cycle = Velocity cycle
 trade-off-caption = Stiffness against settling time: { $shown } of { $tried } loops tried, each with its best limits by a coarse search, worst case
@@ -544,7 +536,6 @@ profile-caption = Profile { $name } as read
 measure-heading = Measurements to make on the machine
 measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
 measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
-at-shaft = { $own } at the axis, { $shaft } at the motor's shaft
 measure-how-held = Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
 measure-how-2 = { $axis ->
     [rotary] Moving moment of inertia: motor torque over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
@@ -573,13 +564,14 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 
 ## Entry and signature
 
-# $jerk: how the control takes it, or none
+# $jerk: how the control takes it, or none; $mark: stands before such a row
 entry-caption = Values to enter (verify before use; never round { $jerk ->
-    [none] the acceleration up)
-   *[other] the jerk up or the jerk time down)
-}
+    [none] acceleration up
+   *[other] jerk up, jerk time down
+}; { $mark } must be so)
 parameter = Parameter
-entry-above = as above
+# $why: a fault
+entry-none = No values to type in here: { $why }
 old-value = Old
 new-value = New
 signature-heading = Signature

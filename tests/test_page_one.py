@@ -1,0 +1,322 @@
+"""Page 1 of the sheet shows what the export writes: the same parameters, the same values.
+
+If one of these fails, an engineer finds two values for one parameter, or types one in that nobody
+judged.
+"""
+
+from __future__ import annotations
+
+import configparser
+import json
+import re
+from functools import lru_cache
+from typing import Any
+
+import pytest
+import yaml
+
+from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.export.catalogue import CONTROL_KEYS
+from mtcommission.export.write import export_own, export_record
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.schema.record import Record
+from mtcommission.record.shape import to_entry
+from mtcommission.sheet import print_html, type_in
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.model import Headline, Table
+
+from .sheet_record import Json, average, example_record, exportable_record
+
+LANGUAGES = ("en", "de")
+
+SCREW = """
+schema = 1
+[machine]
+name = "Gantry with a screw"
+axis = "X"
+source = "illustrative numbers"
+[plant]
+kind = "modal"
+moving_mass = "420 kg"
+[[plant.modes]]
+name = "column"
+frequency = "48 Hz"
+damping_ratio = 0.03
+tcp_gain = "-0.0011 1/kg"
+measured_gain = "0.0004 1/kg"
+[drive]
+force_lag = "1 ms"
+max_force = "6 kN"
+lead = "20 mm"
+gear = 2
+[[moves]]
+distance = "20 mm"
+max_velocity = "0.4 m/s"
+[requirements]
+tcp_deviation = "20 um"
+frequency_spread = "2 %"
+damping_spread = "0 %"
+[today]
+acceleration = "2.5 m/s^2"
+jerk = "40 m/s^3"
+position_gain = "25 1/s"
+[control]
+kind = "KIND"
+"""
+"""A rotary motor with screw and gear, and values of today."""
+
+BELT = """
+schema = 1
+[machine]
+name = "Printer"
+axis = "Y"
+source = "illustrative numbers"
+[plant]
+kind = "modal"
+[[plant.modes]]
+name = "belt"
+frequency = "48 Hz"
+damping_ratio = 0.05
+[drive]
+kind = "position_source"
+max_acceleration = "53 m/s^2"
+[[moves]]
+distance = "10 mm"
+max_velocity = "200 mm/s"
+[requirements]
+tcp_deviation = "20 um"
+[control]
+kind = "KIND"
+"""
+"""A motor that follows its setpoint."""
+
+STEPS = ("klipper", "marlin", "grblhal", "fluidnc")
+
+CASES = [
+    *((SCREW, kind) for kind in KINDS),
+    *((SCREW.replace('lead = "20 mm"\ngear = 2\n', ""), kind) for kind in KINDS),
+    *((BELT, kind) for kind in STEPS),
+]
+
+
+def _record(text: str, kind: str, *, promised: bool = False, **recommended: Any) -> Json:
+    """Limits that nobody judged: unless they promise to hold, the export tries no others."""
+    text = text.replace("KIND", kind)
+    if not KINDS[kind].has_jerk_limit:
+        text = text.replace('jerk = "40 m/s^3"\n', "")
+    record = exportable_record(text)
+    has_average = KINDS[kind].find_filter("moving_average")
+    record["limits"]["recommended"] |= {
+        "setpoint_filter": average(0.016) if has_average else None,
+        **recommended,
+    }
+    record["assessment"]["met"] = promised
+    return record
+
+
+def _page_one(record: Json, language: str = "en") -> tuple[Headline, Table]:
+    loaded = to_entry(record, Record)
+    blocks = compose(loaded, language, typed=_type_in(json.dumps(record))).sections[0].blocks
+    head = next(block for block in blocks if isinstance(block, Headline))
+    return head, next(block for block in blocks if isinstance(block, Table))
+
+
+@lru_cache(maxsize=4)
+def _type_in(record: str) -> Any:
+    return type_in(to_entry(json.loads(record), Record))
+
+
+def _rows(record: Json, language: str) -> dict[str, tuple[str, ...]]:
+    _, table = _page_one(record, language)
+    rows = {str(name).removeprefix("> "): tuple(map(str, others)) for name, *others in table.rows}
+    assert len(rows) == len(table.rows), "a parameter has two values"
+    return rows
+
+
+def _written(kind: str, text: str) -> dict[str, str]:
+    """A file's parameters and values, each syntax read anew."""
+    found = dict(re.findall(r"^(?:;|#|\(\*) > (.+?) = (\S+)", text, re.MULTILINE))
+    plain = "\n".join(line for line in text.splitlines() if not line.startswith(("#", ";")))
+    if kind in ("sinumerik", "grblhal"):
+        found |= dict(re.findall(r"^([^=;\n]+)=(\S+)", plain, re.MULTILINE))
+    elif kind in ("heidenhain", "fanuc", "generic", "state-space"):
+        rows = [line.split("|") for line in plain.splitlines() if line.count("|") == 4]
+        found |= {row[0].strip(): row[1].strip() for row in rows[1:]}
+    elif kind == "isg":
+        found |= dict(re.findall(r"^(\S+)  (\S+) +\(", plain, re.MULTILINE))
+    elif kind == "marlin":
+        found |= dict(re.findall(r"^(M[^;]*?)([\d.]+) *;", plain, re.MULTILINE))
+    elif kind in ("linuxcnc", "klipper"):
+        parser = configparser.ConfigParser(interpolation=None)
+        parser.optionxform = str  # type: ignore[assignment]
+        parser.read_string(plain)
+        found |= {
+            f"[{part}] {key}": parser[part][key]
+            for part in parser.sections()
+            for key in parser[part]
+        }
+    elif kind in ("fluidnc", "ros2"):
+        found |= dict(_flat(yaml.safe_load(plain), ()))
+    else:
+        found |= dict(re.findall(r"^ +(\w+) : LREAL := ([^;]+);", plain, re.MULTILINE))
+        for name, values in re.findall(r"^\(\* (#set \w+)\(([^)]*)\)# \*\)$", plain, re.MULTILINE):
+            for number, value in enumerate(values.split(";"), start=1):
+                found[f"[NC program] {name}[{number}]"] = value
+    return found
+
+
+def _flat(tree: Any, path: tuple[str, ...]) -> list[tuple[str, str]]:
+    if not isinstance(tree, dict):
+        *section, name = path
+        return [(f"[{'/'.join(section)}] {name}", str(tree).lower() if tree is True else str(tree))]
+    return [item for key, below in tree.items() for item in _flat(below, (*path, str(key)))]
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+@pytest.mark.parametrize(("text", "kind"), CASES)
+def test_every_row_is_the_export_s(text: str, kind: str) -> None:
+    record = _record(text, kind)
+    loaded = to_entry(record, Record)
+    own = kind in CONTROL_KEYS
+    file = (export_record(loaded, control=kind) if own else export_own(loaded)).text
+    written = {name: _number(value) for name, value in _written(kind, file).items()}
+    assert written
+    for language in LANGUAGES:
+        rows = _rows(record, language)
+        value = -2  # behind the old value, where there is one
+        shown = {name: re.split("[\u202f×]", row[value])[0] for name, row in rows.items()}
+        if language == "de":
+            assert not any("." in one for one in shown.values() if _number(one) != one)
+            shown = {name: one.replace(",", ".") for name, one in shown.items()}
+        assert {name: _number(one) for name, one in shown.items()} == written
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_machining_modes_stand_on_page_1_as_in_the_export(language: str) -> None:
+    """Three columns of limits; a mode without limits is said where the verdict is."""
+    record = _record(SCREW, "sinumerik")
+    rows = _rows(record, language)
+    modes = {"[2]": "speed", "[3]": "accuracy", "[4]": "surface"}
+    for index, mode in modes.items():
+        name = f"N32300 $MA_MAX_AX_ACCEL{index}"
+        said = Catalogue(language).text(f"export-mode-{mode}")
+        assert (name in rows) == (said not in _page_one(record, language)[0].detail)
+        if name in rows:
+            assert said in rows[name][-1]
+
+
+def test_the_verdict_of_page_1_is_that_of_the_export() -> None:
+    gentle = {"acceleration": 0.4, "jerk": 2.0, "jerk_time": 0.2}
+    record = _record(SCREW, "sinumerik", promised=True, **gentle)
+    for mode in record["limits"]["modes"]:
+        mode |= gentle | {"band": 2e-5}
+    assert export_own(to_entry(record, Record)).meets_requirements
+    assert _page_one(record)[0].verdict == "All requirements met"
+    record["limits"]["modes"][0] |= {"meets_requirements": False, "band": 8e-6}
+    head, _ = _page_one(record)
+    assert head.verdict == "Requirements met, BUT INCOMPLETE"
+    assert head.is_met
+    assert "LEFT OUT: no limits keep the tool within the band of machining mode surface, 8 µm" in (
+        head.detail
+    )
+    rude = {"acceleration": 14.0, "jerk": 1.4e4, "jerk_time": 1e-3}
+    head, _ = _page_one(_record(SCREW, "sinumerik", promised=True, **rude))
+    assert not head.is_met
+    assert "REQUIREMENTS NOT MET: residual deviation" in head.detail
+
+
+def test_sinumerik_can_be_typed_in() -> None:
+    """One value for each parameter, the filter on, the delay at one place, a cycle one can set."""
+    rows = _rows(_record(SCREW, "sinumerik"), "en")
+    assert rows["N32400 $MA_AX_JERK_ENABLE"][-2] == "1"
+    assert rows["N32410 $MA_AX_JERK_TIME"][-2] == "0.016\u202fs"
+    two = average(0.012) | {"kind": "two_moving_averages", "second_time": 0.008}
+    both = _rows(_record(SCREW, "sinumerik", setpoint_filter=two), "en")
+    names = ("N32402 $MA_AX_JERK_MODE", "N32410 $MA_AX_JERK_TIME", "N32411 $MA_AX_JERK_TIME_ADD")
+    assert [both[name][-2] for name in names] == ["4", "0.012\u202fs", "0.008\u202fs"]
+    delays = [name for name in rows if "EQUIV" in name]
+    assert delays == ["N32800 $MA_EQUIV_CURRCTRL_TIME[0]"]
+    assert rows["N32620 $MA_FFW_MODE"][-2] == "4"
+    assert "MD10050 x MD10060 (?)" in rows["position cycle"][-1]
+    assert rows["N32431 $MA_MAX_AX_JERK[0]"][-1].endswith("unit (?)")
+
+
+def test_today_s_values_stand_beside_the_new_ones() -> None:
+    rows = _rows(_record(SCREW, "sinumerik"), "de")
+    assert rows["N32300 $MA_MAX_AX_ACCEL[0]"][0] == "2,5\u202fm/s²"
+    assert rows["N32200 $MA_POSCTRL_GAIN[0]"][0] == "1,5\u202f×\u202f1000/min"
+    assert rows["p1462"][0] == ""
+
+
+def test_an_axis_that_the_control_cannot_name_gets_neutral_words_and_the_reason() -> None:
+    """If it failed, such an axis would have no values to type in, or names that are not its."""
+    record = _record(SCREW.replace('axis = "X"', 'axis = "Table"'), "linuxcnc")
+    head, table = _page_one(record)
+    assert "In neutral words, since" in head.detail
+    assert {"acceleration", "jerk", "Kv", "Kp"} <= {str(row[0]) for row in table.rows}
+
+
+def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
+    record = example_record()
+    assert "No values to type in here: " in print_html(to_entry(record, Record))
+
+
+def test_a_printer_gets_no_more_than_a_practical_ceiling_and_is_told() -> None:
+    """The axis of the model would take 50 m/s²: nobody types that."""
+    swift = {"acceleration": 50.3, "jerk": 2e5, "jerk_time": 2.5e-4}
+    shaper = average(0.0) | {
+        "kind": "zvd",
+        "time": 0.0,
+        "frequency_hz": 48.0,
+        "damping_ratio": 0.05,
+    }
+    record = _record(BELT, "klipper", **swift, setpoint_filter=shaper)
+    head, _ = _page_one(record)
+    assert _rows(record, "en")["[printer] max_accel"][0] == "20000\u202fmm/s²"
+    assert head.values[0].value == "20\u202fm/s²"
+    assert "PRACTICAL CEILING, assumed: 20000 mm/s²" in head.detail
+    assert "The acceleration to type is 20\u202fm/s²" in head.detail
+    labels = [(one.label, one.value) for one in head.values[-2:]]
+    assert labels == [("Shaper ZVD", "48\u202fHz"), ("Filter damping ratio", "ζ 0.05")]
+    slow = {"acceleration": 5.0, "jerk": 2e4, "jerk_time": 2.5e-4}
+    head, _ = _page_one(_record(BELT, "klipper", **slow, setpoint_filter=shaper))
+    assert "CEILING" not in head.detail
+
+
+def test_marlin_gets_a_corner_that_it_takes() -> None:
+    """M205 J below 0.01 mm is refused, and the old value stays (M200-M205.cpp)."""
+    shaper = average(0.0) | {
+        "kind": "marlin_zvd",
+        "time": 0.0,
+        "frequency_hz": 48.0,
+        "damping_ratio": 0.05,
+    }
+    swift = {"acceleration": 50.3, "jerk": 2e5, "jerk_time": 2.5e-4, "setpoint_filter": shaper}
+    rows = _rows(_record(BELT, "marlin", **swift), "en")
+    assert rows["M205 J"][0] == "0.01\u202fmm"
+    narrow = BELT.replace('tcp_deviation = "20 um"', 'tcp_deviation = "0.5 um"')
+    export = export_own(to_entry(_record(narrow, "marlin", **swift), Record))
+    assert "M205 J" not in "".join(export.text.split("\n\n")[1])
+    assert "refuses less than 0.01 mm" in " ".join(export.text.replace("\n; ", " ").split())
+    assert re.search(r"^M205 Y[\d.]+ .*\[mm/s\]", export.text, re.MULTILINE)
+
+
+def test_linuxcnc_gets_the_ceiling_over_its_axes() -> None:
+    rows = _rows(_record(SCREW, "linuxcnc"), "en")
+    ceiling, own = (
+        rows[name][-2] for name in ("[TRAJ] MAX_LINEAR_ACCELERATION", "[JOINT_0] MAX_ACCELERATION")
+    )
+    assert ceiling == own
+
+
+def test_the_rows_of_a_sheet_are_found_once() -> None:
+    """Page and PDF share them: judging them takes longer than printing."""
+    loaded = to_entry(_record(SCREW, "sinumerik"), Record)
+    typed = type_in(loaded)
+    assert print_html(loaded, typed=typed) == print_html(loaded)
