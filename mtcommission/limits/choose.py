@@ -35,13 +35,13 @@ __all__ = ["Choice", "choose_limits"]
 DIGITS = 3
 """Significant digits of what is typed in."""
 
-MOST_TYPED, MOST_SCALED = 4, 8
+MOST_TYPED, MOST_SCALED = 2, 8
 """Found limits that are typed and judged, best first, and how often each is scaled."""
 
 JUST_LESS = 0.9995
 """What the next limits use of what is allowed, if all is in proportion."""
 
-MOST_RAISED, NOTICEABLE = 4, 0.9995
+MOST_RAISED, NOTICEABLE = 2, 0.9995
 """Faster limits that are judged last, the fastest first; and what is not worth it [-]."""
 
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)

@@ -552,6 +552,15 @@ def where_signals_lead(poles: LoopPoles, signals: Array) -> tuple[LoopPoles, Cyc
 
     Compared by moves of ``RAMPS``; a corner counts that comes within half a per cent.
     """
+    return _find_leading(poles, signals.shape, signals.tobytes())
+
+
+@lru_cache(maxsize=64)
+def _find_leading(
+    poles: LoopPoles, shape: tuple[int, ...], signal_bytes: bytes
+) -> tuple[LoopPoles, Cycles]:
+    """Once for all limits that are judged on a loop."""
+    signals = np.frombuffer(signal_bytes).reshape(shape)
     t = np.array(RAMPS)
     steps = JerkSteps(
         times=np.column_stack([np.zeros_like(t), t, 1.5 * t, 2.5 * t]),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from math import inf
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.limits.bench import build_bench
@@ -126,8 +127,7 @@ def _best_candidate(
     # An average needs no ramp of a cycle ahead of it: behind it the jerk is finite.
     ramp = NO_JERK_LIMIT if item.averages else machine.control.position_cycle
     explorer = Explorer.about(build_bench(strict, plant, tuned))
-    explorer.look_at([(item, ramp)])
-    found = explorer.known.get((item, ramp))
+    found = explorer.look_at([(item, ramp)], latest=inf, most=1)
     largest = strict.drive.motion_force / moving_mass(machine)
     a = found.acceleration if found else largest
     for _ in range(BACKED_OFF):
