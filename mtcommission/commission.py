@@ -189,6 +189,8 @@ class Recommendation:
         Recommended limits, judged.
     today
         What the values now in the control do; None where the profile states none.
+    rule, rules
+        The commissioning rule and the makers' rules on this machine, where asked for.
     """
 
     machine: Machine
@@ -196,11 +198,17 @@ class Recommendation:
     tuned: TunedLoop
     choice: Choice
     today: TodaysValues | None
+    rule: RuleResult | None
+    rules: tuple[Candidate, ...]
 
 
 @allow_whole()
 def recommend(
-    machine: Machine, *, settings: Settings | None = None, progress: Progress = lambda _: None
+    machine: Machine,
+    *,
+    with_rules: bool = False,
+    settings: Settings | None = None,
+    progress: Progress = lambda _: None,
 ) -> Recommendation:
     """Return loop and limits without optima, comparisons and robustness.
 
@@ -208,6 +216,8 @@ def recommend(
     ----------
     machine, settings, progress
         As for ``commission``.
+    with_rules
+        Whether the rules of makers and textbooks are judged beside them.
 
     Returns
     -------
@@ -228,12 +238,16 @@ def recommend(
     loop = settle_on_loop(machine, plant, settings)
     tuned = loop.tuned
     progress(Message("stage-limits"))
+    choice = loop.choice or choose_limits(machine, plant, tuned)
+    rule = apply_commissioning_rule(machine, plant, tuned) if with_rules else None
     return Recommendation(
         machine=machine,
         plant=plant,
         tuned=tuned,
-        choice=loop.choice or choose_limits(machine, plant, tuned),
+        choice=choice,
         today=judge_today(machine, plant, tuned, settings.robustness),
+        rule=rule,
+        rules=evaluate_rules(machine, plant, tuned, rule) if rule else (),
     )
 
 

@@ -31,7 +31,7 @@ from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
-    from mtcommission.commission import Commissioning, Recommendation
+    from mtcommission.commission import Recommendation
     from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import ProfileSource
     from mtcommission.record.schema.values import Words
@@ -225,21 +225,20 @@ def limits(
 
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
-    from mtcommission.commission import commission
+    from mtcommission.commission import recommend
     from mtcommission.record.files import dump_json
-    from mtcommission.record.limits import limits_part
+    from mtcommission.record.limits import limits_answer
 
     with show_stage() as progress:
-        found = commission(machine, progress=progress)
-    part, met = limits_part(found), found.assessment.is_met
+        found = recommend(machine, with_rules=True, progress=progress)
+    answer = limits_answer(found)
     if json_file:
-        write_text(json_file, dump_json(part))
+        write_text(json_file, dump_json(answer))
     if page:
         write_text(page, _page_of(found, source, language=language))
     if "-" not in (json_file, page):
-        warnings = [*part.warnings, *found.tuned.warnings, *found.robustness.warnings]
-        show(describe_limits(machine, part, met=met, warnings=warnings))
-    raise typer.Exit(0 if met else 1)
+        show(describe_limits(machine, answer))
+    raise typer.Exit(0 if answer.assessment.met else 1)
 
 
 def _write_page(machine: Machine, source: ProfileSource, page: str, *, language: str) -> int:
@@ -255,7 +254,7 @@ def _write_page(machine: Machine, source: ProfileSource, page: str, *, language:
     return 0 if found.choice.meets_requirements else 1
 
 
-def _page_of(found: Commissioning | Recommendation, source: ProfileSource, *, language: str) -> str:
+def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> str:
     from mtcommission.record.build import machine_entry, profile_entry
     from mtcommission.record.what_if import what_if_part
     from mtcommission.sheet import print_answers

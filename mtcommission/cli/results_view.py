@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from rich.console import Group, RenderableType
 from rich.markup import escape
 from rich.text import Text
@@ -12,43 +10,30 @@ from mtcommission.cli.terminal import empty_table, heading, warn, words_for
 from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.record.limits import LimitsAnswer
 from mtcommission.record.schema.limits import (
-    Alternative,
-    LimitsEntry,
-    LimitsPart,
-    ModeLimitsEntry,
-    MoveSizesEntry,
+    RecommendedEntry,
     RuleResult,
     TodayEntry,
 )
 from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
 from mtcommission.sheet.limits_part import ROUNDED
-from mtcommission.sheet.values import say_limiting, say_requirement
+from mtcommission.sheet.values import filter_rows, say_requirement
 from mtcommission.sheet.verdict_part import share_used, verdict_on
 
 
-def describe_limits(
-    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Message | str]
-) -> Group:
-    """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
+def describe_limits(machine: Machine, answer: LimitsAnswer) -> Group:
+    """Return the recommendation and its verdict, the rules beside it, and the warnings."""
     spoken, length = words_for(machine), machine.axis_units.length.si
-    printed, said, best = spoken.format, spoken.say, part.recommended
+    printed, said, best = spoken.format, spoken.say, answer.recommended
     unsettled, no_limit = spoken.text("terminal-not-settled"), spoken.text("no-jerk-limit")
     table = empty_table(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
-    entries: list[
-        tuple[str, LimitsEntry | TodayEntry | ModeLimitsEntry | Alternative | RuleResult, bool]
-    ]
-    entries = [(spoken.text("terminal-recommended"), best, met)]
-    today = part.today
+    entries: list[tuple[str, RecommendedEntry | TodayEntry | RuleResult, bool]]
+    entries = [(spoken.text("terminal-recommended"), best, answer.assessment.met)]
+    today = answer.today
     if today:
         entries.insert(0, (spoken.text("terminal-today"), today, today.meets_requirements))
-    for mode in part.modes:
-        band = printed.quantity(mode.band, length)
-        name = spoken.text(f"terminal-mode-{mode.name}", band=band)
-        entries.append((name, mode, mode.meets_requirements))
-    for other in (*part.alternatives, *part.rules):
-        entries.append((said(other.name), other, other.meets_requirements))
+    entries += [(said(rule.name), rule, rule.meets_requirements) for rule in answer.rules]
     for name, entry, keeps in entries:
         is_step = _is_step(machine, entry.acceleration, entry.jerk)
         table.add_row(
@@ -64,10 +49,12 @@ def describe_limits(
             printed.quantity(entry.peak_deviation, length),
             spoken.text("terminal-yes" if keeps else "terminal-no"),
         )
-    rule = part.rule
+    rule, item = answer.rule, best.setpoint_filter
+    rows = filter_rows(item, spoken) if item else []
     return Group(
         heading(spoken.text("terminal-limits")),
         Text(spoken.text("terminal-bound-by", what=said(best.bound_by))),
+        *(Text(f"{name}: {value}") for name, value in rows),
         table,
         *([Text(said(today.basis))] if today else []),
         Text(
@@ -78,24 +65,9 @@ def describe_limits(
                 jerk=rule.jerk,
             )
         ),
-        *(
-            Text(spoken.say(_hold_sentence(item, spoken, length)))
-            for item in part.move_sizes
-            if item.way == Message("way-recommended")
-        ),
-        *(
-            Text(
-                spoken.text(
-                    "terminal-in-the-way",
-                    obstacle=say_limiting(item, spoken),
-                    limit=printed.quantity(item.limit, item.unit),
-                    value=printed.quantity(item.value, item.unit),
-                )
-            )
-            for item in part.attainable
-        ),
+        *_verdict(spoken, answer.assessment),
         _assumed(machine, spoken),
-        *warn(spoken, warnings),
+        *warn(spoken, answer.warnings),
     )
 
 
@@ -109,22 +81,6 @@ def _is_step(machine: Machine, acceleration: float | None, jerk: float | None) -
 def _assumed(machine: Machine, spoken: Catalogue) -> Text:
     """What nobody stated of the machine."""
     return Text(spoken.text("terminal-assumed", what=tuple(list_assumed(machine))))
-
-
-def _hold_sentence(item: MoveSizesEntry, spoken: Catalogue, length: str) -> Message:
-    """Between which sizes of a move the recommendation keeps the band."""
-    is_step = "velocity_step" in item.move
-    unit, kind = (f"{length}/s", "steps") if is_step else (length, "distances")
-    printed = spoken.format
-    if item.kept_from is None:
-        return Message("terminal-size-missed", sizes=kind, own=printed.quantity(item.own, unit))
-    return Message(
-        "terminal-sizes-kept",
-        sizes=kind,
-        least=printed.quantity(item.kept_from, unit),
-        largest=printed.quantity(item.kept_to, unit),
-        reached=printed.quantity(item.full_from, unit, missing=spoken.text("terminal-no-size")),
-    )
 
 
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:

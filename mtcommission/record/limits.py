@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from math import isfinite
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning
+from mtcommission.commission import Commissioning, Recommendation
+from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.limits.commissioning_rule.rule import RuleResult as RuleOutcome
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.record.data import describe_move, filter_entry
+from mtcommission.record.moves import assessment_part
 from mtcommission.record.schema.limits import (
     Alternative,
     AttainableEntry,
@@ -24,6 +28,7 @@ from mtcommission.record.schema.limits import (
     ListedEntry,
     ModeLimitsEntry,
     MoveSizesEntry,
+    RecommendedEntry,
     RuleFormulaEntry,
     RuleResult,
     RuleStepEntry,
@@ -32,6 +37,8 @@ from mtcommission.record.schema.limits import (
     TodayEntry,
     WorstSizeEntry,
 )
+from mtcommission.record.schema.moves import AssessmentPart
+from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
@@ -45,6 +52,18 @@ from mtcommission.verdict.evaluate import Candidate
 
 Array = NDArray[np.float64]
 Judged = TypeVar("Judged", bound=JudgedLimits)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsAnswer:
+    """What ``limits --json`` prints: all that needs no second search."""
+
+    recommended: RecommendedEntry
+    today: TodayEntry | None
+    rules: list[RuleResult]
+    rule: RuleText
+    assessment: AssessmentPart
+    warnings: list[Words]
 
 
 def limits_part(
@@ -63,21 +82,10 @@ def limits_part(
     seen, today = choice.landscape, commissioning.today
     reserve = machine.requirements.reserve
     return LimitsPart(
-        recommended=entry_of(
-            LimitsEntry,
-            best,
-            best.limits,
-            setpoint_filter=filter_entry(
-                best.limits.setpoint_filter or machine.control.setpoint_filter
-            ),
-            bound_by=choice.bound_by,
+        recommended=LimitsEntry(
+            **_recommended(machine, choice),
             frequency_range=_range(commissioning.robustness.frequency_error),
             damping_range=_range(commissioning.robustness.damping_range),
-            valid_for=_sizes(machine, every=best.assessment.is_met),
-            worst_sizes=[
-                entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
-                for check in best.sizes
-            ],
         ),
         listed_only=_listed_entry(machine, commissioning.listed),
         today=_today_entry(machine, today) if today else None,
@@ -86,7 +94,7 @@ def limits_part(
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
         alternatives=[_judged(Alternative, item, reserve) for item in commissioning.alternatives],
         rules=[_judged(RuleResult, item, reserve) for item in commissioning.rules],
-        rule=_rule_text(commissioning),
+        rule=_rule_text(commissioning.rule),
         landscape=entry_of(
             Landscape,
             seen,
@@ -101,6 +109,44 @@ def limits_part(
         ],
         would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )
+
+
+def limits_answer(found: Recommendation) -> LimitsAnswer:
+    """Return limits, rules and verdict, as ``limits --json`` prints them."""
+    choice, machine, today = found.choice, found.machine, found.today
+    reserve, best = machine.requirements.reserve, choice.candidate
+    assert found.rule is not None
+    return LimitsAnswer(
+        recommended=RecommendedEntry(**_recommended(machine, choice)),
+        today=_today_entry(machine, today) if today else None,
+        rules=[_judged(RuleResult, item, reserve) for item in found.rules],
+        rule=_rule_text(found.rule),
+        assessment=assessment_part(best.assessment, reserve),
+        warnings=[
+            *choice.warnings,
+            *found.tuned.warnings,
+            *([today.failure] if today and today.failure else []),
+        ],
+    )
+
+
+def _recommended(machine: Machine, choice: Choice) -> dict[str, Any]:
+    """The fields of a ``RecommendedEntry``."""
+    best = choice.candidate
+    item = best.limits.setpoint_filter or machine.control.setpoint_filter
+    entry = entry_of(
+        RecommendedEntry,
+        best,
+        best.limits,
+        setpoint_filter=filter_entry(item),
+        bound_by=choice.bound_by,
+        valid_for=_sizes(machine, every=best.assessment.is_met),
+        worst_sizes=[
+            entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
+            for check in best.sizes
+        ],
+    )
+    return {field.name: getattr(entry, field.name) for field in fields(entry)}
 
 
 def _improvement_entry(item: Improvement, *, before: float) -> ImprovementEntry:
@@ -184,8 +230,7 @@ def _attainable_entry(item: Attainable) -> AttainableEntry:
     )
 
 
-def _rule_text(commissioning: Commissioning) -> RuleText:
-    rule = commissioning.rule
+def _rule_text(rule: RuleOutcome) -> RuleText:
     return entry_of(
         RuleText,
         rule,

@@ -217,6 +217,13 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     return _pieces(setpoint).sample(times[:, None], derivatives=4)[:, :, 0].T
 
 
+def knots_of(setpoint: Setpoint) -> JerkSteps:
+    """Return the steps of one setpoint, filter included."""
+    return JerkSteps(
+        times=setpoint.knot_times[None], steps=setpoint.knot_steps[None], order=setpoint.order
+    )
+
+
 @lru_cache(maxsize=64)
 def _pieces(setpoint: Setpoint) -> Pieces:
     """The pieces of a setpoint, once for all that is sampled of it, with its exact end."""

@@ -33,7 +33,7 @@ from mtcommission.machine.requirement import (
 from mtcommission.machine.variations import Variations, vary
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import JerkSteps, plan_within
+from mtcommission.setpoint.setpoint import knots_of, plan_within
 from mtcommission.verdict.every_size import rms_forces
 
 Array = NDArray[np.float64]
@@ -98,11 +98,7 @@ def respond_varied(
         poles = find_varied_poles(machine, plant, tuned, variations, part)
         for move in machine.moves:
             setpoint = plan(move)
-            own = JerkSteps(
-                times=setpoint.knot_times[None],
-                steps=setpoint.knot_steps[None],
-                order=setpoint.order,
-            )
+            own = knots_of(setpoint)
             motions, grid = set_in_motion(poles, own), lay_grid(poles, SAMPLES)
             free = free_motion(motions, grid)
             settling[part] = np.maximum(settling[part], free.settling(bench.band)[0])
@@ -112,13 +108,8 @@ def respond_varied(
             columns = list((peaks[0] / bench.bounds).T)
             if isfinite(needs.contour_deviation):
                 slower = plan(slow_to_feed(move, needs.contour_feed))
-                path = JerkSteps(
-                    times=slower.knot_times[None],
-                    steps=slower.knot_steps[None],
-                    order=slower.order,
-                )
                 deviation = extremes(
-                    set_in_motion(poles, path),
+                    set_in_motion(poles, knots_of(slower)),
                     grid,
                     bench.signals[:0],
                     parts=parts,

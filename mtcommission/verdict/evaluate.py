@@ -8,7 +8,7 @@ from functools import partial
 from math import isfinite
 
 from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
-from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.simulate.response import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import slow_to_feed
@@ -108,12 +108,13 @@ def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[Mo
     for move in machine.moves:
         setpoint, slower = plan(move), slow_to_feed(move, needs.contour_feed)
         path = plan(slower) if follows and slower != move else None
+        run = partial(simulate_corners, tuned.loops, drive=drive, band=needs.tcp_deviation)
+        contours = [item.peak_deviation for item in run(path)] if path else []
         responses: list[LoopResponse] = []
-        for loop, own in zip(tuned.loops, noise, strict=True):
-            run = partial(simulate, loop, drive=drive, band=needs.tcp_deviation)
-            response = replace(run(setpoint), tool_noise=own.tool, force_noise=own.force)
+        for corner, (response, own) in enumerate(zip(run(setpoint), noise, strict=True)):
+            response = replace(response, tool_noise=own.tool, force_noise=own.force)
             if path:
-                response = replace(response, contour_deviation=run(path).peak_deviation)
+                response = replace(response, contour_deviation=contours[corner])
             if responses:  # a gigabyte, where many corners ring for long
                 response = replace(response, states=response.states[:0].copy())
             responses.append(response)

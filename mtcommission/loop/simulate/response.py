@@ -2,26 +2,35 @@
 
 e(t) = TCP position - x_ref(t - τ); t_e ends the setpoint. Residual deviation: max |e| for
 t >= t_e + τ. Settling time: the later of t_e + τ and the last time with |e| above the band.
-Simulated at every velocity cycle until every closed-loop mode has decayed below 1 % of the
-band at the tool, and below 1 % of what the tool still moves: a residual far within the band is
-followed to its peak, too, and no further where that lasts. What takes longer than the horizon to
-decay so far is settled if it can leave the band no more; else it is "not settled".
+At every velocity cycle until every closed-loop mode has decayed below 1 % of the band at the tool,
+and below 1 % of what the tool still moves: a residual far within the band is followed to its peak,
+too, and no further where that lasts. What takes longer than the horizon to decay so far is settled
+if it can leave the band no more; else it is "not settled". By poles (``loop.respond``); stepped
+where the force saturates.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, sqrt
+from math import ceil, inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
-from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop, advance_cycle
-from mtcommission.loop.simulate.decay import find_decay
-from mtcommission.loop.simulate.mean_force import rms_force, sum_free_force, window_shares
+from mtcommission.loop.model.assembly import SampledLoop, advance_cycle
+from mtcommission.loop.respond import (
+    LoopPoles,
+    Motions,
+    find_poles,
+    free_motion,
+    lay_grid,
+    outputs_at,
+    set_in_motion,
+)
+from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.machine.machine import Drive
-from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
+from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 
 Array = NDArray[np.float64]
 
@@ -101,35 +110,131 @@ class LoopResponse:
 
 
 def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float) -> LoopResponse:
-    """Return the response to a setpoint, at rest before it.
+    """Return the response to a setpoint, at rest before it, that begins with a position cycle."""
+    return simulate_corners((loop,), setpoint, drive=drive, band=band)[0]
 
-    Parameters
-    ----------
-    loop
-        Under its controller.
-    setpoint
-        From t = 0, in step with a position cycle.
-    drive
-        Force limit and static load.
-    band
-        tcp_deviation of the requirements [m].
+
+def simulate_corners(
+    loops: Sequence[SampledLoop], setpoint: Setpoint, *, drive: Drive, band: float
+) -> list[LoopResponse]:
+    """Return the response of the same controller on several machines; see ``simulate``.
+
+    ``drive``: force limit and static load; ``band``: tcp_deviation of the requirements [m].
     """
+    poles = find_poles(tuple(loops))
+    motions = set_in_motion(poles, knots_of(setpoint))
+    first = ceil((setpoint.duration + poles.delay) / poles.dt) + 1
+    count, decayed = _follow(poles, motions, first, band=band)
+    outputs = np.empty((len(loops), (first + count) * poles.cycles, poles.outputs))
+    rows = np.eye(poles.outputs)
+    for start in range(0, first + count, TOGETHER):
+        n = np.arange(start, min(start + TOGETHER, first + count))
+        part = slice(start * poles.cycles, (start + len(n)) * poles.cycles)
+        found = outputs_at(motions, n[None], rows)[0]
+        outputs[:, part] = found.reshape(len(loops), -1, poles.outputs)
+    responses = []
+    for corner, loop in enumerate(loops):
+        own, settles = outputs[corner], bool(decayed[corner])
+        max_force = float(np.max(np.abs(own[:, 2])))
+        saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
+        # A motor that follows does not saturate: it loses steps, and no motion could be shown.
+        if saturated and not loop.controller.follows:
+            own, settles = _step_saturated(loop, setpoint, limit=drive.motion_force, band=band)
+        found = _judge(loop, setpoint, own, settles=settles, drive=drive, band=band)
+        responses.append(replace(found, max_force=max_force, saturated=saturated))
+    return responses
+
+
+TOGETHER = 2000
+"""Position cycles that are computed at once."""
+
+
+def _follow(
+    poles: LoopPoles, motions: Motions, first: int, *, band: float
+) -> tuple[int, NDArray[np.bool_]]:
+    """How many cycles from one on are followed, and where the tool can leave the band no more."""
+    usual, horizon = ceil(FOLLOWED / poles.dt), ceil(HORIZON / poles.dt)
+    if not poles.factors.size:
+        return min(poles.forced, horizon), np.ones(len(poles.loops), dtype=bool)
+    begun = first - motions.first[:, -1] - poles.forced
+    left = motions.held[-1, 0] * poles.power(np.maximum(begun, 0))[0]
+    sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(left)  # (n_corners, n_poles)
+    radii = np.maximum(np.abs(poles.factors), 1e-9)
+    residual = free_motion(motions, lay_grid(poles, 24)).residual[0]
+    size = np.minimum(np.maximum(residual, LEAST_SIZE * band), band)
+    longest, settles = 0, np.ones(len(radii), dtype=bool)
+    for corner, (amplitude, radius) in enumerate(zip(sizes, radii, strict=True)):
+        needed = _cycles(amplitude, radius, DECAYED * size[corner], horizon)
+        settles[corner] = float(np.sum(amplitude * radius**horizon)) <= band or needed < horizon
+        if needed > usual and settles[corner]:
+            seen = _cycles(amplitude * len(radius), radius, float(size[corner]), horizon)
+            needed = max(usual, seen)
+        longest = max(longest, needed if settles[corner] else usual)
+    return longest, settles
+
+
+def _cycles(sizes: Array, radii: Array, amplitude: float, most: int) -> int:
+    """After how many cycles every mode is below an amplitude."""
+    needed = 0.0
+    for size, radius in zip(sizes, radii, strict=True):
+        if size > amplitude:
+            needed = max(needed, log(amplitude / size) / log(min(radius, 1.0 - 1e-15)))
+    return int(min(needed + 1, most))
+
+
+def _step_saturated(
+    loop: SampledLoop, setpoint: Setpoint, *, limit: float, band: float
+) -> tuple[Array, bool]:
+    """Outputs with saturation, stepped until the free motion stays within the limit.
+
+    And whether the tool can leave the band no more when they end.
+    """
+    T, X = loop.lifted.dt, np.zeros((len(loop.lifted.A), 1))
+    pieces: list[Array] = []
+    k, stop = 0, ceil((setpoint.duration + loop.controller.reference_delay) / T) + 1
+    last = stop + ceil(HORIZON / T)
+    while k < last:
+        for r in sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T):
+            X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
+            pieces.append(Y[:, :, 0])
+        free = _advance_linear(loop, X[:, 0], setpoint, stop, stop + ceil(FOLLOWED / T))
+        if np.max(np.abs(free[:, 2])) <= limit:
+            t = np.asarray(stop * T + np.arange(len(free)) * loop.controller.velocity_cycle)
+            late = sample_setpoint(setpoint, t - loop.controller.reference_delay)[:, 0]
+            return np.vstack([*pieces, free]), abs(float(free[-1, 0] - late[-1])) <= band
+        k, stop = stop, min(2 * stop, last)
+    return np.vstack(pieces), False
+
+
+def _advance_linear(
+    loop: SampledLoop, X: Array, setpoint: Setpoint, start: int, stop: int
+) -> Array:
+    """Outputs of some position cycles without saturation, from a state on."""
+    lifted = loop.lifted
+    references = sample_setpoint(setpoint, np.arange(start, stop, dtype=np.float64) * lifted.dt)
+    history = np.empty((len(references), len(X)))
+    for k, pushed in enumerate(references @ lifted.B.T):
+        history[k] = X
+        X = lifted.A @ X + pushed
+    return np.asarray((history @ lifted.C.T).reshape(-1, len(loop.outputs)))
+
+
+def _judge(
+    loop: SampledLoop,
+    setpoint: Setpoint,
+    outputs: Array,
+    *,
+    settles: bool,
+    drive: Drive,
+    band: float,
+) -> LoopResponse:
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
-    motion = _run_linear(loop, setpoint, until=until, band=band)
-    max_force = float(np.max(np.abs(motion.outputs[:, 2])))
-    saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
-    # A motor that follows does not saturate: it loses steps, and no motion could be shown.
-    if saturated and not loop.controller.follows:
-        motion = _run_saturated(loop, setpoint, limit=drive.motion_force, until=until, band=band)
-    outputs, decayed = motion.outputs, motion.decayed
     t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
-    reference = sample_setpoint(setpoint, t - tau)[:, 0]
-    deviation = outputs[:, 0] - reference
+    deviation = outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0]
     states = outputs[:, 3:]
     signals = np.hstack([states, states @ loop.plant.C.T])
-    after = t >= until - 1e-12
-    begin = int(np.argmax(after))
+    begin = int(np.argmax(t >= until - 1e-12))
     # The judgement begins between two samples: there the tool is interpolated against the
     # setpoint that by then rests or coasts.
     end, speed = sample_setpoint(setpoint, np.array([setpoint.duration]))[0, :2]
@@ -138,143 +243,30 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     at_end = before + share * (deviation[begin] - before)
     judged_t = np.concatenate([[until], t[begin:]])
     judged = np.abs(np.concatenate([[at_end], deviation[begin:]]))
-    peak = float(np.max(np.abs(deviation)))
+    peak, window = float(np.max(np.abs(deviation))), setpoint.duration + setpoint.move.dwell
+    shares, motor = window_shares(t, window, step=loop.controller.velocity_cycle), outputs[:, -1]
+    rms = rms_force(
+        np.array(shares @ motor),
+        np.array(shares @ motor**2),
+        window=window,
+        static_load=drive.static_load,
+    )
     return LoopResponse(
         t=t,
         deviation=deviation,
         force=outputs[:, 2].copy(),  # a view would keep all outputs
         states=states,
         t_end=until,
-        settling_time=_settling_time(judged_t, judged, band) if decayed else inf,
-        residual_deviation=float(np.max(judged)) if decayed else inf,
+        settling_time=_settling_time(judged_t, judged, band) if settles else inf,
+        residual_deviation=float(np.max(judged)) if settles else inf,
         peak_deviation=peak,
         contour_deviation=peak,
         mode_amplitudes=_mode_amplitudes(loop, states[begin]),
         peaks=np.max(np.abs(signals), axis=0),
-        max_force=max_force,
-        rms_force=_rms_force(loop, motion, setpoint, drive.static_load),
-        saturated=saturated,
+        max_force=float(np.max(np.abs(outputs[:, 2]))),
+        rms_force=float(rms),
+        saturated=False,
     )
-
-
-def steady_state(lifted: LiftedLoop) -> Array:
-    """Return the loop state that belongs to rest or coasting, shape (n, 2).
-
-    X = result @ (x_ref, v_ref) solves X⁺ = A X + B r with x_ref⁺ = x_ref + T_p v_ref.
-
-    Parameters
-    ----------
-    lifted
-        A stable loop.
-    """
-    eye = np.eye(len(lifted.A))
-    at_rest = np.linalg.solve(eye - lifted.A, lifted.B[:, 0])
-    coasting = np.linalg.solve(eye - lifted.A, lifted.B[:, 1] - lifted.dt * at_rest)
-    return np.column_stack([at_rest, coasting])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Motion:
-    """What was simulated.
-
-    Parameters
-    ----------
-    outputs
-        At every velocity cycle, shape (n_samples, n_outputs).
-    decayed
-        Whether the free motion can leave the band no more.
-    left
-        Loop state less that of rest or coasting after the last sample, shape (n,).
-    """
-
-    outputs: Array
-    decayed: bool
-    left: Array
-
-
-def _run_linear(loop: SampledLoop, setpoint: Setpoint, *, until: float, band: float) -> _Motion:
-    lifted = loop.lifted
-    first = ceil(until / lifted.dt) + 1
-    X, moving = _advance_linear(lifted, np.zeros(len(lifted.A)), setpoint, 0, first)
-    free = _run_free(loop, X, setpoint, start=first, band=band)
-    outputs = np.vstack([moving.reshape(-1, len(loop.outputs)), free.outputs])
-    return replace(free, outputs=outputs)
-
-
-def _run_saturated(
-    loop: SampledLoop, setpoint: Setpoint, *, limit: float, until: float, band: float
-) -> _Motion:
-    """The same with saturation, cycle by cycle, until the free motion stays within the limit."""
-    lifted = loop.lifted
-    X = np.zeros((len(lifted.A), 1))
-    pieces: list[Array] = []
-    stop, k = ceil(until / lifted.dt) + 1, 0
-    last = stop + ceil(HORIZON / lifted.dt)
-    while k < last:
-        references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * lifted.dt)
-        for r in references:
-            X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
-            pieces.append(Y[:, :, 0])
-        free = _run_free(loop, X[:, 0], setpoint, start=stop, band=band)
-        if np.max(np.abs(free.outputs[:, 2])) <= limit:
-            return replace(free, outputs=np.vstack([*pieces, free.outputs]))
-        k, stop = stop, min(2 * stop, last)
-    return _Motion(outputs=np.vstack(pieces), decayed=False, left=np.zeros(len(lifted.A)))
-
-
-def _run_free(
-    loop: SampledLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
-) -> _Motion:
-    """The motion from a cycle on until all modes have decayed."""
-    lifted = loop.lifted
-
-    def transient(X: Array, cycle: int) -> Array:
-        reference = sample_setpoint(setpoint, np.array([cycle * lifted.dt]))[0]
-        return np.asarray(X - steady_state(lifted) @ reference[:2])
-
-    def size_of(outputs: Array, cycle: int) -> float:
-        tool = outputs.reshape(-1, len(loop.outputs))[:, 0]
-        own: Array = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
-        delayed = cycle * lifted.dt + own - loop.controller.reference_delay
-        return float(np.max(np.abs(tool - sample_setpoint(setpoint, delayed)[:, 0])))
-
-    decay = find_decay(lifted, transient(X, start))
-    until = decay.cycles(DECAYED * band, longest=HORIZON)
-    is_lost = until * lifted.dt > HORIZON and decay.left(until) > band
-    usual = ceil(FOLLOWED / lifted.dt)
-    done, stop, size, pieces = 0, min(until, usual), LEAST_SIZE * band, []
-    while True:
-        X, outputs = _advance_linear(lifted, X, setpoint, start + done, start + stop)
-        pieces.append(outputs)
-        size, done = max(size, size_of(outputs, start + done)), stop
-        if until * lifted.dt <= HORIZON:
-            until = max(until, decay.cycles(DECAYED * size, longest=HORIZON))
-        # No later swing is larger, and none leaves the band.
-        is_seen = decay.left(done) <= min(band, size)
-        if done >= until or (done >= usual and (is_seen or is_lost)):
-            break
-        stop = min(until, max(usual, 2 * done))
-    return _Motion(
-        outputs=np.vstack(pieces).reshape(-1, len(loop.outputs)),
-        decayed=is_seen or until * lifted.dt <= HORIZON,
-        left=transient(X, start + done),
-    )
-
-
-def _advance_linear(
-    lifted: LiftedLoop, X: Array, setpoint: Setpoint, start: int, stop: int
-) -> tuple[Array, Array]:
-    """Loop state at cycle ``stop`` and the lifted outputs of all cycles before it."""
-    values = (stop - start) * 0.25 * (lifted.A.size + lifted.C.size + 500.0)
-    spend(values, calls=0.25 * (stop - start))
-    times = np.arange(start, stop, dtype=np.float64) * lifted.dt
-    references = sample_setpoint(setpoint, times)
-    drive = references @ lifted.B.T
-    history = np.empty((len(references), len(X)))
-    for k, pushed in enumerate(drive):
-        history[k] = X
-        X = lifted.A @ X + pushed
-    return X, history @ lifted.C.T + references @ lifted.D.T
 
 
 def _settling_time(t: Array, deviation: Array, band: float) -> float:
@@ -300,21 +292,3 @@ def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
         quadrature = (rate + zeta * omega * q) / (omega * sqrt(1.0 - zeta**2))
         amplitudes.append(abs(mode.tcp_gain) * sqrt(q**2 + quadrature**2))
     return np.array(amplitudes)
-
-
-def _rms_force(loop: SampledLoop, motion: _Motion, setpoint: Setpoint, static_load: float) -> float:
-    """RMS over [0, t_e + dwell]."""
-    step, cycles = loop.controller.velocity_cycle, loop.controller.cycles
-    force, window = motion.outputs[:, -1], setpoint.duration + setpoint.move.dwell
-    times: Array = step * np.arange(len(force), dtype=np.float64)
-    share = window_shares(times, window, step=step)
-    left = np.array([window - step * len(force)])
-    after = sum_free_force(loop.lifted, motion.left[:, None], left, cycles=cycles)
-    return float(
-        rms_force(
-            share @ force + after.first,
-            share @ force**2 + after.square,
-            window=window,
-            static_load=static_load,
-        )[0]
-    )

@@ -34,13 +34,10 @@ class WorstSizeEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LimitsEntry:
+class RecommendedEntry:
     """Limits for the control, what binds them, and where they were judged.
 
-    ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
-    between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
-    of all damping ratios. ``valid_for``: by move; ``worst_sizes``: empty where the listed sizes
-    alone count.
+    ``valid_for``: by move; ``worst_sizes``: empty where the listed sizes alone count.
     """
 
     acceleration: float
@@ -51,10 +48,21 @@ class LimitsEntry:
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
-    frequency_range: list[float] | None
-    damping_range: list[float] | None
     valid_for: list[SizesEntry]
     worst_sizes: list[WorstSizeEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsEntry(RecommendedEntry):
+    """The same with how far frequencies and damping may be off.
+
+    ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
+    between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
+    of all damping ratios.
+    """
+
+    frequency_range: list[float] | None
+    damping_range: list[float] | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
