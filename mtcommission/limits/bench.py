@@ -263,12 +263,17 @@ class Use:
         return used
 
     def of_rest(self, a: float) -> float:
-        """Return the largest share of force, peaks, contour and RMS force in some sizes [-]."""
+        """Return the largest share of force, peaks, contour and RMS force in some sizes [-].
+
+        Or that of one of them beyond 1.
+        """
         bench, item = self.bench, self.behind.item
-        used, is_alone = 0.0, len(bench.bounds) == 1 and not isfinite(bench.contour)
+        used = rms_share(bench.machine, item, a, self.t_j)
+        is_alone = len(bench.bounds) == 1 and not isfinite(bench.contour)
         # Far from the limit nothing need be looked at: force follows acceleration, but for a swing.
-        if is_alone and self.behind.swing and self.behind.swing[0] * SAFE * a < bench.bounds[0]:
-            return rms_share(bench.machine, item, a, self.t_j)
+        swings = self.behind.swing and self.behind.swing[0] * SAFE * a >= bench.bounds[0]
+        if used > 1.0 or (is_alone and self.behind.swing and not swings):
+            return used
         for move in bench.machine.moves:
             shares = np.array(SIZES) if bench.every_size else np.ones(1)
             peaks = self.behind.peaks(self._sizes(move, shares, a))
@@ -278,7 +283,7 @@ class Use:
                 slower = slow_to_feed(move, bench.machine.requirements.contour_feed)
                 deviation = self.behind.contour(self._sizes(slower, shares, a))
                 used = max(used, deviation / bench.contour)
-        return max(used, rms_share(bench.machine, item, a, self.t_j))
+        return used
 
     def _sizes(self, move: Move, shares: Array, a: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""
@@ -299,7 +304,7 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
     return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
 
-SAFE = 1.5
+SAFE = 1.25
 """Factor by which a ramp may swing further than those that were looked at [-] (empirical)."""
 
 RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
