@@ -16,7 +16,7 @@ import numpy as np
 from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.digits import limits_about, round_limits
-from mtcommission.limits.explore import Found, explore
+from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -37,6 +37,9 @@ DIGITS = 3
 
 MOST_TYPED, MOST_SCALED = 2, 8
 """Found limits that are typed and judged, best first, and how often each is scaled."""
+
+FEW = 1
+"""Places that are refined, and typed, where the best of a loop much like this one is known."""
 
 JUST_LESS = 0.9995
 """What the next limits use of what is allowed, if all is in proportion."""
@@ -153,9 +156,11 @@ def find_typed(
     None where the search finds none; a settling time is not asked for.
     """
     bench = build_bench(machine, plant, tuned)
-    found = explore(bench, largest_jerk=largest_jerk, near=near)
+    is_known = near is not None
+    refined = FEW if is_known else REFINED
+    found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
     best: tuple[float, Typed] | None = None
-    for item in found[:MOST_TYPED]:
+    for item in found[: FEW if is_known else MOST_TYPED]:
         if best is not None and item.duration >= best[0]:
             continue
         typed = _type(machine, plant, tuned, item, largest_jerk)

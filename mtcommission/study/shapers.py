@@ -9,7 +9,6 @@ best.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from math import inf
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
@@ -22,8 +21,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.verdict.evaluate import Candidate, evaluate, evaluate_moves, simulate_planned
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 BACKED_OFF, LESS = 4, 0.98
 """How often, and by what share, an acceleration is lowered that the exact verdict refuses."""
@@ -132,10 +130,8 @@ def _best_candidate(
     a = found.acceleration if found else largest
     for _ in range(BACKED_OFF):
         limits = MotionLimits(acceleration=a, jerk=a / ramp, setpoint_filter=item)
-        plan = partial(plan_setpoint, limits=limits)
-        moves = simulate_planned(machine, tuned, plan)
-        candidate = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
-        if evaluate_moves(strict, plant, tuned, moves, sizes=candidate.sizes).assessment.is_met:
+        candidate = evaluate(machine, plant, tuned, limits, name=name, source=source)
+        if found is None or candidate.assessment.keeps(machine.requirements.reserve):
             break
         a *= LESS
     return candidate
