@@ -54,8 +54,12 @@ from mtcommission.setpoint.smaller_moves import lay_sizes, plan_sizes, size_of
 
 Array = NDArray[np.float64]
 
-UNPROVED = 0.005
-"""Share of the band by which a size between two that were looked at may exceed both [-]."""
+COARSE, UNPROVED = 0.25, 0.005
+"""Share of the band by which a size between two that were looked at may exceed both [-]: at first,
+and where that first look is near the band."""
+
+LEFT = 1.3
+"""Bands that, left at a first look, need no second one [-]."""
 
 MOST_SIZES = 3000
 """Sizes of a move in each of its families; where more would be needed the bound is wider."""
@@ -142,27 +146,26 @@ def _worst_residual(
     both = pointed.jump > 0.0 and seen / poles.dt < MOST_SIZES
     if both:  # on either side of every place where a step passes a sample: then only K is left
         pointed, held = (replace(item, kink=0.0, jump=0.0) for item in (pointed, held))
-    allowed = UNPROVED * machine.requirements.tcp_deviation
-    spacings = [
-        item.spacing(allowed, least=limits.jerk_time / MOST_SIZES) for item in (pointed, held)
-    ]
-    spacings[1] = max(spacings[1], seen / MOST_SIZES)
-    sizes = lay_sizes(
-        move,
-        limits,
-        pointed_spacing=spacings[0],
-        spacing=min(spacings[1], seen),
-        decayed=seen,
-        cycle=poles.dt if both else 0.0,
-    )
-    steps = plan_sizes(move, sizes, limits)
-    grid, worst = lay_grid(poles, SAMPLES), (-1.0, 0, 0)
-    for start in range(0, len(sizes), TOGETHER):
-        part = slice(start, start + TOGETHER)
-        own = replace(steps, times=steps.times[part], steps=steps.steps[part])
-        residual = free_motion(set_in_motion(poles, own), grid).residual
-        row, column = divmod(int(residual.argmax()), residual.shape[1])
-        worst = max(worst, (float(residual[row, column]), start + row, column))
+    allowed = machine.requirements.tcp_deviation
+    # Where much more than the band is left, it need not be known more closely than in proportion.
+    for share in (COARSE, UNPROVED):
+        least = (limits.jerk_time / MOST_SIZES, seen / MOST_SIZES)
+        spacings = [
+            item.spacing(share * allowed, least=h)
+            for item, h in zip((pointed, held), least, strict=True)
+        ]
+        sizes = lay_sizes(
+            move,
+            limits,
+            pointed_spacing=spacings[0],
+            spacing=min(spacings[1], seen),
+            decayed=seen,
+            cycle=poles.dt if both else 0.0,
+        )
+        worst = _worst_of_sizes(poles, move, limits, sizes)
+        if worst[0] > LEFT * allowed:
+            break
+        allowed = max(allowed, worst[0])
     value, place, corner = worst
     between = max(item.excess(h) for item, h in zip((pointed, held), spacings, strict=True))
     return SizeCheck(
@@ -173,6 +176,21 @@ def _worst_residual(
         size=float(sizes[place]),
         corner=corners[corner],
     )
+
+
+def _worst_of_sizes(
+    poles: LoopPoles, move: Move, limits: MotionLimits, sizes: Array
+) -> tuple[float, int, int]:
+    """Largest residual [m], and its place among the sizes and corners."""
+    steps = plan_sizes(move, sizes, limits)
+    grid, worst = lay_grid(poles, SAMPLES), (-1.0, 0, 0)
+    for start in range(0, len(sizes), TOGETHER):
+        part = slice(start, start + TOGETHER)
+        own = replace(steps, times=steps.times[part], steps=steps.steps[part])
+        residual = free_motion(set_in_motion(poles, own), grid).residual
+        row, column = divmod(int(residual.argmax()), residual.shape[1])
+        worst = max(worst, (float(residual[row, column]), start + row, column))
+    return worst
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

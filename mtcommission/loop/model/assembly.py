@@ -17,7 +17,9 @@ thirty: tuning assembles hundreds of loops, a batch thousands.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import exp, inf
 
 import numpy as np
@@ -349,6 +351,42 @@ def advance_cycle(
             rubbed += np.outer(friction.push, friction.force(rubbed))
     kept = np.vstack([references, X[own:]])[: len(X) - own]
     return np.vstack([X[:held], handed_down, kept]), outputs
+
+
+def advance_together(
+    loops: Sequence[SampledLoop], X: Array, references: Array, *, force_limit: float
+) -> tuple[Array, Array]:
+    """Return the same controller on several machines one position cycle later, and its outputs.
+
+    ``X``: states, shape (n_loops, n); ``references``: x_ref, v_ref, a_ref, j_ref now, shape (4,).
+    Results: (n_loops, n), (n_loops, cycles, n_outputs). As ``advance_cycle``, without friction.
+    """
+    first = loops[0]
+    z, held, own = first.integrator, first.held, first.own_size
+    # What is handed down by the encoder differs from machine to machine.
+    known = np.hstack([X, np.tile(references, (len(loops), 1))])
+    handed_down = np.array([one.handed_down @ row for one, row in zip(loops, known, strict=True)])
+    rows, seen = _stacked(tuple(loops)), len(first.observation)
+    outputs = np.empty((len(loops), first.controller.cycles, seen))
+    following = X
+    for i in range(first.controller.cycles):
+        Y = (rows @ following[:, :, None])[:, :, 0]
+        outputs[:, i] = Y[:, :seen]
+        demand, increment, following = Y[:, seen], Y[:, seen + 1], Y[:, seen + 2 :]
+        force = np.minimum(np.maximum(demand, -force_limit), force_limit)
+        following[:, z] += np.where(force == demand, increment, 0.0)
+        following[:, z + 1] = force
+    kept = np.hstack([np.tile(references, (len(loops), 1)), following[:, own:]])
+    kept = kept[:, : X.shape[1] - own]
+    return np.hstack([following[:, :held], handed_down, kept]), outputs
+
+
+@lru_cache(maxsize=8)
+def _stacked(loops: tuple[SampledLoop, ...]) -> Array:
+    """Outputs, demand, integration and step of several loops, one product a velocity cycle."""
+    return np.array(
+        [np.vstack([one.observation, one.demand, one.integration, one.step]) for one in loops]
+    )
 
 
 def _lift(loop: SampledLoop) -> LiftedLoop:

@@ -18,7 +18,7 @@ from math import ceil, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import SampledLoop, advance_cycle
+from mtcommission.loop.model.assembly import SampledLoop, advance_together
 from mtcommission.loop.respond import (
     LoopPoles,
     Motions,
@@ -132,16 +132,18 @@ def simulate_corners(
         part = slice(start * poles.cycles, (start + len(n)) * poles.cycles)
         found = outputs_at(motions, n[None], rows)[0]
         outputs[:, part] = found.reshape(len(loops), -1, poles.outputs)
+    max_force = np.max(np.abs(outputs[:, :, 2]), axis=1)
+    saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
+    # A motor that follows does not saturate: it loses steps, and no motion could be shown.
+    stepped = np.flatnonzero(saturated & (not loops[0].controller.follows)).tolist()
+    limited = _step_saturated([loops[i] for i in stepped], setpoint, drive.motion_force, band)
+    instead = dict(zip(stepped, limited, strict=True))
     responses = []
     for corner, loop in enumerate(loops):
-        own, settles = outputs[corner], bool(decayed[corner])
-        max_force = float(np.max(np.abs(own[:, 2])))
-        saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
-        # A motor that follows does not saturate: it loses steps, and no motion could be shown.
-        if saturated and not loop.controller.follows:
-            own, settles = _step_saturated(loop, setpoint, limit=drive.motion_force, band=band)
+        own, settles = instead.get(corner, (outputs[corner], bool(decayed[corner])))
         found = _judge(loop, setpoint, own, settles=settles, drive=drive, band=band)
-        responses.append(replace(found, max_force=max_force, saturated=saturated))
+        asked, beyond = float(max_force[corner]), bool(saturated[corner])
+        responses.append(replace(found, max_force=asked, saturated=beyond))
     return responses
 
 
@@ -183,27 +185,35 @@ def _cycles(sizes: Array, radii: Array, amplitude: float, most: int) -> int:
 
 
 def _step_saturated(
-    loop: SampledLoop, setpoint: Setpoint, *, limit: float, band: float
-) -> tuple[Array, bool]:
-    """Outputs with saturation, stepped until the free motion stays within the limit.
+    loops: Sequence[SampledLoop], setpoint: Setpoint, limit: float, band: float
+) -> list[tuple[Array, bool]]:
+    """Outputs with saturation, stepped until the free motion stays within the limit in each loop.
 
     And whether the tool can leave the band no more when they end.
     """
-    T, X = loop.lifted.dt, np.zeros((len(loop.lifted.A), 1))
+    if not loops:
+        return []
+    T, delay = loops[0].lifted.dt, loops[0].controller.reference_delay
+    X = np.zeros((len(loops), len(loops[0].lifted.A)))
     pieces: list[Array] = []
-    k, stop = 0, ceil((setpoint.duration + loop.controller.reference_delay) / T) + 1
+    k, stop = 0, ceil((setpoint.duration + delay) / T) + 1
     last = stop + ceil(HORIZON / T)
-    while k < last:
+    found: dict[int, tuple[Array, bool]] = {}
+    while k < last and len(found) < len(loops):
         for r in sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T):
-            X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
-            pieces.append(Y[:, :, 0])
-        free = _advance_linear(loop, X[:, 0], setpoint, stop, stop + ceil(FOLLOWED / T))
-        if np.max(np.abs(free[:, 2])) <= limit:
+            X, Y = advance_together(loops, X, r, force_limit=limit)
+            pieces.append(Y)
+        moved = np.concatenate(pieces, axis=1)
+        for i, loop in enumerate(loops):
+            free = _advance_linear(loop, X[i], setpoint, stop, stop + ceil(FOLLOWED / T))
+            if i in found or np.max(np.abs(free[:, 2])) > limit:
+                continue
             t = np.asarray(stop * T + np.arange(len(free)) * loop.controller.velocity_cycle)
-            late = sample_setpoint(setpoint, t - loop.controller.reference_delay)[:, 0]
-            return np.vstack([*pieces, free]), abs(float(free[-1, 0] - late[-1])) <= band
+            late = sample_setpoint(setpoint, t - delay)[:, 0]
+            rests = abs(float(free[-1, 0] - late[-1])) <= band
+            found[i] = np.vstack([moved[i], free]), rests
         k, stop = stop, min(2 * stop, last)
-    return np.vstack(pieces), False
+    return [found.get(i, (moved[i], False)) for i in range(len(loops))]
 
 
 def _advance_linear(
