@@ -26,16 +26,16 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.response import simulate_limits_batched
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import build_tables
 from numpy.typing import NDArray
 
 from benchmarks.population import demanding_machine, random_machine
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import condense_optima, find_optima
-from mtcommission.loop.batch.extremes import find_extremes
-from mtcommission.loop.batch.response import simulate_limits_batched
-from mtcommission.loop.batch.settling import settle
-from mtcommission.loop.batch.tables import build_tables
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.variations import as_variations

@@ -7,6 +7,11 @@ from math import inf, isfinite
 
 import numpy as np
 import pytest
+from mtcommission.limits.search.bench import build_bench, settle_exactly, use_of_bounds
+from mtcommission.limits.search.region import narrow_region, widest_region
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import build_tables
 
 from benchmarks.choose import examine_verdict
 from benchmarks.population import random_machine
@@ -14,12 +19,7 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.limits.search.bench import build_bench, settle_exactly, use_of_bounds
-from mtcommission.limits.search.region import narrow_region, widest_region
 from mtcommission.loop.analysis.quantisation import encoder_noise
-from mtcommission.loop.batch.extremes import find_extremes
-from mtcommission.loop.batch.settling import settle
-from mtcommission.loop.batch.tables import build_tables
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mtcommission.limits.every.families import Judged
 from scipy.integrate import solve_ivp
 from scipy.signal import impulse
 
@@ -33,7 +34,6 @@ from mtcommission.limits.commissioning_rule.rule import (
     RuleResult,
     apply_commissioning_rule,
 )
-from mtcommission.limits.every.families import Judged
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop

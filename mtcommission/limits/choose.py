@@ -180,8 +180,11 @@ def _type(
         return None
     best, scaled = Typed(limits=limits, sizes=sizes), min(limits.acceleration / used, largest)
     # Rounding, and what the search saw too dark, may leave a little: the next ones up.
-    above = limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
-    above = [each for each in above if each.jerk <= largest_jerk and each.acceleration <= largest]
+    above = [
+        each
+        for each in limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
+        if each.jerk <= largest_jerk and each.acceleration <= largest
+    ]
     soonest = _duration(machine, limits)
     for each in sorted(above, key=partial(_duration, machine))[:MOST_RAISED]:
         raised = replace(each, setpoint_filter=item)
