@@ -5,7 +5,7 @@
 
 Random machines over all kinds of control and drive, with the loop of ``tune_loop`` and the reserve
 kept. The grid: filters of the control, jerk times from 1 ms to 3 s, accelerations, judged from the
-soonest on, then refined about the best of several filters. The judge is this file's own: plain
+fastest on, then refined about the best. The judge is this file's own: plain
 sizes of each move, dense ones before anything counts; with the search it shares the loop's response
 alone (``mtcommission.loop.respond``), which tests/test_respond.py holds to the stepped loop.
 
@@ -56,9 +56,9 @@ SHORTEST, LONGEST, LEAST_SHARE = 1e-3, 3.0, 1e-4
 """Jerk times [s], and the least acceleration as a share of the largest, of the grid."""
 TIERS = (12, 60, 300, 1200)
 """Sizes of a move that are looked at in turn, until one is not allowed."""
-REFINED, NEAR, TRIED, REACHES = 4, 1.2, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
-"""Filters about whose best place the grid is refined, how much later than the soonest
-they may be, accelerations tried for each, and how far about it is looked [-]."""
+REFINED, NEAR, TRIED, REACHES = 6, 1.2, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
+"""Best places about which the grid is refined, how much later than the soonest others may be,
+accelerations tried for each, and how far about a place is looked [-]."""
 
 Place = tuple[SetpointFilter | None, float, float]
 """Filter, jerk time [s], acceleration [m/s²]."""
@@ -191,7 +191,7 @@ class Judge:
 
 def soonest_of_grid(judge: Judge, points: int) -> tuple[float, Place | None]:
     """Return the soonest allowed place of the refined grid, and its settling time [s]."""
-    machine, best = judge.machine, dict[SetpointFilter | None, tuple[float, Place]]()
+    machine, best = judge.machine, list[tuple[float, Place]]()
     kind = machine.control.kind
     largest = machine.drive.motion_force / moving_mass(machine)
     times = [without_jerk_limit(machine, 1.0).jerk_time]
@@ -201,16 +201,15 @@ def soonest_of_grid(judge: Judge, points: int) -> tuple[float, Place | None]:
     soonest = inf
     for item, t in product(filters_of(machine, points), times):
         ends = judge.durations(item, t, ladder)
-        # What is allowed has gaps, so from the fastest that few sizes allow downwards, then between.
+        # What is allowed has gaps, so from the fastest that a few sizes allow downwards.
         few = np.flatnonzero((ends <= NEAR * soonest) & judge.seem_allowed(item, t, ladder))
         allowed = (i for i in few[::-1][:TRIED] if judge.allows((item, t, float(ladder[i]))))
         low = next(allowed, None)
         if low is None:
             continue
-        if item not in best or ends[low] < best[item][0]:
-            best[item] = float(ends[low]), (item, t, float(ladder[low]))
+        best.append((float(ends[low]), (item, t, float(ladder[low]))))
         soonest = min(soonest, float(ends[low]))
-    begin = sorted(best.values(), key=lambda x: x[0])[:REFINED]
+    begin = sorted(best, key=lambda x: x[0])[:REFINED]
     refined = [refine(judge, duration, place, largest) for duration, place in begin]
     return min(refined, key=lambda x: x[0], default=(inf, None))
 

@@ -90,7 +90,8 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     worst = max(residual_of(machine, tuned, limits, float(size)) for size in (*sizes, listed))
     band = machine.requirements.tcp_deviation
     assert worst <= found.bound + 1e-3 * band
-    assert found.value <= found.bound <= found.value + 0.011 * band
+    # Sizes are laid for a share of the band, but not more than some thousand of them.
+    assert found.value <= found.bound <= found.value + max(0.011 * band, 0.015 * found.value)
     # The worst size is named, and is that bad.
     assert residual_of(machine, tuned, limits, found.size) == pytest.approx(found.value, rel=5e-3)
     assert 0.0 < found.size <= listed

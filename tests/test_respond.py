@@ -134,7 +134,7 @@ def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: st
             assert found.deviation[i, -1] == pytest.approx(full.peak_deviation, rel=2e-3)
             settled = free.settling(band)[i, -1]
             if np.isfinite(settled):
-                assert settled == pytest.approx(full.settling_time, rel=0.1)
+                assert settled == pytest.approx(full.settling_time, rel=2e-3)
 
 
 @pytest.mark.parametrize("name", ["paper", "two averages", "drive", "four modes"])
