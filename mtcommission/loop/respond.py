@@ -410,8 +410,8 @@ class FreeMotion:
         if self.motions.poles.factors.size and len(row):
             # Late swings are looked at sparsely.
             places = np.array_split(np.arange(len(row)), ceil(len(row) / TOGETHER))
-            late = [self._last_crossing(row[i], corner[i], band) for i in places]
-            crossing = np.maximum(crossing, np.concatenate(late))
+            late = np.concatenate([self._last_crossing(row[i], corner[i], band) for i in places])
+            crossing = np.where(late > self.instants[last], late, crossing)
         found[row, corner] = np.maximum(self.until[row], self.ended[row] + crossing)
         return found
 
@@ -434,15 +434,18 @@ class FreeMotion:
             middle = 0.5 * (low + high)
             is_out = (sizes * np.exp(p.real * middle[:, None])).sum(axis=1) > left
             low, high = np.where(is_out, middle, low), np.where(is_out, high, middle)
-        age = np.ceil(high)[:, None] - BACKWARDS
-        state = held[:, None] * np.exp(p[:, None] * np.maximum(age, 0.0)[..., None])
-        e = np.abs((state @ shapes.transpose(0, 2, 1)).real + offset[:, None])
-        e[age < 0.0] = 0.0
+        begin, each = np.ceil(high), np.arange(len(row))
+        for _ in range(2):  # and once more, densely behind the last one that is outside
+            age = begin[:, None] - BACKWARDS
+            state = held[:, None] * np.exp(p[:, None] * np.maximum(age, 0.0)[..., None])
+            e = np.abs((state @ shapes.transpose(0, 2, 1)).real + offset[:, None])
+            e[age < 0.0] = 0.0
+            e = e.reshape(len(e), -1)
+            last = e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1)
+            last = np.minimum(last, e.shape[1] - 2)
+            begin = age[each, (last + 1) // poles.cycles]
         t = poles.dt * (poles.forced + age)[..., None]
         t = (t + poles.velocity_cycle * np.arange(poles.cycles)).reshape(len(e), -1)
-        e = e.reshape(len(e), -1)
-        last = np.minimum(e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1), e.shape[1] - 2)
-        each = np.arange(len(e))
         here, there = e[each, last], e[each, last + 1]
         start, end = t[each, last], t[each, last + 1]
         with np.errstate(divide="ignore", invalid="ignore"):
