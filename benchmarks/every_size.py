@@ -1,6 +1,6 @@
 """The choice of limits against a plain grid that is refined where it is best, on every control.
 
-    python -m benchmarks.every_size --machines 300 [--first 0] [--points 16] [--write DIRECTORY]
+    python -m benchmarks.every_size --machines 300 [--first 0] [--points 14] [--write DIRECTORY]
     python -m benchmarks.every_size PROFILE.toml ...
 
 Random machines over all kinds of control and drive, with the loop of ``tune_loop`` and the reserve
@@ -54,9 +54,9 @@ from mtcommission.setpoint.smaller_moves import size_of
 
 SHORTEST, LONGEST, LEAST_SHARE = 1e-3, 3.0, 1e-4
 """Jerk times [s], and the least acceleration as a share of the largest, of the grid."""
-TIERS = (12, 60, 300, 1200)
+TIERS = (10, 60, 300, 1200)
 """Sizes of a move that are looked at in turn, until one is not allowed."""
-REFINED, NEAR, TRIED, REACHES = 6, 1.2, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
+REFINED, NEAR, TRIED, REACHES = 6, 1.1, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
 """Best places about which the grid is refined, how much later than the soonest others may be,
 accelerations tried for each, and how far about a place is looked [-]."""
 
@@ -202,13 +202,14 @@ def soonest_of_grid(judge: Judge, points: int) -> tuple[float, Place | None]:
     for item, t in product(filters_of(machine, points), times):
         ends = judge.durations(item, t, ladder)
         # What is allowed has gaps, so from the fastest that a few sizes allow downwards.
-        few = np.flatnonzero((ends <= NEAR * soonest) & judge.seem_allowed(item, t, ladder))
-        allowed = (i for i in few[::-1][:TRIED] if judge.allows((item, t, float(ladder[i]))))
-        low = next(allowed, None)
-        if low is None:
+        a = ladder[ends <= NEAR * soonest]
+        few = a[judge.seem_allowed(item, t, a)][::-1] if len(a) else a
+        found = next((x for x in few[:TRIED].tolist() if judge.allows((item, t, x))), None)
+        if found is None:
             continue
-        best.append((float(ends[low]), (item, t, float(ladder[low]))))
-        soonest = min(soonest, float(ends[low]))
+        duration = judge.duration((item, t, found))
+        best.append((duration, (item, t, found)))
+        soonest = min(soonest, duration)
     begin = sorted(best, key=lambda x: x[0])[:REFINED]
     refined = [refine(judge, duration, place, largest) for duration, place in begin]
     return min(refined, key=lambda x: x[0], default=(inf, None))
@@ -375,7 +376,7 @@ def main() -> None:
     parser.add_argument("profiles", nargs="*", type=Path)
     parser.add_argument("--machines", type=int, default=0)
     parser.add_argument("--first", type=int, default=0, help="seed of the first of them")
-    parser.add_argument("--points", type=int, default=16, help="of the grid in each direction")
+    parser.add_argument("--points", type=int, default=14, help="of the grid in each direction")
     parser.add_argument("--write", type=Path, default=None, help="profiles more than 1 %% behind")
     options = parser.parse_args()
     rows = []
