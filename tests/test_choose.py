@@ -183,12 +183,12 @@ def test_search_and_verdict_compute_the_same(name: str, resolution: float) -> No
         limits = MotionLimits(acceleration=a, jerk=a / t, setpoint_filter=item)
         checks = evaluate(machine, plant, tuned, limits).assessment.checks
         shares = {check.requirement: check.value / check.limit for check in checks}
-        left = shares.pop(RESIDUAL_DEVIATION)
-        use = bench.use(item, t)
-        # The noise takes from the bound there and adds to the value here: equal where all is used.
-        near = 0.03 if not resolution else 0.03 + 0.3 * abs(1.0 - left)
-        assert use.of_band(np.array([a]))[0] == pytest.approx(left, rel=near)
-        assert use.of_rest(a) == pytest.approx(max(shares.values()), rel=0.05)
+        use, band = bench.use(item, t), machine.requirements.tcp_deviation
+        # The noise takes from the bound there and adds to the value here.
+        left = (shares.pop(RESIDUAL_DEVIATION) - 1.0) * band / bench.band + 1.0
+        assert use.of_band(np.array([a]))[0] == pytest.approx(left, rel=0.03)
+        if not resolution:
+            assert use.of_rest(a) == pytest.approx(max(shares.values()), rel=0.05)
 
 
 @pytest.mark.parametrize("name", ["paper", "peak of v_phi", "moving average", "narrow band"])

@@ -356,7 +356,11 @@ def rigid_rms(machine: Machine, move: Move, steps: JerkSteps) -> Array:
     gaps = np.diff(pieces.knots, axis=0)
     t = pieces.knots[:-1, None] + gaps[:, None] * (0.5 + 0.5 * nodes[None, :, None])
     a = pieces.sample(t, derivatives=3)[2]
-    square = (0.5 * gaps[:, None] * weights[None, :, None] * a**2).sum(axis=(0, 1))
+    share = 0.5 * gaps[:, None] * weights[None, :, None]
     mass = moving_mass(machine) + max(machine.requirements.payload)
-    mean = mass * np.sqrt(square / (steps.duration + move.dwell))
-    return np.asarray(np.hypot(mean, machine.drive.static_load))
+    return rms_force(
+        mass * (share * a).sum(axis=(0, 1)),
+        mass**2 * (share * a**2).sum(axis=(0, 1)),
+        window=steps.duration + move.dwell,
+        static_load=machine.drive.static_load,
+    )
