@@ -54,9 +54,9 @@ from mtcommission.setpoint.smaller_moves import size_of
 
 SHORTEST, LONGEST, LEAST_SHARE = 1e-3, 3.0, 1e-4
 """Jerk times [s], and the least acceleration as a share of the largest, of the grid."""
-TIERS = (10, 60, 300, 1200)
+TIERS = (10, 60, 300, 800)
 """Sizes of a move that are looked at in turn, until one is not allowed."""
-REFINED, NEAR, TRIED, REACHES = 6, 1.1, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
+REFINED, NEAR, TRIED, REACHES = 3, 1.1, 8, (0.15, 0.07, 0.03, 0.015, 0.007, 0.003)
 """Best places about which the grid is refined, how much later than the soonest others may be,
 accelerations tried for each, and how far about a place is looked [-]."""
 
