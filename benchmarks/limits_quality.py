@@ -25,7 +25,6 @@ from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -33,6 +32,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.shapers import compare_shapers
+from mtcommission.study.varied import respond_varied
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
 GRID = 10
@@ -125,7 +125,7 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidat
     for a in largest * np.geomspace(1.0, LEAST_SHARE, GRID):
         for jerk_time in np.geomspace(*JERK_TIMES, GRID):
             limits = MotionLimits(acceleration=float(a), jerk=float(a / jerk_time))
-            found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
+            found = respond_varied(machine, plant, tuned, limits, variations=places)
             outside = bool(np.any(found.residual_deviation > machine.requirements.tcp_deviation))
             used = bool(np.any(found.usage > 1.0))
             points.append((outside or used, float(found.settling_time.max()), limits))

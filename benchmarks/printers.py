@@ -195,7 +195,7 @@ def compare(seed: int) -> dict[str, object]:
     machine = parse_profile(axis.profile, where=f"axis {seed}")
     begun = perf_counter()
     plant = build_plant(machine)
-    choice = choose_limits(machine, plant, tune_loop(machine), starts=[])
+    choice = choose_limits(machine, plant, tune_loop(machine))
     took = perf_counter() - begun
     limits = choice.limits
     item = limits.setpoint_filter or SetpointFilter(kind="none")
@@ -242,7 +242,7 @@ def beside_klipper(seed: int) -> dict[str, object]:
     measured = AllDirections(frequency_hz=lines, density=power, is_divided=False)
     (theirs,) = [one for one in propose_shapers([measured]) if one.is_recommended]
     machine = parse_profile(axis.profile, where=f"axis {seed}")
-    limits = choose_limits(machine, build_plant(machine), tune_loop(machine), starts=[]).limits
+    limits = choose_limits(machine, build_plant(machine), tune_loop(machine)).limits
     ours = limits.setpoint_filter
     delays, shares = ours.impulses if ours else ((0.0,), (1.0,))
     copies = shape(theirs.shaper, frequency_hz=theirs.frequency_hz, damping_ratio=0.1)

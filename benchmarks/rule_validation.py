@@ -27,7 +27,7 @@ import numpy as np
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.errors import ComputationError
-from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.estimate import (
     ModeEstimate,
     count_ramps,
@@ -91,8 +91,7 @@ def validate(seed: int) -> Row:
         tuned = tune_loop(machine)
     except ComputationError as error:
         return describe(seed, machine, plant, outcome=error.outcome.name)
-    settings = SearchSettings(landscape=0)  # nothing of it is drawn here
-    limits = choose_limits(machine, plant, tuned, settings=settings).limits
+    limits = choose_limits(machine, plant, tuned).limits
     return compare(describe(seed, machine, plant, outcome=""), machine, plant, tuned, limits)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
 from mtcommission.machine.requirement import SETTLING_TIME, peak_of
@@ -16,8 +16,6 @@ from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
-
-COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
 
 
 def asked(
@@ -33,9 +31,9 @@ def asked(
 
 def attainable(machine: Machine) -> dict[str, Attainable]:
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    choice = choose_limits(machine, plant, tuned)
     assert not choice.meets_requirements
-    found = find_attainable(machine, plant, tuned, choice, settings=COARSE)
+    found = find_attainable(machine, plant, tuned, choice)
     return {item.requirement.value: item for item in found}
 
 
@@ -82,7 +80,7 @@ def test_least_acceleration_without_a_jerk_limit() -> None:
     machine = asked(band=1e-9)
     machine = replace(machine, control=replace(machine.control, kind=KINDS["klipper"]))
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    choice = choose_limits(machine, plant, tuned)
     found = find_least_residual(machine, plant, tuned, choice)
     assert found is not None
     assert found.limits == without_jerk_limit(machine, found.limits.acceleration)
@@ -113,14 +111,14 @@ def test_two_requirements_must_give_way_together() -> None:
     # A little less time, with the peak eased as far, is out of reach: the factor was the least.
     tight = asked(settling=0.85 * time.value, peaks=(eased,))
     plant, tuned = build_plant(tight), tune_loop(tight)
-    assert not choose_limits(tight, plant, tuned, settings=COARSE).meets_requirements
+    assert not choose_limits(tight, plant, tuned).meets_requirements
 
 
 def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     """If it failed, "what could be met" would be far from the best that can be had."""
     machine = asked(band=1e-9)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    choice = choose_limits(machine, plant, tuned)
     found = find_least_residual(machine, plant, tuned, choice)
     assert found is not None
     assert found.unit == "m"
@@ -138,8 +136,7 @@ def test_no_worse_than_the_recommendation_itself() -> None:
     machine = asked(settling=0.075)
     plant, tuned = build_plant(machine), tune_loop(machine)
     choice = choose_limits(machine, plant, tuned)
-    poor = SearchSettings(grid=6, coarse_grid=5, seeds=1, refinements=1)
-    found = find_attainable(machine, plant, tuned, choice, settings=poor)
+    found = find_attainable(machine, plant, tuned, choice)
     slower = next(item for item in found if item.requirement == SETTLING_TIME)
     recommended = evaluate(machine, plant, tuned, choice.limits)
     assert slower.value <= recommended.settling_time

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, isnan
+from math import isnan
 
 import numpy as np
 import pytest
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES
-from mtcommission.limits.every.families import Judged
-from mtcommission.limits.every.search import search_every_size
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.explore import explore
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -90,7 +90,8 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     worst = max(residual_of(machine, tuned, limits, float(size)) for size in (*sizes, listed))
     band = machine.requirements.tcp_deviation
     assert worst <= found.bound + 1e-3 * band
-    assert found.value <= found.bound <= found.value + 0.011 * band
+    # Sizes are laid for a share of the band, but not more than some thousand of them.
+    assert found.value <= found.bound <= found.value + max(0.011 * band, 0.015 * found.value)
     # The worst size is named, and is that bad.
     assert residual_of(machine, tuned, limits, found.size) == pytest.approx(found.value, rel=5e-3)
     assert 0.0 < found.size <= listed
@@ -147,25 +148,6 @@ def test_neighbouring_sizes_are_one_spacing_of_time_apart(move: Move) -> None:
     assert np.max(np.diff(steps.times, axis=0)) <= 5.0 * spacing
 
 
-def test_sliding_extremes_are_those_of_every_delay() -> None:
-    """The search would pass limits whose worst size it never compared."""
-    generator = np.random.default_rng(3)
-    n, rows = 90, 3
-    decay = np.exp(-np.arange(n) / 12.0)
-    answers = generator.normal(size=(rows, n)) * decay
-    for wait in (-1, 4):
-        judged = Judged(answers=answers, wait=wait, longest=50)
-        k, least, most = 6, 9, 37
-        ramp = judged.ramp(k)
-        found = judged.worst_difference(ramp, length=k, least=least, most=most)
-        whole = np.array([judged.worst(ramp, {0: 1.0, T: -1.0}, length=k + T) for T in range(38)])
-        begin = 0 if wait >= 0 else None
-        expected = whole[least : most + 1].max()
-        if begin is None:  # while it moves, what has begun counts, too
-            expected = max(expected, judged.worst(ramp, {0: 1.0}, length=k))
-        assert found == pytest.approx(expected, rel=1e-9)
-
-
 @pytest.mark.parametrize("filter_name", ["none", "average"])
 @pytest.mark.parametrize("name", ["velocity step", "four modes"])
 def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
@@ -173,7 +155,7 @@ def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
     machine = quiet_copy(MACHINES[name], setpoint_filter=FILTERS[filter_name])
     plant, tuned = build_plant(machine), tune_loop(machine)
     (move,), needs = machine.moves, machine.requirements
-    found = search_every_size(machine, plant, tuned, largest_jerk=inf)
+    found = explore(build_bench(machine, plant, tuned))
     best = min(item.duration for item in found)
     a_max = machine.drive.motion_force / moving_mass(machine)
     sooner = []

@@ -32,7 +32,6 @@ from mtcommission.export.layout import LIST, MACHINE_DATA, _harmless
 from mtcommission.export.row import Row, Setting, round_number
 from mtcommission.export.subject import build_subject
 from mtcommission.export.write import CONTROLS, Export, export_record, read_text, write_body
-from mtcommission.limits.choose import SearchSettings
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -42,7 +41,6 @@ from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.files import dump_json, find_checksum, load_record
 from mtcommission.record.schema.record import Profile, Record
 from mtcommission.record.shape import to_entry
-from mtcommission.study.settings import Settings
 
 from .second_reader import ini_file, lines, simulate_file
 from .sheet_record import Json, on_json
@@ -156,7 +154,6 @@ velocity_cycle = "125 us"
 """
 """No screw stated, the position loop in the control; a payload."""
 
-COARSE = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)
 
 MOST_SHARE_OF_RECOMMENDED = 1.0 + 1e-9
 """Rounding to the safe side: never above the recommendation."""
@@ -171,9 +168,7 @@ class Case:
 
 
 def _case(text: str, folder: Path) -> Case:
-    found = commission(
-        parse_profile(text, where="test.toml"), settings=Settings(search=COARSE, comparison=COARSE)
-    )
+    found = commission(parse_profile(text, where="test.toml"))
     profile = Profile(name="test.toml", sha256=profile_text_hash(text.encode()), text=text)
     record = build_record(found, profile=profile, created="2026-01-02T03:04:05+00:00", warnings=[])
     path = folder / "record.json"

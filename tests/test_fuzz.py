@@ -22,12 +22,10 @@ from benchmarks.fuzz import Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
 from mtcommission.commission import commission
 from mtcommission.errors import ComputationError, InputError
-from mtcommission.limits.choose import SearchSettings
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
-from mtcommission.study.settings import Settings
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 
@@ -181,14 +179,11 @@ def test_mutated_values_are_read_right_or_refused() -> None:
     assert accepted > 0.3 * COUNT
 
 
-COARSE = SearchSettings(grid=16, coarse_grid=6, seeds=4, refinements=2)
-
-
 def test_a_crawl_to_a_tiny_velocity_gets_limits() -> None:
     """Its grid of limits to look at is empty, which once was an internal error."""
     machine = read_shipped("milling-manipulator").machine
     slow = replace(machine, moves=(replace(machine.moves[0], velocity_step=6e-4),))
-    found = commission(slow, settings=Settings(search=COARSE, comparison=COARSE))
+    found = commission(slow)
     assert found.recommended.residual_deviation <= slow.requirements.tcp_deviation
 
 
@@ -212,7 +207,7 @@ def test_machines_far_from_the_examples_end_in_limits_or_a_named_outcome(seed: i
         moves=(replace(machine.moves[0], velocity_step=0.1 * factors[4]),),
     )
     try:
-        found = commission(strange, settings=Settings(search=COARSE, comparison=COARSE))
+        found = commission(strange)
     except ComputationError:
         return  # a named outcome, with its remedy in the message
     limits = found.recommended.limits

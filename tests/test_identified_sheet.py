@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import tomlkit
 
-from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
@@ -40,7 +40,6 @@ from tests.test_identify import table_file
 
 __all__ = ["run"]
 
-SEARCH = SearchSettings(grid=32, coarse_grid=8, seeds=8, refinements=2, landscape=8)
 REST = """
 [drive]
 force_lag = "0.6 ms"
@@ -224,8 +223,8 @@ def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
 def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> None:
     machine = _machine(profile)
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned, settings=SEARCH)
-    freed = value_tool_sensor(machine, tuned, choice, settings=SEARCH)
+    choice = choose_limits(machine, build_plant(machine), tuned)
+    freed = value_tool_sensor(machine, tuned, choice)
     assert freed is not None
     assert freed.modes == ("mode1", "mode2")
     assert freed.settling_time == choice.candidate.settling_time
@@ -233,10 +232,10 @@ def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> 
     assert isinstance(machine.mechanics, Modal)
     modes = tuple(replace(mode, tcp_gain=0.0) for mode in machine.mechanics.modes)
     still = replace(machine, mechanics=replace(machine.mechanics, modes=modes))
-    least = choose_limits(still, build_plant(still), tune_loop(still), settings=SEARCH)
+    least = choose_limits(still, build_plant(still), tune_loop(still))
     assert freed.least == pytest.approx(least.candidate.settling_time, rel=0.03)
     known = replace(machine, assumed=())
-    assert value_tool_sensor(known, tuned, choice, settings=SEARCH) is None
+    assert value_tool_sensor(known, tuned, choice) is None
 
 
 def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(

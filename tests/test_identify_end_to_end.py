@@ -17,7 +17,7 @@ import tomlkit
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.states import identify
-from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
@@ -73,7 +73,6 @@ LAG = 0.6e-3
 
 NOISE, AVERAGES = 0.02, 25
 LINES = np.linspace(1.0, 500.0, 500)
-SEARCH = SearchSettings(grid=32, coarse_grid=8, seeds=8, refinements=4, landscape=8)
 
 FROM = ("set force", "actual force")
 
@@ -150,7 +149,7 @@ def _course(run: Run, folder: Path, excited_by: str) -> Course:
         assert lag == pytest.approx(LAG, rel=0.05)
     machine = _complete(profile.read_text(), force_lag=lag)
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned, settings=SEARCH)
+    choice = choose_limits(machine, build_plant(machine), tuned)
     return Course(true=true, machine=machine, tuned=tuned, choice=choice)
 
 

@@ -23,7 +23,7 @@ SETTINGS = Settings()
 def improvements_of(machine: Machine) -> tuple[float, dict[str, Improvement]]:
     """Settling time with the loop by the classic rule, and what changes would bring, in order."""
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned, settings=SETTINGS.comparison)
+    choice = choose_limits(machine, build_plant(machine), tuned)
     found = find_improvements(machine, LoopChoice(tuned=tuned), choice, (), SETTINGS)
     return choice.candidate.settling_time, {item.change.kind: item for item in found}
 
@@ -50,8 +50,8 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
     in_drive = replace(machine, control=replace(machine.control, position_loop=PositionLoop.DRIVE))
     for kind, changed in (("change-feedforward", fed), ("change-dsc", in_drive)):
         tuned = tune_loop(changed)
-        own = choose_limits(changed, build_plant(changed), tuned, settings=SETTINGS.search)
-        # Searches differ by grid, and Kp by its first try; a number of another machine does more.
+        own = choose_limits(changed, build_plant(changed), tuned)
+        # Kp differs by its first try; a number of another machine does more.
         assert found[kind].settling_time == pytest.approx(own.candidate.settling_time, rel=0.05)
     assert found["change-feedforward"].saved > 0.0
 

@@ -15,17 +15,13 @@ from scipy.optimize import linprog
 from mtcommission.commission import commission
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
-from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.every.typed import find_for_every_size
+from mtcommission.limits.choose import choose_limits, find_typed
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
@@ -34,9 +30,8 @@ from mtcommission.record.data import list_data
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import plan_setpoint, plan_within, sample_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.sheet.limits_part import shown_jerk
-from mtcommission.study.settings import Settings
 from tests.independent_loop import shaper
 
 PRINTER = """
@@ -174,7 +169,7 @@ def test_marlin_s_choice_keeps_the_band_on_its_own_samples() -> None:
     """Else limits would be promised for shapers that the firmware does not have."""
     text = PRINTER.replace('kind = "klipper"', 'kind = "marlin"').replace("45 Hz", "47.6 Hz")
     machine = parse_profile(text, where="marlin.toml")
-    chosen = choose_limits(machine, build_plant(machine), tune_loop(machine), starts=[]).limits
+    chosen = choose_limits(machine, build_plant(machine), tune_loop(machine)).limits
     item, move = chosen.setpoint_filter, machine.moves[0]
     assert item is not None
     assert isinstance(move, Positioning)
@@ -270,7 +265,7 @@ def test_choice_beats_the_printer_firmware_of_the_issue() -> None:
     """
     machine = printer()
     plant, tuned = build_plant(machine), tune_loop(machine)
-    found = find_for_every_size(keep_reserve(machine), plant, tuned, largest_jerk=inf)
+    found = find_typed(keep_reserve(machine), plant, tuned)
     assert found is not None
     move = machine.moves[0]
     assert isinstance(move, Positioning)
@@ -280,20 +275,6 @@ def test_choice_beats_the_printer_firmware_of_the_issue() -> None:
     assert end == pytest.approx(0.109, abs=2e-3)
     assert own_end <= end
     assert own_residual <= max(residual, 20e-6)
-
-
-def test_corners_in_a_batch_are_those_one_by_one() -> None:
-    """Else the search chooses limits by another machine than the verdict judges."""
-    machine = printer()
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    limits = replace(without_jerk_limit(machine, 11.7), setpoint_filter=MZV)
-    plan = plan_within(machine, limits)
-    batch = simulate_batched(machine, plant, tuned, plan, variations=as_variations(tuned.corners))
-    for i, loop in enumerate(tuned.loops):
-        one = simulate(loop, plan(machine.moves[0]), drive=machine.drive, band=20e-6)
-        assert batch.residual_deviation[i] == pytest.approx(one.residual_deviation, rel=1e-6)
-        assert batch.settling_time[i] == pytest.approx(one.settling_time, rel=1e-6)
-        assert batch.shares[i, 0] * 20.0 == pytest.approx(one.max_force, rel=1e-9)
 
 
 def test_the_motor_is_shown_with_the_acceleration_of_its_setpoint() -> None:
@@ -479,9 +460,8 @@ def test_kinds_that_send_steps() -> None:
 def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     """Gains and margins that nobody tuned must not be read off a record; the motion must."""
     machine = printer()
-    quick = SearchSettings(grid=16, coarse_grid=6, seeds=6, refinements=2)
     listed = replace(machine, requirements=replace(machine.requirements, every_size=False))
-    found = commission(listed, settings=Settings(search=quick, comparison=quick))
+    found = commission(listed)
     part = loop_part(found)
     assert (part.Kv, part.Kp, part.Tn, part.worst_corner) == (None, None, None, None)
     assert (part.poles, part.corners, part.candidates, part.bode.t) == ([], [], [], [])

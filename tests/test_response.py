@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from mtcommission.loop.simulate.decay import find_decay
+
 from mtcommission.loop.simulate.response import (
     DECAYED,
     HORIZON,

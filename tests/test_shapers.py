@@ -11,7 +11,6 @@ import pytest
 
 from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.loop.batch.echoes import behind_filter, linear
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Positioning, VelocityStep
@@ -194,29 +193,3 @@ def test_comparison_on_the_papers_machine() -> None:
     # At a wide band all manage, and the longer filter settles later than the short shaper.
     assert all(trial.assessment.is_met for trial in trials)
     assert trials[0].settling_time < trials[2].settling_time + 0.02
-
-
-def test_copies_between_samples_are_those_of_the_exact_answer() -> None:
-    """If it failed, the search would detune a shaper by half a sample and waste a tenth of a."""
-    dt, omega = 0.25e-3, 2 * pi * 45.0
-    t = dt * np.arange(2000)
-    item = SetpointFilter(kind="zv", frequency_hz=45.0, damping_ratio=0.05)
-
-    def answer(time: np.ndarray) -> np.ndarray:
-        late = np.maximum(time, 0.0)
-        return np.asarray(np.sin(omega * late) - omega * late * np.exp(-30.0 * late))
-
-    delays, shares = item.impulses
-    exact = sum(share * answer(t - late) for late, share in zip(delays, shares, strict=True))
-    (found,) = behind_filter(answer(t)[None, :], item, dt=dt)
-    assert np.abs(found - exact)[60:].max() < 2e-5
-    # An answer that has ended before the last copy begins goes on as it was.
-    ended = answer(t[:40])[None, :]
-    (longer,) = behind_filter(ended, replace(item, frequency_hz=0.1), dt=dt)
-    slope = ended[0, -1] - ended[0, -2]
-    last = ended[0, -1] + slope * (longer.size - 1 - 39)
-    late, share = delays[1] * 45.0 / 0.1, shares[1]
-    assert longer[-1] == pytest.approx(last - share * slope * late / dt, rel=1e-6)
-    square = (t < 0.02).astype(float)[None, :]
-    assert behind_filter(square, item, dt=dt, between=linear).max() <= 1.0 + 1e-12
-    assert behind_filter(square, item, dt=dt).max() > 1.0

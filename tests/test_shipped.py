@@ -12,7 +12,7 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.errors import InputError
-from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
@@ -24,7 +24,6 @@ from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped
 from mtcommission.verdict.evaluate import evaluate
 
 NAMES = shipped_names()
-QUICK = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)
 
 Run = Callable[..., int]
 
@@ -73,7 +72,7 @@ def test_limits_exist_that_meet_all_requirements(name: str) -> None:
         requirements=replace(machine.requirements, every_size=False),
     )
     plant, tuned = build_plant(machine), tune_loop(plain)
-    choice = choose_limits(plain, plant, tuned, settings=QUICK)
+    choice = choose_limits(plain, plant, tuned)
     assert evaluate(plain, plant, tuned, choice.limits).assessment.is_met
 
 

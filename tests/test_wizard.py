@@ -22,7 +22,6 @@ from mtcommission.commission import commission
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
-from mtcommission.limits.choose import SearchSettings
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
@@ -34,7 +33,6 @@ from mtcommission.record.build import build_record
 from mtcommission.record.data import ACCEPTED_DEFAULT, list_data
 from mtcommission.record.schema.record import Profile
 from mtcommission.record.shape import to_plain
-from mtcommission.study.settings import Settings
 from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,
@@ -199,10 +197,9 @@ def test_papers_record_is_the_shipped_one(tmp_path: Path) -> None:
     """Number by number, as the sheet prints them; only sources and texts of the profile differ."""
     mine, shipped = tmp_path / "paper.toml", PROFILES / "milling-manipulator.toml"
     talk(mine, PAPER)
-    coarse = SearchSettings(grid=16, coarse_grid=6, seeds=4, refinements=2)
     numbers = []
     for path in (mine, shipped):
-        found = commission(read_profile(path), settings=Settings(search=coarse, comparison=coarse))
+        found = commission(read_profile(path))
         profile = Profile(
             name="p", sha256=profile_text_hash(path.read_bytes()), text=path.read_text("utf-8")
         )

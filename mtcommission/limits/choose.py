@@ -108,11 +108,16 @@ def choose_limits(
     equally soon the gentlest. Where nothing meets the requirements, those that leave the band
     least, within force and peaks.
     """
-    strict = keep_reserve(machine)
+    strict, best = keep_reserve(machine), None
     for allowed in dict.fromkeys((strict, machine)):
         typed = find_typed(allowed, plant, tuned, near=near, largest_jerk=largest_jerk)
         if typed is not None:
-            return _judged(machine, allowed, plant, tuned, typed, largest_jerk)
+            found = _judged(machine, allowed, plant, tuned, typed, largest_jerk)
+            if found.meets_requirements:
+                return found
+            best = best or found  # too late, perhaps: the reserve may buy that time
+    if best is not None:
+        return best
     for factor in WIDER:
         needs = machine.requirements
         wide = replace(needs, tcp_deviation=factor * needs.tcp_deviation)

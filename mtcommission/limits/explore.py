@@ -209,24 +209,39 @@ class Explorer:
     ) -> Found | None:
         """The largest acceleration up to some that keeps everything, where that is soon enough."""
         use, bench = self.bench.use(item, t_j), self.bench
+        best: Found | None = None
+        low, high = (0.0, 0.0), (inf, inf)  # accelerations kept and not, and what they use
         for _ in range(STEPS):
             # The time to max_velocity may cancel a mode: what is allowed has gaps.
             steps = a * np.array(FALLING)
-            steps = steps[bench.durations(item, steps, t_j) <= latest]
+            steps = steps[(bench.durations(item, steps, t_j) <= latest) & (steps > low[0])]
             if not len(steps):
-                return None
+                break
             for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
                 share = np.maximum(use.of_cruise(part), use.of_band(part))
                 kept = part[share <= 1.0 + CLOSE]
                 if len(kept):
                     break
             if not len(kept):
+                if best:
+                    break
                 a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
                 continue
             a = float(kept[0])
             rest = use.of_rest(a)
             if rest <= 1.0 + CLOSE:
-                duration = float(bench.durations(item, np.array([a]), t_j)[0])
-                return Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
-            a /= rest
-        return None
+                duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
+                best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
+                if rest >= 1.0 - CLOSE or high[0] == inf:
+                    break
+            else:
+                high = a, rest
+            if best is None:
+                a /= rest
+                continue
+            # Peaks need not be in proportion to the acceleration: between the two.
+            if high[0] < (1.0 + CLOSE) * low[0]:
+                break
+            place = -np.log(low[1]) / np.log(high[1] / low[1])
+            a = low[0] * (high[0] / low[0]) ** float(np.clip(place, 0.1, 0.9))
+        return best

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations_with_replacement
 from math import pi
 
 import numpy as np
@@ -74,9 +74,9 @@ def _of_kind(
         for time in _settable(choice, control, times):
             yield SetpointFilter(kind=kind, time=time)
     elif kind == TWO_AVERAGES:
-        for longer, shorter in pairwise(periods):
-            times = _settable(choice, control, (longer, shorter))
-            if len(times) == 2:
+        for both in combinations_with_replacement(periods, 2):
+            times = _settable(choice, control, both)
+            if times:
                 yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
     elif kind in SHAPERS:
         for frequency, damping in ringing:

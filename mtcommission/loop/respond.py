@@ -61,6 +61,12 @@ SWINGS, LATER = 2.5, 40
 RESTING = 1e-12
 """Final velocity, as a share of what single steps add, that is rounding alone [-]."""
 
+BACKWARDS = np.unique(np.append(np.arange(-1, 13), np.geomspace(13, 1e4, 40).round()))[::-1]
+"""Position cycles before the envelope enters the band, at which its last swings are looked at."""
+
+TOGETHER = 500
+"""Setpoints and corners whose last swings are looked at at once."""
+
 BETWEEN = 6
 """Cycles looked at between two far steps besides those near them: a polynomial has few extremes."""
 
@@ -379,6 +385,8 @@ class FreeMotion:
     until: Array  # t_e + τ, (n_setpoints,) [s]
     begin: Cycles  # first instant at or after it
     deviation: Array  # (n_setpoints, n_corners, n_instants) [m]
+    motions: Motions  # whose free motion it is
+    offset: Array  # by which the tool stays off while it coasts, (n_setpoints, n_corners, cycles)
 
     @property
     def residual(self) -> Array:
@@ -386,10 +394,7 @@ class FreeMotion:
         return np.asarray(self.deviation.max(axis=2))
 
     def settling(self, band: float) -> Array:
-        """Settling time, (n_setpoints, n_corners) [s]; inf where the grid ends first.
-
-        To within some per cent where it rings for long: late swings are looked at sparsely.
-        """
+        """Settling time, (n_setpoints, n_corners) [s]; inf where it stays out of the band."""
         found = np.repeat(self.until[:, None], self.deviation.shape[1], axis=1)
         row, corner = np.nonzero(self.residual > band)
         e = self.deviation[row, corner]
@@ -403,8 +408,50 @@ class FreeMotion:
             share = (here - band) / (here - there)
             crossing = start + share * (self.instants[following] - start)
         crossing = np.where(following == last, np.inf, crossing)
+        if self.motions.poles.factors.size and len(row):
+            # Late swings are looked at sparsely.
+            places = np.array_split(np.arange(len(row)), ceil(len(row) / TOGETHER))
+            late = np.concatenate([self._last_crossing(row[i], corner[i], band) for i in places])
+            crossing = np.where(late > self.instants[last], late, crossing)
         found[row, corner] = np.maximum(self.until[row], self.ended[row] + crossing)
         return found
+
+    def _last_crossing(self, row: Cycles, corner: Cycles, band: float) -> Array:
+        """When the poles alone last bring it into the band, since the end's cycle; -inf: never.
+
+        Looked at densely just before their envelope enters the band, then backwards ever fewer.
+        """
+        poles, offset = self.motions.poles, self.offset[row, corner]
+        held, shapes = self.motions.held[-1, row, corner], poles.shapes[corner, :, 0]
+        p = np.maximum(poles.rates.real, -1e3 / poles.dt) + 1j * poles.rates.imag
+        p = poles.dt * p[corner]
+        sizes, left = np.abs(held) * np.abs(shapes).max(axis=1), band - np.abs(offset).max(axis=1)
+        low = np.zeros(len(row))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            high = np.log(sizes.sum(axis=1) / left) / -p.real.max(axis=1)
+        is_seen = np.isfinite(high) & (high > 0.0)
+        high = np.where(is_seen, high, 0.0)
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            is_out = (sizes * np.exp(p.real * middle[:, None])).sum(axis=1) > left
+            low, high = np.where(is_out, middle, low), np.where(is_out, high, middle)
+        begin, each = np.ceil(high), np.arange(len(row))
+        for _ in range(2):  # and once more, densely behind the last one that is outside
+            age = begin[:, None] - BACKWARDS
+            state = held[:, None] * np.exp(p[:, None] * np.maximum(age, 0.0)[..., None])
+            e = np.abs((state @ shapes.transpose(0, 2, 1)).real + offset[:, None])
+            e[age < 0.0] = 0.0
+            e = e.reshape(len(e), -1)
+            last = e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1)
+            last = np.minimum(last, e.shape[1] - 2)
+            begin = age[each, (last + 1) // poles.cycles]
+        t = poles.dt * (poles.forced + age)[..., None]
+        t = (t + poles.velocity_cycle * np.arange(poles.cycles)).reshape(len(e), -1)
+        here, there = e[each, last], e[each, last + 1]
+        start, end = t[each, last], t[each, last + 1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = start + (here - band) / (here - there) * (end - start)
+        return np.where(is_seen & (here > band), found, -np.inf)
 
 
 def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) -> FreeMotion:
@@ -449,7 +496,13 @@ def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) ->
     e[:, :, :head] *= np.arange(head) >= prior[:, None, None]
     e[rows, :, prior] = np.abs(at_end)
     return FreeMotion(
-        instants=instants, ended=np.asarray(end * T), until=until, begin=begin, deviation=e
+        instants=instants,
+        ended=np.asarray(end * T),
+        until=until,
+        begin=begin,
+        deviation=e,
+        motions=motions,
+        offset=v_end[:, None, None] * coasting,
     )
 
 

@@ -370,12 +370,19 @@ def rigid_rms(machine: Machine, move: Move, steps: JerkSteps) -> Array:
     """Return the RMS force of the rigid axis, heaviest payload, shape (n_setpoints,) [N].
 
     The acceleration is a sum of steps w_i of its m-th integral, m = q - 1, that ends in rest, so by
-    Parseval ∫ a² dt = (-1)^m / (2 (2m - 1)!) Σ_ij w_i w_j |t_i - t_j|^(2m - 1).
+    Parseval ∫ a² dt = (-1)^m / (2 (2m - 1)!) Σ_ij w_i w_j |t_i - t_j|^(2m - 1). Its mean is that of
+    a velocity step, against which a static load counts.
     """
     m, t = steps.order - 1, steps.times
     gaps = np.abs(t[:, :, None] - t[:, None, :]) ** (2 * m - 1)
     both = np.einsum("si,sij,sj->s", steps.steps, gaps, steps.steps)
     square = np.maximum((-1) ** m / (2.0 * factorial(2 * m - 1)) * both, 0.0)
+    age = steps.duration[:, None] - t
+    velocity = np.sum(steps.steps * age**m, axis=1) / factorial(m)
     mass = moving_mass(machine) + max(machine.requirements.payload)
-    mean = mass * np.sqrt(square / (steps.duration + move.dwell))
-    return np.asarray(np.hypot(mean, machine.drive.static_load))
+    return rms_force(
+        mass * velocity,
+        mass**2 * square,
+        window=steps.duration + move.dwell,
+        static_load=machine.drive.static_load,
+    )
