@@ -145,13 +145,11 @@ def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
     looked.sort(key=lambda item: item[0])
     trials: list[LoopTrial] = []
     for _, proposal in looked[:FINALISTS]:
-        near = trials[0].choice.limits if trials and trials[0].choice.meets_requirements else None
-        chosen = choose_limits(machine, plant, proposal.tuned, near=near)
         trials.append(
             LoopTrial(
                 shape=proposal.shape,
                 tuned=proposal.tuned,
-                choice=chosen,
+                choice=choose_limits(machine, plant, proposal.tuned),
                 is_classic=proposal.tuned is proposals.classic,
             )
         )
