@@ -12,7 +12,7 @@ import pytest
 
 from mtcommission.cli.results_view import describe_limits
 from mtcommission.cli.terminal import show
-from mtcommission.commission import Commissioning, commission
+from mtcommission.commission import Commissioning, Recommendation, commission
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.machine.control import FilterKind, ForceFilter
@@ -21,7 +21,7 @@ from mtcommission.messages.quantities import Formatter
 from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
-from mtcommission.record.limits import limits_part
+from mtcommission.record.limits import limits_answer
 from mtcommission.record.read_back import read_filter
 from mtcommission.record.schema.record import Profile, Record
 from tests.independent_loop import behind, judge, profile_of, run
@@ -170,19 +170,25 @@ def test_terminal_shows_the_peak_of_every_row(
     found: Commissioning, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """If it failed, limits that rest well but swing far on the way would look good."""
-    machine, part = found.machine, limits_part(found)
-    show(describe_limits(machine, part, met=True, warnings=[]))
+    machine = found.machine
+    answer = limits_answer(
+        Recommendation(
+            machine=machine,
+            plant=found.plant,
+            tuned=found.tuned,
+            choice=found.choice,
+            today=found.today,
+            rule=found.rule,
+            rules=found.rules,
+        )
+    )
+    show(describe_limits(machine, answer))
     unit = "m" if machine.motion is Motion.LINEAR else "rad"
     printed = Formatter(rotary=unit == "rad")
     rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
     peaks = [
         found.recommended.peak_deviation,
-        *(
-            mode.candidate.peak_deviation
-            for mode in found.modes
-            if mode.candidate.assessment.is_met
-        ),
-        *(candidate.peak_deviation for candidate in (*found.alternatives, *found.rules)),
+        *(candidate.peak_deviation for candidate in found.rules),
     ]
     shown = [cell.strip() for row in rows for cell in row]
     assert "Peak" in shown

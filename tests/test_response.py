@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import factorial
 
 import numpy as np
 import pytest
-from mtcommission.loop.simulate.decay import find_decay
 
-from mtcommission.loop.simulate.response import (
-    DECAYED,
-    HORIZON,
-    LoopResponse,
-    simulate,
-    steady_state,
-)
+from mtcommission.loop.respond import following_states
+from mtcommission.loop.simulate.response import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -115,26 +110,17 @@ def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
     assert abs(response.deviation[-1]) == pytest.approx(0.1 * 0.1 / Kv, rel=1e-2)
 
 
-def test_steady_state_follows_its_setpoint(tuned: TunedLoop) -> None:
+def test_following_states_follow_their_polynomial(tuned: TunedLoop) -> None:
     lifted = tuned.loops[0].lifted
-    S, T = steady_state(lifted), lifted.dt
-    x, v = 0.3, 0.05
-    now, then = S @ [x, v], S @ [x + T * v, v]
-    stepped = lifted.A @ now + lifted.B @ [x, v, 0.0, 0.0]
-    assert np.allclose(stepped, then, rtol=1e-9, atol=1e-9 * np.max(np.abs(then)))
-
-
-def test_decay_is_waited_for_until_the_slowest_mode_is_gone(tuned: TunedLoop) -> None:
-    lifted = tuned.loops[0].lifted
-    start = np.zeros(len(lifted.A))
-    start[0] = 1e-4
-    cycles = find_decay(lifted, start).cycles(1e-8, longest=10.0)
-    tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
-    later = np.linalg.matrix_power(lifted.A, cycles) @ start
-    # Amplitudes of the modes may add up, hence the factor.
-    assert np.max(np.abs(lifted.C[tool] @ later)) < 5e-8
-    earlier = np.linalg.matrix_power(lifted.A, cycles // 4) @ start
-    assert np.max(np.abs(lifted.C[tool] @ earlier)) > 1e-8
+    S, T = following_states(lifted, 3), lifted.dt
+    x = np.array([0.3, 0.05, 1.7, 40.0])
+    later = np.array(
+        [[T ** (k - i) / factorial(k - i) if k >= i else 0.0 for k in range(4)] for i in range(4)]
+    )
+    now, then = x @ S, (later @ x) @ S
+    assert np.allclose(
+        lifted.A @ now + lifted.B @ x, then, rtol=1e-9, atol=1e-9 * np.abs(then).max()
+    )
 
 
 def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned: TunedLoop) -> None:
