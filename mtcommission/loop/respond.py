@@ -120,15 +120,20 @@ class LoopPoles:
         """λ^m of every pole, shape (*m.shape, n_corners, n_poles)."""
         low, high = self.powers
         quotient, rest = np.divmod(m, BASE)
-        if np.any(quotient):
-            return np.asarray(low[rest] * high[np.minimum(quotient, len(high) - 1)])
-        return np.asarray(low[rest])
+        if not np.any(quotient):
+            return np.asarray(low[rest])
+        found = low[rest] * high[np.minimum(quotient, len(high) - 1)]
+        beyond = quotient >= len(high)
+        if np.any(beyond):
+            found[beyond] = np.power(self.factors, m[beyond][:, None, None].astype(np.float64))
+        return np.asarray(found)
 
 
-BASE = 256
+BASE, BLOCKS = 256, 64
+"""Powers that are kept: up to the first, and so many multiples of it."""
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     """Return a controller on the machine in every corner by its poles; stable ones only."""
     first = loops[0]
@@ -159,12 +164,8 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
                 starts[:, i, :count] = (part.left @ X[:own]).T
             table[m, i] = C @ X
             X = loop.lifted.A @ X
-    largest = float(np.max(np.abs(factors), initial=0.0))
-    blocks = 2
-    if largest > 1e-9:
-        blocks = min(ceil(log(1e-18) / log(min(largest, 1.0 - 1e-9)) / BASE) + 2, STEPPED)
     low: Complex = np.power(factors, np.arange(BASE, dtype=np.float64)[:, None, None])
-    each = np.arange(blocks, dtype=np.float64)[:, None, None]
+    each = np.arange(BLOCKS, dtype=np.float64)[:, None, None]
     high: Complex = np.power(factors**BASE, each)
     return LoopPoles(
         loops=loops,
@@ -356,7 +357,7 @@ class Grid:
     faded: Complex  # λ^cycle, (n_instants, n_corners, n_poles)
 
 
-@lru_cache(maxsize=128)
+@lru_cache(maxsize=32)
 def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     """Return instants, so many to a period of each nominal pole at first, then ever fewer.
 
@@ -608,7 +609,7 @@ def where_signals_lead(poles: LoopPoles, signals: Array) -> tuple[LoopPoles, Cyc
     return _find_leading(poles, signals.shape, signals.tobytes())
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _find_leading(
     poles: LoopPoles, shape: tuple[int, ...], signal_bytes: bytes
 ) -> tuple[LoopPoles, Cycles]:

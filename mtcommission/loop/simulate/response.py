@@ -159,8 +159,8 @@ def _follow(
     if not poles.factors.size:
         return min(poles.forced, horizon), np.ones(len(poles.loops), dtype=bool)
     begun = first - motions.first[:, -1] - poles.forced
-    left = motions.held[-1, 0] * poles.power(np.maximum(begun, 0))[0]
-    sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(left)  # (n_corners, n_poles)
+    held = motions.held[-1, 0] * poles.power(np.maximum(begun, 0))[0]
+    sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(held)  # (n_corners, n_poles)
     radii = np.maximum(np.abs(poles.factors), 1e-9)
     residual = free_motion(motions, lay_grid(poles, 24)).residual[0]
     size = np.minimum(np.maximum(residual, LEAST_SIZE * band), band)
@@ -169,8 +169,10 @@ def _follow(
         needed = _cycles(amplitude, radius, DECAYED * size[corner], horizon)
         settles[corner] = float(np.sum(amplitude * radius**horizon)) <= band or needed < horizon
         if needed > usual and settles[corner]:
-            seen = _cycles(amplitude * len(radius), radius, float(size[corner]), horizon)
-            needed = max(usual, seen)
+            # No later swing is larger, and none leaves the band.
+            left = np.sum(amplitude * radius ** np.arange(horizon + 1)[:, None], axis=1)
+            seen = int(np.argmax(left <= size[corner]))
+            needed = max(usual, min(seen or horizon, needed))
         longest = max(longest, needed if settles[corner] else usual)
     return longest, settles
 
