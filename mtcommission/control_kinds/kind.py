@@ -100,6 +100,10 @@ LONGEST_AVERAGE = 0.2
 """Longest average that is looked for where a control does not bound it [s]: empirical."""
 
 
+MOST_CYCLES, WHOLE = 100, 1e-6
+"""Position cycles among which a whole multiple of a step is sought, and what is whole [-]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilterChoice:
     """A kind of setpoint filter that a control has, and how far it can be set.
@@ -132,6 +136,25 @@ class FilterChoice:
     most_frequency_hz: float = inf
     least_damping: float = 0.0
     most_damping: float = 0.99
+
+    def unit(self, position_cycle: float) -> float:
+        """Return what lengths of an average are whole multiples of [s].
+
+        A control averages over whole position cycles, whatever is typed: the least number of them
+        that is a whole multiple of the step, too.
+
+        Examples
+        --------
+        >>> FilterChoice(kind="moving_average", step=1e-6).unit(2e-3)
+        0.002
+        >>> FilterChoice(kind="moving_average", step=1e-3).unit(0.4e-3)
+        0.002
+        """
+        for count in range(1, MOST_CYCLES):
+            steps = count * position_cycle / self.step if self.step else 1.0
+            if abs(steps - round(steps)) < WHOLE * steps:
+                return count * position_cycle
+        return position_cycle
 
     def possible_times(self, position_cycle: float) -> tuple[float, float]:
         """Return between which lengths an average acts [s]."""

@@ -89,7 +89,7 @@ def _of_kind(
 def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) -> list[float]:
     """The nearest lengths that can be typed in, rising."""
     least, most = choice.times(control.position_cycle)
-    step = choice.step or control.position_cycle
+    step = choice.unit(control.position_cycle)
     near = {round(min(max(time, least), most) / step) for time in times if least <= most}
     return [
         n * step
@@ -127,7 +127,7 @@ def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> l
         beside = (told[0], told[-1]) if len(told) > 1 else wanted
         low, high = choice.least_frequency_hz, choice.most_frequency_hz
         return [replace(item, frequency_hz=f) for f in beside if low <= f <= high]
-    step = choice.step or control.position_cycle
+    step = choice.unit(control.position_cycle)
 
     def near(time: float) -> list[float]:
         shift = max(round(reach * time / step), 1) * step
