@@ -16,9 +16,9 @@ from mtcommission.machine.variations import corners
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
-MOST_CYCLES = 200_000
-"""Velocity cycles followed at most, all moves and corners together (empirical: a minute for a
-whole run)."""
+MOST_CYCLES = 600_000
+"""Velocity cycles followed at most, all moves and corners together: their time series are shown
+(empirical: some hundred megabytes and a minute for a whole run)."""
 
 SHIPPED_CYCLES = 26_000
 """What the shipped profiles take at most."""
@@ -26,7 +26,7 @@ SHIPPED_CYCLES = 26_000
 DEAR_CYCLES = 2 * SHIPPED_CYCLES
 """From here on a run says beforehand that it will take long."""
 
-MOST_SLOW_CYCLES = 600_000
+MOST_SLOW_CYCLES = 2_000_000
 """The same with the slowest limits that are judged, those of the commissioning rule."""
 
 

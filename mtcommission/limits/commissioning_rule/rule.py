@@ -140,7 +140,7 @@ def _filters(axis: AxisEstimate) -> list[SetpointFilter | None]:
         return [None]
     softest = max(axis.modes, key=lambda mode: mode.jerk_sensitivity)
     least, most = choice.times(control.position_cycle)
-    step = choice.step or control.position_cycle
+    step = choice.unit(control.position_cycle)
     time = max(round(min(max(1.0 / softest.middle_hz, least), most) / step), 1) * step
     return [None, moving_average(time)] if least <= time <= most else [None]
 
