@@ -533,7 +533,6 @@ def _limits() -> Any:
             "residual_deviation": [[9e-6, 5e-6, 4e-6, 6e-6], [5e-6, 4e-6, 3e-6, 5e-6], [None] * 4],
             "usage": [[0.4, 0.4, 0.4, 0.4], [0.8, 0.8, 0.7, 0.7], [1.2, 1.2, 1.1, 1.1]],
         },
-        "search": {"evaluations": 12.0},
         "warnings": [],
     }
 

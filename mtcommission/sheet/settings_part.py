@@ -15,6 +15,7 @@ UNITS: Mapping[str, str] = MappingProxyType(
         "phase_margin_deg": "°",
         "reserve_deg": "°",
         "position_noise": "m",
+        "longest_integral_time": "s",
     }
 )
 """SI units of the settings that have one; the others are counts or ratios, as their names say."""

@@ -7,6 +7,7 @@ setting-sensitivity-peak = Sensitivity peak allowed
 setting-position-ratios = Kv m / Kp tried
 setting-integral-ratios = Tn Kp / m tried
 setting-least-integral-share = Kp Kv / Tn over that of the classic rule, at least
+setting-longest-integral-time = Longest Tn proposed, but by the classic rule
 setting-mode-weights = Weights of the tool vibration tried for the state feedback
 setting-reduction = Factor from one try of Kp to the next
 setting-force-noise = { $axis ->
@@ -14,27 +15,12 @@ setting-force-noise = { $axis ->
    *[linear] Force noise of the observer, relative to F_max
 }
 setting-position-noise = Encoder noise of the observer
-setting-least-acceleration = Least acceleration, relative to F_max/m
-setting-least-jerk-time = Shortest jerk time
-setting-longest-jerk-time = Longest jerk time, in periods of the slowest mode
-setting-slow-jerk-time = Longest jerk time on a stiff axis, at least
-setting-grid = Grid points in each direction
-setting-coarse-grid = { $axis ->
-    [rotary] Grid points at which the torque is simulated
-   *[linear] Grid points at which the force is simulated
-}
-setting-seeds = Cells refined at once
-setting-refinements = Refinements, each halves a cell
-setting-digits = Significant digits of the result
 setting-samples = Machines drawn, at most
-setting-sample-cycles = Position cycles simulated over all machines drawn, at most
 setting-seed = Seed of the random numbers
 setting-frequency-range = Largest frequency error tried, relative
 setting-frequency-points = Frequency errors tried
-setting-landscape = Points of the map in each direction
 setting-largest-fraction = Kp tried first, over the symmetrical optimum
 setting-mode-noise = Mode noise of the observer, relative to F_max
-setting-evaluations = Limits judged in every corner
 setting-cells = Cells of the move, at first
 setting-parts = { $axis ->
     [rotary] Pieces of a cell at which the torque switches
@@ -57,7 +43,5 @@ setting-robust-margin = Share of the band kept free between frequencies
 ## What they are for
 
 settings-tuning = tuning
-settings-search = search
-settings-comparison = comparison
 settings-robustness = robustness
 settings-band = optimum with the band
