@@ -329,7 +329,7 @@ def simulate(
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
-    from mtcommission.study.loop_choice import settle_on_loop
+    from mtcommission.study.loop_choice import describe_loop, settle_on_loop
     from mtcommission.study.settings import Settings
     from mtcommission.verdict.evaluate import simulate_moves
 
@@ -350,17 +350,7 @@ def simulate(
         machine = tried.machine
         progress(Message("stage-response"))
         moves = simulate_moves(machine, tuned, chosen)
-    loop = tuned.controller
-    notes.append(
-        Message("simulated-without-loop")
-        if loop.follows
-        else Message(
-            "simulated-with-loop",
-            Kv=loop.position_gain,
-            Kp=loop.velocity_gain,
-            Tn=loop.integral_time,
-        )
-    )
+    notes += describe_loop(tuned.controller)
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:

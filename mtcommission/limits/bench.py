@@ -278,7 +278,8 @@ class Use:
             shares = np.array(SIZES) if bench.every_size else np.ones(1)
             peaks = self.behind.peaks(self._sizes(move, shares, a))
             used = max(used, float((peaks / bench.bounds).max()))
-            self.behind.swing[:] = [max([*self.behind.swing, float(peaks[:, 0].max()) / a])]
+            if _just_reached(move, a, self.t_j) <= size_of(move):
+                self.behind.swing[:] = [max([*self.behind.swing, float(peaks[:, 0].max()) / a])]
             if isfinite(bench.contour):
                 slower = slow_to_feed(move, bench.machine.requirements.contour_feed)
                 deviation = self.behind.contour(self._sizes(slower, shares, a))

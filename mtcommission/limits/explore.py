@@ -228,7 +228,7 @@ class Explorer:
                 a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
                 continue
             a = float(kept[0])
-            rest = use.of_rest(a)
+            rest = max(use.of_rest(a), CLOSE)
             if rest <= 1.0 + CLOSE:
                 duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
                 best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)

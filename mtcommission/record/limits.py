@@ -45,6 +45,7 @@ from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.improvements import Improvement
 from mtcommission.study.kept_range import DampingRange, FrequencyError
+from mtcommission.study.loop_choice import describe_loop
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
 from mtcommission.study.today import TodaysValues
@@ -123,6 +124,7 @@ def limits_answer(found: Recommendation) -> LimitsAnswer:
         rule=_rule_text(found.rule),
         assessment=assessment_part(best.assessment, reserve),
         warnings=[
+            *describe_loop(found.tuned.controller),
             *choice.warnings,
             *found.tuned.warnings,
             *([today.failure] if today and today.failure else []),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf, pi
 
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import (
     LoopFamily,
@@ -117,7 +118,7 @@ def _suggest_filters(machine: Machine, choice: LoopChoice, settings: Settings) -
 def _say_filters(kind: str, before: TunedLoop, found: FilteredLoop) -> Message:
     return Message(
         kind,
-        filters=tuple(map(_name_filter, found.filters)),
+        filters=tuple(map(name_filter, found.filters)),
         Kp=before.controller.velocity_gain,
         higher=found.tuned.controller.velocity_gain,
         stiffness=before.least_stiffness,
@@ -125,7 +126,22 @@ def _say_filters(kind: str, before: TunedLoop, found: FilteredLoop) -> Message:
     )
 
 
-def _name_filter(item: ForceFilter) -> Message:
+def describe_loop(controller: Controller) -> list[Message]:
+    """Return the gains of a loop and its filters of the set force, in sentences."""
+    if controller.follows:
+        return [Message("simulated-without-loop")]
+    gains = Message(
+        "simulated-with-loop",
+        Kv=controller.position_gain,
+        Kp=controller.velocity_gain,
+        Tn=controller.integral_time,
+    )
+    filters = tuple(map(name_filter, controller.force_filters))
+    return [gains, *([Message("simulated-with-filters", filters=filters)] if filters else [])]
+
+
+def name_filter(item: ForceFilter) -> Message:
+    """Return what a filter of the set force is called, with its numbers."""
     frequency = item.natural_frequency / (2.0 * pi)
     if item.kind is FilterKind.LOW_PASS:
         return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)

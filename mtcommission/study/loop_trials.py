@@ -26,7 +26,7 @@ STIFFNESS_EXPONENT = 0.01
 choice; a smooth price, so that a machine that is a little better never gets a loop that is much
 slower)."""
 
-FINALISTS = 2
+FINALISTS = 3
 """Loops that are judged with limits of their own, those first that a first look likes best."""
 
 

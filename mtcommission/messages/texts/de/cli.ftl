@@ -67,4 +67,8 @@ simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürz
 option-jerk-needed = die Steuerung begrenzt den Ruck, der zu prüfende Grenzwert ist also nötig, z. B. --jerk 100m/s^3
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
 simulated-with-loop = Simuliert mit Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. Was das Profil offen lässt, wurde für diese Bewegungen abgestimmt, hier wie bei run; wo run nach anderen Größen oder Filtern gefragt wurde, dessen Verstärkungen in [control] angeben.
+simulated-with-filters = Filter im { $axis ->
+    [rotary] Momentensollwert
+   *[linear] Kraftsollwert
+} darin: { $filters }.
 simulated-without-loop = Simuliert mit einem Motor, der dem Sollwert folgt: kein Regelkreis wurde abgestimmt.

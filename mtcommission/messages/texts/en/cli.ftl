@@ -71,4 +71,8 @@ simulated-ramp-of-a-cycle = The ramp a/j = { TIME($ramp, digits: 3) } is shorter
 option-jerk-needed = the control limits the jerk, so the limit to be tried is needed, e.g. --jerk 100m/s^3
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
 simulated-with-loop = Simulated with Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. What the profile leaves out was tuned for these moves, here and in run alike; where run was asked for other sizes or filters, state its gains in [control].
+simulated-with-filters = Filters of the set { $axis ->
+    [rotary] torque
+   *[linear] force
+} in it: { $filters }.
 simulated-without-loop = Simulated with a motor that follows its setpoint: no loop was tuned.
