@@ -149,7 +149,6 @@ class BehindFilter:
 
     bench: Bench
     item: SetpointFilter | None
-    swing: list[float] = field(default_factory=list)  # most force per acceleration seen so far [kg]
     pointed: dict[type[Move], tuple[Array, Array]] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], tuple[Array, Array]] = field(default_factory=dict)
 
@@ -265,21 +264,19 @@ class Use:
     def of_rest(self, a: float) -> float:
         """Return the largest share of force, peaks, contour and RMS force in some sizes [-].
 
-        Or that of one of them beyond 1.
+        Or that of the RMS force alone, where that is too much.
         """
         bench, item = self.bench, self.behind.item
         used = rms_share(bench.machine, item, a, self.t_j)
         is_alone = len(bench.bounds) == 1 and not isfinite(bench.contour)
-        # Far from the limit nothing need be looked at: force follows acceleration, but for a swing.
-        swings = self.behind.swing and self.behind.swing[0] * SAFE * a >= bench.bounds[0]
-        if used > 1.0 or (is_alone and self.behind.swing and not swings):
+        # Far from the limit the force need not be looked at: no loop swings that far.
+        rigid = heaviest(bench.machine) * a
+        if used > BROKEN or (is_alone and SAFE * rigid < bench.bounds[0]):
             return used
         for move in bench.machine.moves:
             shares = np.array(SIZES) if bench.every_size else np.ones(1)
             peaks = self.behind.peaks(self._sizes(move, shares, a))
             used = max(used, float((peaks / bench.bounds).max()))
-            if _just_reached(move, a, self.t_j) <= size_of(move):
-                self.behind.swing[:] = [max([*self.behind.swing, float(peaks[:, 0].max()) / a])]
             if isfinite(bench.contour):
                 slower = slow_to_feed(move, bench.machine.requirements.contour_feed)
                 deviation = self.behind.contour(self._sizes(slower, shares, a))
@@ -305,18 +302,25 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
     return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
 
-SAFE = 1.25
-"""Factor by which a ramp may swing further than those that were looked at [-] (empirical)."""
+BROKEN = 1.01
+"""Share of the RMS force at which nothing else need be looked at [-]."""
+
+SAFE = 2.0
+"""Factor by which a loop may ask for more force than the rigid axis, at most [-] (empirical)."""
 
 RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
 """Sizes of a move at which the RMS force is looked at, as shares of the listed one."""
 
 
+def heaviest(machine: Machine) -> float:
+    """Return the moving mass with the largest payload [kg]."""
+    return moving_mass(machine) + max(machine.requirements.payload)
+
+
 def rms_share(machine: Machine, item: SetpointFilter | None, a: float, t_j: float) -> float:
     """Return the share of the RMS force that the rigid axis uses, heaviest payload [-]."""
     drive, needs, worst = machine.drive, machine.requirements, 0.0
-    heaviest = moving_mass(machine) + max(needs.payload)
-    most = float(np.hypot(heaviest * a, drive.static_load))
+    most = float(np.hypot(heaviest(machine) * a, drive.static_load))
     if not isfinite(drive.continuous_force) or most < drive.continuous_force:
         return 0.0
     for move in machine.moves:

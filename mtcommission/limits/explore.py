@@ -97,7 +97,7 @@ def explore(
             jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
     else:
         own = near.setpoint_filter
-        items = [own, *neighbours(control, own, NEARBY)]
+        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY)]))
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
     begins = [found for item in items if (found := explorer.first_look(item, jerk_times))]

@@ -145,11 +145,13 @@ def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
     looked.sort(key=lambda item: item[0])
     trials: list[LoopTrial] = []
     for _, proposal in looked[:FINALISTS]:
+        first = trials[0].choice if trials else None
+        near = first.limits if first and first.meets_requirements else None
         trials.append(
             LoopTrial(
                 shape=proposal.shape,
                 tuned=proposal.tuned,
-                choice=choose_limits(machine, plant, proposal.tuned),
+                choice=choose_limits(machine, plant, proposal.tuned, near=near),
                 is_classic=proposal.tuned is proposals.classic,
             )
         )
