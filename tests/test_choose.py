@@ -174,7 +174,7 @@ def test_search_and_verdict_compute_the_same(name: str, resolution: float) -> No
         contour_feed=0.05,
     )
     # What saturates moves otherwise than the search knows; there is force enough here.
-    drive = replace(machine.drive, max_force=5e3, continuous_force=900.0, static_load=-200.0)
+    drive = replace(machine.drive, max_force=5e3, continuous_force=400.0, static_load=-200.0)
     machine = replace(machine, drive=replace(drive, encoder_resolution=resolution))
     plant, tuned = build_plant(machine), tune_loop(machine)
     bench, item = build_bench(machine, plant, tuned), machine.control.setpoint_filter

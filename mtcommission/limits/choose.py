@@ -19,6 +19,7 @@ from mtcommission.limits.digits import limits_about, round_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
+from mtcommission.loop.simulation_budget import longest_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve, moving_mass
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
@@ -130,6 +131,7 @@ def choose_limits(
     else:
         a = 1e-3 * machine.drive.motion_force / moving_mass(machine)
         limits = round_limits(machine, a, 0.1, digits=DIGITS)
+        require_affordable_limits(machine, limits)
         typed = Typed(limits=limits, sizes=None)
     return _judged(machine, machine, plant, tuned, typed, largest_jerk)
 
@@ -164,11 +166,14 @@ def find_typed(
     is_known = near is not None
     refined = FEW if is_known else REFINED
     found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
+    longest = longest_affordable(machine)
     best: tuple[float, Typed] | None = None
     for item in found[: FEW if is_known else MOST_TYPED]:
         if best is not None and item.duration >= best[0]:
             continue
-        typed = _type(machine, plant, tuned, item, largest_jerk)
+        typed = (
+            _type(machine, plant, tuned, item, largest_jerk) if item.duration < longest else None
+        )
         if typed is None:
             continue
         duration = _duration(machine, typed.limits)

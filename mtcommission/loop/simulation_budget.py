@@ -27,7 +27,7 @@ DEAR_CYCLES = 2 * SHIPPED_CYCLES
 """From here on a run says beforehand that it will take long."""
 
 MOST_SLOW_CYCLES = 2_000_000
-"""The same with the slowest limits that are judged, those of the commissioning rule."""
+"""The same with the slowest limits that are judged."""
 
 
 def longest_affordable(machine: Machine) -> float:
@@ -130,7 +130,7 @@ def require_affordable_limits(machine: Machine, limits: MotionLimits) -> None:
     machine
         Nominal.
     limits
-        The slowest that will be judged: what the commissioning rule asks for.
+        The slowest that will be judged.
     """
     require_few_cycles(
         machine,
