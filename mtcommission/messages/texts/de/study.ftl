@@ -109,15 +109,15 @@ change-lag = { $axis ->
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
-change-stiffer = Steifigkeit { SHARE($share) } höher, alle Eigenformen
+change-stiffer = Alle Eigenformen { SHARE($share) } steifer
 change-lighter = { $axis ->
     [rotary] Bewegte Trägheit { SHARE($share) } kleiner
    *[linear] Bewegte Masse { SHARE($share) } kleiner
 }
 change-state-feedback = Zustandsregelung mit Beobachter
 change-robust-force = { $axis ->
-    [rotary] Drehmomentverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
-   *[linear] Kraftverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
+    [rotary] Drehmomentverlauf für die ganze Streuung statt Beschleunigung und Ruck
+   *[linear] Kraftverlauf für die ganze Streuung statt Beschleunigung und Ruck
 }
 change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein
