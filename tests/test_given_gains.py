@@ -20,6 +20,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.loop_trials import LoopChoice
@@ -253,3 +254,54 @@ def test_a_loop_that_is_stable_a_decade_softer_is_found() -> None:
     tuned = tune_loop(machine)
     assert has_all_margins(tuned)
     assert tuned.controller.velocity_gain < 0.01 * symmetrical_optimum(machine)
+
+
+HELD_BY_A_NOTCH = """
+schema = 1
+machine = { name = "Two modes", axis = "X", source = "test" }
+drive = { max_force = "25 kN", force_lag = "2 ms" }
+moves = [{ distance = "50 mm", max_velocity = "30 m/min" }]
+requirements = { tcp_deviation = "20 um", frequency_spread = "5 %", damping_spread = "30 %" }
+
+[plant]
+kind = "modal"
+moving_mass = 2893.03
+
+[[plant.modes]]
+name = "drive"
+frequency = "162.79 Hz"
+damping_ratio = 0.0814
+tcp_gain = -1.037e-3
+measured_gain = 1.0993e-3
+
+[[plant.modes]]
+name = "frame"
+frequency = "180 Hz"
+damping_ratio = 0.03
+tcp_gain = 1.037e-3
+measured_gain = 1.0993e-3
+
+[control]
+kind = "sinumerik"
+position_loop = "drive"
+position_cycle = "2 ms"
+velocity_cycle = "125 us"
+position_gain = 44.9637
+velocity_gain = 1.04065e6
+integral_time = "31.4524 ms"
+force_filters = [
+  { kind = "notch", frequency = "162.785 Hz", damping = 0.15, width = 0.5 },
+]
+"""
+
+
+def test_gains_that_hold_only_with_their_filter_are_taken() -> None:
+    """Gains and notch of a run, unstable without the notch: its sheet had no values to type in."""
+    machine = parse_profile(HELD_BY_A_NOTCH, where="test")
+    bare = replace(machine, control=replace(machine.control, force_filters=()))
+    with pytest.raises(ComputationError) as end:
+        tune_loop(bare)
+    assert end.value.outcome is Outcome.UNSTABLE_LOOP
+    tuned = tune_loop(machine)
+    assert tuned.controller.velocity_gain == 1.04065e6
+    assert has_all_margins(tuned)

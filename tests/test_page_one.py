@@ -264,7 +264,9 @@ def test_an_axis_that_the_control_cannot_name_gets_neutral_words_and_the_reason(
 
 def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
     record = example_record()
-    assert "No values to type in here: " in print_html(to_entry(record, Record))
+    printed = print_html(to_entry(record, Record))
+    assert "No values to type in here: " in printed
+    assert "Requirements met, BUT INCOMPLETE" in printed
 
 
 def test_a_printer_gets_no_more_than_a_practical_ceiling_and_is_told() -> None:

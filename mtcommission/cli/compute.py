@@ -74,7 +74,7 @@ def run(
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         typed = type_in(record)
-        notes = () if isinstance(typed, Message) else typed.doubts
+        notes = (Message("entry-none", why=typed),) if isinstance(typed, Message) else typed.doubts
         files = {
             "record.json": dump_json(record).encode(),
             "sheet.html": print_html(record, language=language, typed=typed).encode(),

@@ -46,7 +46,7 @@ def list_doubts(found: Identified) -> tuple[Message, ...]:
     masses = [state.moving_mass.value for state in found.states if state.moving_mass]
     if masses and max(masses) > (1.0 + MASS_TOLERANCE) * min(masses):
         doubts.append(Message("identify-mass-by-state", low=min(masses), high=max(masses)))
-    if not found.modes:
+    if not found.modes and (found.moving_mass or found.is_base_excited):
         doubts.append(Message("identify-no-mode"))
     if found.moving_mass is None:
         has_force = not found.is_base_excited

@@ -100,7 +100,8 @@ def headline_as_typed(record: Record, typed: Export | Message, words: Catalogue)
     """Return the verdict with what the export finds of its own numbers: it speaks as one."""
     told = headline(record, words)
     if isinstance(typed, Message):
-        return told
+        incomplete = words.text("verdict-incomplete")
+        return replace(told, is_met=False, verdict=incomplete) if told.is_met else told
     is_missed = told.is_met and not typed.is_met
     added = (*([typed.judgement] if is_missed else []), *typed.doubts)
     said = [told.detail, *map(words.say, added)]

@@ -68,7 +68,9 @@ def facts(part: IdentifiedPart, words: Catalogue) -> tuple[tuple[str, str, str],
     if part.band_hz:
         low, high = part.band_hz
         value = say("identify-band-from-to", low=low, high=high)
-        rows.append((say("identify-band"), value, say("identify-band-meaning")))
+        is_given = any(one.kind == "identify-band-given" for one in part.warnings)
+        why = say("identify-band-asked" if is_given else "identify-band-meaning")
+        rows.append((say("identify-band"), value, why))
     if part.misfit is not None:
         value = words.format.number(part.misfit, digits=3)
         rows.append((say("identify-misfit"), value, say("identify-misfit-meaning")))

@@ -354,7 +354,8 @@ def find_variances(
     bases = _solve_all(responses, fit.poles)
     square, _ = _normal(responses, fit.poles, bases)
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
-    related = np.nan_to_num(square / np.outer(scale, scale))
+    with np.errstate(over="ignore"):  # a pole that no line sees
+        related = np.nan_to_num(square / np.outer(scale, scale))
     inverse = np.linalg.pinv(related, rcond=1e-13, hermitian=True)
     poles = inverse / np.outer(scale, scale)
     owns = [_own(place, n, count) for place in range(n)]

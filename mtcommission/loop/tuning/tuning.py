@@ -5,6 +5,7 @@ It knows nothing of the moves; which loop serves them best is ``study.loop_choic
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
 from mtcommission.errors import ComputationError, Outcome
@@ -132,8 +133,9 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
         control = replace(
             machine.control, force_filters=(), state_feedback=StateFeedback.OFF, state_gains=()
         )
-        without = tune_loop(replace(machine, control=control), settings=family.settings)
-        warnings += warn_of_filters(tuned, without)
+        with suppress(ComputationError):  # given gains that are unstable without them need them
+            without = tune_loop(replace(machine, control=control), settings=family.settings)
+            warnings += warn_of_filters(tuned, without)
     return replace(tuned, remarks=remarks, warnings=tuple(warnings))
 
 

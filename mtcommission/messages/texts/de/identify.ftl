@@ -157,6 +157,7 @@ identify-delay-meaning = { $axis ->
 identify-lag = Verzögerung erster Ordnung
 identify-lag-meaning = neben der Totzeit: Stromregler oder Filter des Sensors
 identify-mass-meaning = aus dem starren Körper am unteren Ende des Bereichs
+identify-band-asked = wie --band verlangt
 identify-band-meaning = nach Kohärenz und Abweichung
 identify-caption-modes = Eigenformen über alle Zustände, ± zwei Standardabweichungen
 identify-caption-states = Eigenformen in jedem Zustand

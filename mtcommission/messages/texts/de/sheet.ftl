@@ -597,11 +597,11 @@ compared-with-other-motion = die Achse ist { $got ->
 
 ## What would bring more
 
-improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigste Ecke, mit einer Änderung
+improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigster Eckfall, mit einer Änderung
 # $loop: none where the motor follows its setpoint
 improvements-note = Alles gerechnet: { $loop ->
     [none] Grenzwerte mit der gröberen Suche.
-   *[other] Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte mit der gröberen Suche.
+   *[other] Kp neu eingestellt (Kv und Tn im alten Verhältnis), Grenzwerte gröber gesucht.
 } Änderungen addieren sich nicht.
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung

@@ -25,9 +25,9 @@ with-state-feedback = mit Zustandsrückführung
 without-state-feedback = ohne Zustandsrückführung
 loop-in-use = der verwendete Regelkreis
 time-value = { TIME($time) }
-state-feedback-chosen = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird verwendet.
-state-feedback-left-out = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird weggelassen.
-state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
+state-feedback-chosen = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird verwendet.
+state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird weggelassen.
+state-feedback-stiffness = Mit Zustandsrückführung ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
 state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (grobe Suche), mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen eine bleibende Kraft, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
 loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
@@ -109,15 +109,15 @@ change-lag = { $axis ->
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
-change-stiffer = Steifigkeit { SHARE($share) } höher, alle Eigenformen
+change-stiffer = Alle Eigenformen { SHARE($share) } steifer
 change-lighter = { $axis ->
     [rotary] Bewegte Trägheit { SHARE($share) } kleiner
    *[linear] Bewegte Masse { SHARE($share) } kleiner
 }
 change-state-feedback = Zustandsregelung mit Beobachter
 change-robust-force = { $axis ->
-    [rotary] Drehmomentverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
-   *[linear] Kraftverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
+    [rotary] Drehmomentverlauf für die ganze Streuung statt Beschleunigung und Ruck
+   *[linear] Kraftverlauf für die ganze Streuung statt Beschleunigung und Ruck
 }
 change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein

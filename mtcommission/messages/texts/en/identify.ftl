@@ -157,6 +157,7 @@ identify-delay-meaning = from { $axis ->
 identify-lag = Lag
 identify-lag-meaning = first order, beside the delay: the current loop, or a filter of the sensor
 identify-mass-meaning = from the rigid body at the low end of the band
+identify-band-asked = as --band asks
 identify-band-meaning = by coherence and misfit
 identify-caption-modes = Modes over all states, ± two standard errors
 identify-caption-states = Modes in each state
