@@ -80,8 +80,7 @@ def test_least_acceleration_without_a_jerk_limit() -> None:
     machine = asked(band=1e-9)
     machine = replace(machine, control=replace(machine.control, kind=KINDS["klipper"]))
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned)
-    found = find_least_residual(machine, plant, tuned, choice)
+    found = find_least_residual(machine, plant, tuned)
     assert found is not None
     assert found.limits == without_jerk_limit(machine, found.limits.acceleration)
 
@@ -118,8 +117,7 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     """If it failed, "what could be met" would be far from the best that can be had."""
     machine = asked(band=1e-9)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned)
-    found = find_least_residual(machine, plant, tuned, choice)
+    found = find_least_residual(machine, plant, tuned)
     assert found is not None
     assert found.unit == "m"
     candidate = evaluate(machine, plant, tuned, found.limits)

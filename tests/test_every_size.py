@@ -22,7 +22,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import SMALLEST, lay_sizes, plan_sizes, size_of
-from mtcommission.verdict.every_size import SizeCheck, judge_every_size
+from mtcommission.verdict.every_size import COARSE, SizeCheck, judge_every_size
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
@@ -82,8 +82,13 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     machine = MACHINES[name]
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=60.0, setpoint_filter=FILTERS[filter_name])
-    checks = judge_every_size(machine, build_plant(machine), tuned, limits)
-    found = check_of(checks, RESIDUAL_DEVIATION)
+    plant = build_plant(machine)
+    seen = check_of(judge_every_size(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    # Near its band a residual is known closely; far above it need not be.
+    needs = replace(machine.requirements, tcp_deviation=seen.value)
+    machine = replace(machine, requirements=needs)
+    found = check_of(judge_every_size(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    assert found.value == pytest.approx(seen.value, rel=COARSE)
     listed = size_of(machine.moves[0])
     generator = np.random.default_rng(len(name) + len(filter_name))
     sizes = listed * SMALLEST ** generator.uniform(0.0, 1.0, 40)

@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite, sqrt
-
-import numpy as np
+from typing import TypeVar
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -27,12 +26,10 @@ from mtcommission.machine.requirement import (
     peak_of,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import jerk_steps
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
-CANDIDATES = 12
-"""Limits with the least residual of the landscape that are simulated, until one keeps the rest."""
+T = TypeVar("T")
 
 HALVINGS = 5
 """Of the range between the bound asked for and the one that is surely met, logarithmic."""
@@ -82,7 +79,7 @@ def find_attainable(
     machine, plant, tuned
         Nominal machine, its plant and its loop.
     choice
-        The search that met not all requirements; its landscape is used.
+        The search that met not all requirements.
 
     Returns
     -------
@@ -91,7 +88,7 @@ def find_attainable(
         give way together. Empty if not even that helps: then the force itself does not suffice.
     """
     machine = _without_reserve(machine)
-    residual = find_least_residual(machine, plant, tuned, choice)
+    residual = find_least_residual(machine, plant, tuned)
     found = [] if residual is None else [residual]
     for relaxation in _relaxations(machine):
         attained = _relax(machine, plant, tuned, relaxation, known=choice.limits)
@@ -100,53 +97,38 @@ def find_attainable(
     return tuple(found) or _find_together(machine, plant, tuned)
 
 
-def find_least_residual(
-    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
-) -> Attainable | None:
-    """Return the least residual deviation of the landscape whose limits keep all the rest.
+def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Attainable | None:
+    """Return the least band that some limits keep with all the rest; None if none is found [m].
 
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    choice
-        Its landscape is used.
-
-    Returns
-    -------
-    Attainable or None
-        None if no limits keep the other requirements, whatever the band.
+    The wider the band, the sooner the search's limits settle: the least is found by halving.
     """
-    best: Attainable | None = None
-    for limits in _calmest(machine, tuned, choice):
-        candidate = evaluate(machine, plant, tuned, limits)
-        band = EASED * candidate.residual_deviation
-        if not isfinite(band) or (best is not None and band >= best.value):
-            continue
-        eased = evaluate(_with_band(machine, band), plant, tuned, limits)
-        if eased.assessment.is_met:
-            best = _attained(candidate, RESIDUAL_DEVIATION)
+    band = _band_relaxation(machine)
+
+    def search(factor: float) -> Attainable | None:
+        eased = _eased(machine, [band], factor)
+        candidate = evaluate(eased, plant, tuned, choose_limits(eased, plant, tuned).limits)
+        if not candidate.assessment.is_met:
+            return None
+        found = replace(_attained(candidate, RESIDUAL_DEVIATION), limit=band.bound)
+        # In a narrower band the same motion settles later: perhaps too late.
+        left = evaluate(_with_band(machine, EASED * found.value), plant, tuned, found.limits)
+        wide = candidate.assessment.check_of(RESIDUAL_DEVIATION).limit
+        return found if left.assessment.is_met else replace(found, value=wide)
+
+    return _least(search)
+
+
+def _least(search: Callable[[float], T | None]) -> T | None:
+    """What is found with the least factor that helps, to within 12 %; None if none does."""
+    low, high, best = 1.0, LARGEST_FACTOR, search(LARGEST_FACTOR)
+    for _ in range(COMMON_HALVINGS if best is not None else 0):
+        factor = sqrt(low * high)
+        found = search(factor)
+        if found is None:
+            low = factor
+        else:
+            high, best = factor, found
     return best
-
-
-def _calmest(machine: Machine, tuned: TunedLoop, choice: Choice) -> Iterator[MotionLimits]:
-    """Limits of the landscape with the least residual that seem to keep the rest."""
-    seen = choice.landscape
-    if not machine.control.kind.has_jerk_limit:
-        yield from (without_jerk_limit(machine, _rounded(a)) for a in seen.acceleration[::4])
-        return
-    a, t_j = (
-        axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
-    )
-    ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
-    earliest = np.max(ends, axis=0) + (
-        given.duration if (given := machine.control.setpoint_filter) else 0.0
-    )
-    earliest += tuned.controller.reference_delay
-    possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
-    residual = np.where(possible, seen.residual_deviation.ravel(), inf)
-    for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
-        yield MotionLimits(acceleration=_rounded(a[i]), jerk=_rounded(a[i] / t_j[i]))
 
 
 def _without_reserve(machine: Machine) -> Machine:
@@ -282,14 +264,7 @@ def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[At
         candidate = search(fewer, LARGEST_FACTOR) if fewer else None
         if candidate is not None:
             wanted, best = fewer, candidate
-    low, high = 1.0, LARGEST_FACTOR
-    for _ in range(COMMON_HALVINGS):
-        factor = sqrt(low * high)
-        candidate = search(wanted, factor)
-        if candidate is None:
-            low = factor
-        else:
-            high, best = factor, candidate
+    best = _least(partial(search, wanted)) or best
     return tuple(
         replace(
             _attained(best, item.requirement),
@@ -326,8 +301,3 @@ def _attained(candidate: Candidate, requirement: Requirement) -> Attainable:
         unit=check.unit,
         limits=candidate.limits,
     )
-
-
-def _rounded(value: float) -> float:
-    """Rounded to the control's resolution."""
-    return float(f"{value:.3g}")

@@ -128,5 +128,5 @@ def _find_mode(
             bound_by = Message("bound-by-less-jerk-meets-nothing", jerk=largest_jerk)
     attainable = None
     if not chosen.meets_requirements:
-        attainable = find_least_residual(machine, plant, tuned, chosen)
+        attainable = find_least_residual(machine, plant, tuned)
     return ModeLimits(name=name, band=band, choice=chosen, bound_by=bound_by, attainable=attainable)
