@@ -107,7 +107,7 @@ def choose(machine: Machine) -> LoopChoice:
 
 def test_filters_are_suggested_and_used_only_where_asked_for() -> None:
     """A filter that nobody typed in would make the sheet's loop another than the machine's."""
-    suggested = choose(ball_screw())
+    suggested = choose(ball_screw(seeks_force_filters=False))
     assert suggested.tuned.controller.force_filters == ()
     (remark,) = (item for item in suggested.remarks if item.kind == "loop-filters-suggested")
     assert "notch at 1" in Catalogue().say(remark)

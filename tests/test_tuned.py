@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
@@ -31,6 +30,7 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
     has_margins,
     scan_corners,
+    seems_within_margins,
 )
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
@@ -75,18 +75,11 @@ def test_quick_verdict_is_that_of_the_whole_loop() -> None:
     for machine in machines():
         bench = corner_plants(machine)
         ladder = list(tries(machine, bench))
-        answers = scan_corners(bench, ladder[0])
+        scanned = scan_corners(bench, ladder[0])
         for controller in ladder:
-            quick = close_within_margins(bench, controller, answers, settings=SETTINGS)
-            whole = close_loop(bench, controller)
-            expected = all(has_margins(item, settings=SETTINGS) for item in whole.analyses)
-            assert (quick is not None) is expected
+            expected = close_within_margins(bench, controller, settings=SETTINGS) is not None
+            assert seems_within_margins(controller, scanned, settings=SETTINGS) is expected
             kept, refused = kept + expected, refused + (not expected)
-            if quick is None:
-                continue
-            for one, other in zip(quick.responses, whole.responses, strict=True):
-                np.testing.assert_allclose(one.open_loop, other.open_loop, rtol=1e-9)
-                np.testing.assert_allclose(one.compliance, other.compliance, rtol=1e-9)
     assert kept > 10
     assert refused > 10
 

@@ -375,7 +375,6 @@ def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> 
     found = propose_cascades(cascade_family(read_profile(path), WANTED))
     assert found.classic is not None
     assert found.loops[0].tuned is found.classic
-    assert len(found.loops) > 1
     for proposal in found.loops:
         assert_tuned(proposal.tuned)
         assert proposal.tuned.least_stiffness >= found.classic.least_stiffness

@@ -1,7 +1,7 @@
 tcp-height-assumed = tcp_height: das Werkzeug steht { $side ->
     [above] über
    *[below] unter
-} dem Drehgelenk, bei x_s - x_b + h φ; der Artikel nennt h ohne Gleichung und Vorzeichen.
+} dem Drehgelenk, bei x_s - x_b + h φ; der Artikel nennt h ohne Gleichung und Vorzeichen
 
 damping-ratio-beyond-one = { PLAIN($got, digits: 6) } angegeben, muss >= 0 und < 1 sein
 modes-at-one-frequency = Eigenformen { $one } und { $other } bei { PLAIN($frequency, digits: 6) } Hz
