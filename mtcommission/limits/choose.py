@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from math import inf, isfinite
+from math import inf, isfinite, log
 
 import numpy as np
 
@@ -44,6 +44,9 @@ FEW = 1
 
 JUST_LESS = 0.9995
 """What the next limits use of what is allowed, if all is in proportion."""
+
+LEAST_GROWTH = 0.2
+"""Power of the acceleration with which what is used grows, at least, when it is scaled [-]."""
 
 MOST_RAISED, NOTICEABLE = 2, 0.9995
 """Faster limits that are judged last, the fastest first; and what is not worth it [-]."""
@@ -188,12 +191,17 @@ def _type(
     """The nearest limits that can be typed in and hold; None where that does not end."""
     (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
     largest = machine.drive.motion_force / moving_mass(machine)
+    grows, before = 1.0, (inf, inf)
     for _ in range(MOST_SCALED):
         limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
         used, sizes = _use_of_bounds(machine, plant, tuned, limits)
         if used <= 1.0:
             break
-        a = min(limits.acceleration / used * JUST_LESS, a * JUST_LESS)
+        now = (log(limits.acceleration), log(used))
+        if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
+            grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
+        before = now
+        a = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
     else:
         return None
     best, scaled = Typed(limits=limits, sizes=sizes), min(limits.acceleration / used, largest)
