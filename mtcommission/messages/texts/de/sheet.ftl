@@ -600,8 +600,8 @@ compared-with-other-motion = die Achse ist { $got ->
 improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigster Eckfall, mit einer Änderung
 # $loop: none where the motor follows its setpoint
 improvements-note = Alles gerechnet: { $loop ->
-    [none] Grenzwerte mit der gröberen Suche.
-   *[other] Kp neu eingestellt (Kv und Tn im alten Verhältnis), Grenzwerte gröber gesucht.
+    [none] Grenzwerte für jede gewählt.
+   *[other] Kp neu eingestellt (Kv und Tn im alten Verhältnis), Grenzwerte für jede gewählt.
 } Änderungen addieren sich nicht.
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung

@@ -591,8 +591,8 @@ compared-with-other-motion = got a { $got } axis, must be { $wanted } like the r
 improvements-caption = What would bring more: slowest move, worst corner, with one thing changed
 # $loop: none where the motor follows its setpoint
 improvements-note = Each computed: { $loop ->
-    [none] limits by the coarser search.
-   *[other] loop tuned again (same ratios of Kv and Tn to Kp), limits by the coarser search.
+    [none] limits chosen for each.
+   *[other] loop tuned again (same ratios of Kv and Tn to Kp), limits chosen for each.
 } Changes do not add up.
 improvements-none = Less or nothing is gained by: { $changes }.
 improvement = Change
