@@ -22,10 +22,11 @@ from mtcommission.record.files import dump_json
 from mtcommission.record.read_back import read_filter
 from mtcommission.record.schema.record import Profile, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verify.checks import Check, Verdict
+from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.columns import Axis
 from mtcommission.verify.entry import verification_entry
 from mtcommission.verify.prediction import Rebuilt, rebuild
+from mtcommission.verify.promises import check_recorded
 from mtcommission.verify.read import read_trace
 from mtcommission.verify.refine import refine
 from mtcommission.verify.renew import renew_profile
@@ -182,6 +183,39 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
     assert found.verdict is Verdict.UNKNOWN
     residual = find(found, "move 1: residual deviation")
     assert residual.reason.kind == "verify-encoder-only"
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.9, Verdict.FAILS), (0.99, Verdict.UNKNOWN)])
+def test_an_rms_force_over_a_shorter_time_than_its_limit_never_simply_holds(
+    share: float, verdict: Verdict, tmp_path: Path
+) -> None:
+    """A dwell that ends early: above the limit in any case, or named in the headline."""
+    rebuilt = rebuilt_of(GANTRY)
+    how = Spoilt(dwell=0.19)
+    whole = verified(GANTRY, tmp_path, how)
+    measured = find(whole, "move 1: RMS force").measured
+    drive = replace(rebuilt.machine.drive, continuous_force=share * measured)
+    limited = replace(rebuilt, machine=replace(rebuilt.machine, drive=drive))
+    rows = check_recorded(limited, whole.record, limits_of(whole.record), whole.recorded[0])
+    rms = next(row for row in rows if row.key == "RMS force")
+    assert rms.decides
+    assert rms.verdict is verdict
+    assert judge_all(rows) is verdict
+    if verdict is Verdict.UNKNOWN:
+        assert rms.reason.kind == "verify-dwell-not-recorded"
+        assert rms.reason.values["got"] < rms.reason.values["needed"]
+        found = replace(whole, checks=rows, verdict=judge_all(rows))
+        for language, start in (("en", "cannot be told: "), ("de", "nicht zu entscheiden: ")):
+            said = Catalogue(language, rotary=False).say(found.headline)
+            assert "RMS" in said.split(start)[1] or "Effektiv" in said.split(start)[1]
+
+
+def test_without_the_force_its_limits_are_named_as_what_cannot_be_told(tmp_path: Path) -> None:
+    found = verified(GANTRY, tmp_path, Spoilt(setpoint_grain=1e-10), only=("encoder", "tcp"))
+    assert found.verdict is Verdict.UNKNOWN
+    said = words_of(found).say(found.headline)
+    assert said.startswith("What can be judged holds; cannot be told: ")
+    assert "largest force, RMS force" in said
 
 
 def test_a_position_that_comes_late_is_a_finding_beyond_a_cycle(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ class Check:
     verdict, reason
         And why.
     decides
-        Whether the whole verdict is "cannot tell" where this one is.
+        Whether it is a requirement: the whole verdict is "cannot tell" where this one is.
     """
 
     key: str
@@ -63,6 +63,12 @@ class Check:
         """Name in JSON."""
         parts = [f"move {self.move}"] if self.move else []
         return ": ".join([*parts, *([self.mode] if self.mode else []), self.key])
+
+
+def what_of(check: Check) -> Message:
+    """Return what was checked, of whichever move."""
+    what = Message(f"verify-{check.key.lower().replace(' ', '-')}")
+    return Message("of-mode", name=what, mode=check.mode) if check.mode else what
 
 
 def at_most(

@@ -116,7 +116,7 @@ def _position_checks(rebuilt: Rebuilt, record: Record, recorded: Recorded) -> li
     peak_verdict = at_most(peak, noise, bound, slack=slack)
     checks.append(
         _row("peak deviation", recorded, spread[2], peak, limit, unit, noise,
-             _reason(peak_verdict), verdict=peak_verdict)
+             _reason(peak_verdict), verdict=peak_verdict, decides=limit is not None)
     )  # fmt: skip
     if tool is None:
         checks[-1] = _unknown(
@@ -237,13 +237,15 @@ def _doubted(check: Check, doubt: Message, one: Beside, band: float) -> Check:
 def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     """Largest and RMS force."""
     drive, unit = rebuilt.machine.drive, rebuilt.machine.axis_units.force.si
+    shows_force = not drive.follows  # a motor that follows has no force anybody could record
     one, motion = recorded.find(Role.FORCE), recorded.motion
     if one is None:
-        reason = Message("verify-no-force")
+        reason, limit = Message("verify-no-force"), _finite(drive.continuous_force)
         return [
-            _row("max force", recorded, None, None, drive.max_force, unit, None, reason),
-            _row("RMS force", recorded, None, None, _finite(drive.continuous_force), unit, None,
-                 reason),
+            _row("max force", recorded, None, None, drive.max_force, unit, None, reason,
+                 decides=shows_force),
+            _row("RMS force", recorded, None, None, limit, unit, None, reason,
+                 decides=shows_force and limit is not None),
         ]  # fmt: skip
     load = abs(drive.static_load)
     moving = one.after(motion.begin)
@@ -252,7 +254,7 @@ def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     verdict = at_most(value, one.noise, drive.max_force)
     checks = [
         _row("max force", recorded, largest, value, drive.max_force, unit, one.noise,
-             _reason(verdict), verdict=verdict)
+             _reason(verdict), verdict=verdict, decides=True)
     ]  # fmt: skip
     dwell = rebuilt.machine.moves[recorded.number - 1].dwell if recorded.number else 0.0
     stop = motion.end + dwell
@@ -266,11 +268,18 @@ def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     reason = _reason(verdict)
     if not recorded.number:
         verdict, reason = Verdict.UNKNOWN, Message("verify-other-move")
-    elif stop > motion.until + 1e-9:
-        verdict, reason = Verdict.UNKNOWN, Message("verify-dwell-not-recorded", dwell=dwell)
+    elif stop > motion.until + one.step:
+        got, needed = motion.until - motion.begin, stop - motion.begin
+        # Even without any force in what was not recorded, the mean over all of it is this large.
+        if (measured - error) * sqrt(got / needed) > bound:
+            verdict, reason = Verdict.FAILS, Message("verify-missed")
+        else:
+            verdict = Verdict.UNKNOWN
+            reason = Message("verify-dwell-not-recorded", got=got, needed=needed)
     checks.append(
-        _row("RMS force", recorded, rms, measured, limit, unit, error, reason, verdict=verdict)
-    )
+        _row("RMS force", recorded, rms, measured, limit, unit, error, reason, verdict=verdict,
+             decides=limit is not None)
+    )  # fmt: skip
     return checks
 
 
@@ -316,8 +325,11 @@ def _mode_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
             verdict, reason = Verdict.UNKNOWN, Message("verify-mode-not-seen")
             if seen is not None and key == "frequency":
                 measured = seen.frequency_hz
-                error = 2.0 * seen.frequency_sigma_hz + FREQUENCY_ERROR * measured
-                verdict = within(measured, error, low - error, high + error)
+                slack = FREQUENCY_ERROR * measured
+                error = 2.0 * seen.frequency_sigma_hz + slack
+                verdict = within(measured, error, low, high)
+                if low - slack <= measured <= high + slack:
+                    verdict = Verdict.HOLDS  # what was calculated is not known better than that
                 reason = _reason(verdict)
             elif seen is not None:
                 measured, error = seen.damping_ratio, 2.0 * seen.damping_sigma

@@ -14,7 +14,7 @@ from mtcommission.messages.message import Message
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verify.checks import Check, Verdict, judge_all, worst
+from mtcommission.verify.checks import Check, Verdict, judge_all, what_of, worst
 from mtcommission.verify.motions import Recorded, lay_out
 from mtcommission.verify.planner import number_of
 from mtcommission.verify.prediction import Rebuilt, rebuild
@@ -32,6 +32,9 @@ choice: the columns of a recorder are some samples apart)."""
 FITS_BETTER = 0.5
 """Share of what the prediction left unexplained that a setpoint behind τ leaves at most where only
 a following error was recorded (design choice)."""
+
+NOT_ASKED = ("verify-delay-not-recorded",)
+"""Reasons of what a record of this kind never shows: a warning says it, the headline does not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,11 +78,24 @@ class Verification:
 
     @property
     def headline(self) -> Message:
-        """The verdict in words; what was recorded holds although the rest cannot be told."""
-        if self.verdict is Verdict.UNKNOWN and judge_all(self.checks) is Verdict.HOLDS:
+        """The verdict in words; it names what cannot be told, unless something does not hold."""
+        open_ones = tuple(
+            dict.fromkeys(
+                what_of(check)
+                for check in self.checks
+                if check.verdict is Verdict.UNKNOWN and check.reason.kind not in NOT_ASKED
+            )
+        )
+        if self.verdict is Verdict.FAILS:
+            return Message("verify-verdict-does-not-hold")
+        if self.missing and judge_all(self.checks) is Verdict.HOLDS:
             known = tuple(sorted({one.number for one in self.recorded if one.number}))
             return Message("verify-verdict-in-part", known=known, missing=self.missing)
-        return Message(f"verify-verdict-{self.verdict.value.replace(' ', '-')}")
+        if not open_ones:
+            return Message(f"verify-verdict-{self.verdict.value.replace(' ', '-')}")
+        moved = [one for one in self.checks if one.decides and one.move]
+        some = any(one.verdict is Verdict.HOLDS for one in moved)
+        return Message(f"verify-verdict-{'except' if some else 'nothing'}", what=open_ones)
 
     @property
     def shift(self) -> float | None:
@@ -204,9 +220,8 @@ def _unexplained(recorded: Sequence[Recorded]) -> float | None:
 def _planner_says(check: Check) -> Message:
     above = check.reason.kind == "verify-setpoint-above"
     kind = "verify-planner-exceeds" if above else "verify-planner-below"
-    what = Message("verify-" + check.key.replace(" ", "-"))
     return Message(
-        kind, what=what, measured=check.measured, planned=check.predicted or check.limit,
+        kind, what=what_of(check), measured=check.measured, planned=check.predicted or check.limit,
         unit=check.unit,
     )  # fmt: skip
 

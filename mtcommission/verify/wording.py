@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.units.axis_units import LINEAR, ROTARY
-from mtcommission.verify.checks import Check, Verdict
+from mtcommission.verify.checks import Check, Verdict, what_of
 from mtcommission.verify.new_limits import Limits, NewLimits
 from mtcommission.verify.refine import Parameter, Refined
 
@@ -19,9 +19,7 @@ def say_verdict(verdict: Verdict, words: Catalogue) -> str:
 
 def say_check(check: Check, words: Catalogue) -> str:
     """Return what was checked."""
-    what = words.text(f"verify-{check.key.lower().replace(' ', '-')}")
-    if check.mode:
-        what = words.text("of-mode", name=what, mode=check.mode)
+    what = words.say(what_of(check))
     return f"{words.text('move', number=check.move)}: {what}" if check.move else what
 
 

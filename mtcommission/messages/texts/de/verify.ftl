@@ -9,6 +9,8 @@ verify-verdict-holds = Eingehalten
 verify-verdict-does-not-hold = Nicht eingehalten
 verify-verdict-cannot-tell = Nicht zu entscheiden
 verify-verdict-in-part = Nicht für alle Bewegungen zu entscheiden: Bewegung { $known } eingehalten, Bewegung { $missing } nicht aufgezeichnet
+verify-verdict-except = Was zu beurteilen ist, ist eingehalten; nicht zu entscheiden: { $what }
+verify-verdict-nothing = Nicht zu entscheiden: { $what }
 verify-detail = { $moves ->
     [one] Eine Bewegung
    *[other] { $moves } Bewegungen
@@ -59,7 +61,7 @@ verify-no-force = { $axis ->
     [rotary] Drehmoment
    *[linear] Kraft
 } nicht aufgezeichnet
-verify-dwell-not-recorded = die Bewegung ist nicht samt ihrer Verweilzeit von { TIME($dwell) } aufgezeichnet
+verify-dwell-not-recorded = die Grenze gilt im Mittel über { TIME($needed) }, Bewegung und Verweilzeit; davon sind { TIME($got) } aufgezeichnet
 verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, der deshalb nicht zu sehen ist
 verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
 

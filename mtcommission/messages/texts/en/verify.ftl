@@ -9,6 +9,8 @@ verify-verdict-holds = Holds
 verify-verdict-does-not-hold = Does not hold
 verify-verdict-cannot-tell = Cannot tell
 verify-verdict-in-part = Cannot tell for all moves: move { $known } holds, move { $missing } was not recorded
+verify-verdict-except = What can be judged holds; cannot be told: { $what }
+verify-verdict-nothing = Cannot tell: { $what }
 verify-detail = { $moves ->
     [one] One move
    *[other] { $moves } moves
@@ -59,7 +61,7 @@ verify-no-force = { $axis ->
     [rotary] torque
    *[linear] force
 } was not recorded
-verify-dwell-not-recorded = the whole move with its dwell of { TIME($dwell) } was not recorded
+verify-dwell-not-recorded = the bound is for the mean over { TIME($needed) }, move and dwell; { TIME($got) } of it were recorded
 verify-delay-not-recorded = the setpoint was recorded behind the delay, which is therefore not seen
 verify-mode-not-seen = the mode does not stand out in the dwell
 
