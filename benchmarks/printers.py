@@ -41,6 +41,8 @@ RESERVE = 0.8
 """Share of the band that both may use."""
 LARGEST = 0.95
 """Share of the motor's acceleration that both may use."""
+CEILING = 20.0
+"""What nobody types into Klipper more than (docs/exports.md); both keep to it [m/s²]."""
 TEXTBOOK = ("zv", "mzv", "zvd", "ei")
 BEHIND = 0.02
 """By how much our choice may take longer [-]."""
@@ -181,7 +183,7 @@ def judge(axis: Axis, impulses: Impulses, a: float) -> tuple[float, float]:
 
 def best_of(axis: Axis, impulses: Impulses) -> float:
     """Shortest listed move whose every shorter one stays within the reserve of the band [s]."""
-    tried = np.geomspace(LARGEST * axis.largest, 0.02 * axis.largest, 240)
+    tried = np.geomspace(min(LARGEST * axis.largest, CEILING), 0.02 * axis.largest, 240)
     for a in tried.tolist():
         duration, worst = judge(axis, impulses, a)
         if worst <= RESERVE * axis.band:
@@ -246,7 +248,7 @@ def beside_klipper(seed: int) -> dict[str, object]:
     ours = limits.setpoint_filter
     delays, shares = ours.impulses if ours else ((0.0,), (1.0,))
     copies = shape(theirs.shaper, frequency_hz=theirs.frequency_hz, damping_ratio=0.1)
-    a = min(theirs.max_acceleration, axis.largest)
+    a = min(theirs.max_acceleration, axis.largest, CEILING)
     places = {}
     for off in (0.0, -OFF, OFF):
         modes = [(f * (1.0 + off), zeta, share) for f, zeta, share in axis.modes]

@@ -10,11 +10,13 @@ import configparser
 import json
 import re
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
+import mtcommission
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.export.write import export_own, export_record
@@ -269,26 +271,36 @@ def test_a_record_whose_profile_was_edited_says_why_there_are_no_rows() -> None:
     assert "Requirements met, BUT INCOMPLETE" in printed
 
 
-def test_a_printer_gets_no_more_than_a_practical_ceiling_and_is_told() -> None:
-    """The axis of the model would take 50 m/s²: nobody types that."""
-    swift = {"acceleration": 50.3, "jerk": 2e5, "jerk_time": 2.5e-4}
-    shaper = average(0.0) | {
-        "kind": "zvd",
-        "time": 0.0,
-        "frequency_hz": 48.0,
-        "damping_ratio": 0.05,
-    }
-    record = _record(BELT, "klipper", **swift, setpoint_filter=shaper)
-    head, _ = _page_one(record)
-    assert _rows(record, "en")["[printer] max_accel"][0] == "20000\u202fmm/s²"
+@pytest.mark.parametrize("kind", ["klipper", "marlin"])
+def test_a_printer_has_one_acceleration_in_record_page_and_file(kind: str, tmp_path: Path) -> None:
+    """The axis of the model would take 50 m/s²: nobody types that, and nothing may promise it."""
+    path = tmp_path / "belt.toml"
+    path.write_text(BELT.replace("KIND", kind), "utf-8")
+    record = mtcommission.make_record(mtcommission.run(path))
+    best, export, words = record.limits.recommended, export_own(record), Catalogue()
+    name = {"klipper": "max_accel", "marlin": "M201 Y"}[kind]
+    typed = next(float(one.value) for one in export.entries if one.row.name == name)
+    assert best.acceleration == pytest.approx(1e-3 * typed)
+    assert best.acceleration <= 20.0
+    assert export.verdict.settling_time == pytest.approx(best.settling_time, rel=1e-3)
+    head = next(b for b in compose(record, "en").sections[0].blocks if isinstance(b, Headline))
     assert head.values[0].value == "20\u202fm/s²"
-    assert "PRACTICAL CEILING, assumed: 20000 mm/s²" in head.detail
-    assert "The acceleration to type is 20\u202fm/s²" in head.detail
-    labels = [(one.label, one.value) for one in head.values[-2:]]
-    assert labels == [("Shaper ZVD", "48\u202fHz"), ("Filter damping ratio", "ζ 0.05")]
-    slow = {"acceleration": 5.0, "jerk": 2e4, "jerk_time": 2.5e-4}
-    head, _ = _page_one(_record(BELT, "klipper", **slow, setpoint_filter=shaper))
-    assert "CEILING" not in head.detail
+    assert "a practical ceiling for printers, 20\u202fm/s² (assumed)" in words.say(best.bound_by)
+    (said,) = [
+        one for one in map(words.say, record.warnings) if "practical ceiling, assumed" in one
+    ]
+    assert ("No sample configuration of Klipper has more" in said) == (kind == "klipper")
+    assert "CEILING" not in " ".join(export.header)
+
+
+@pytest.mark.parametrize("kind", ["klipper", "marlin"])
+def test_a_record_of_another_kind_is_written_for_a_printer_up_to_its_ceiling(kind: str) -> None:
+    record = to_entry(_record(BELT, "fluidnc", acceleration=50.3, jerk=2e5), Record)
+    export = export_record(record, control=kind)
+    assert export.limits.acceleration <= 20.0
+    header = " ".join(export.header)
+    assert "PRACTICAL CEILING, assumed: 20000 mm/s^2" in header
+    assert ("No sample configuration of Klipper has more" in header) == (kind == "klipper")
 
 
 def test_marlin_gets_a_corner_that_it_takes() -> None:

@@ -196,6 +196,9 @@ class ControlKind:
         How many filters (notch, low-pass) it has in the torque setpoint.
     state_feedback
         Whether it feeds plant states back.
+    largest_acceleration
+        More than this is not recommended on a linear axis, whatever the model allows [m/s²]:
+        practical and assumed, for what frame and tool take is not in the model.
     """
 
     key: str
@@ -213,6 +216,7 @@ class ControlKind:
     velocity_cycle: float = 125e-6
     force_filters: int = 0
     state_feedback: bool = False
+    largest_acceleration: float = inf
 
     @property
     def has_jerk_limit(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 
 from mtcommission.control_kinds.kind import (
     FEATURES,
@@ -84,6 +85,7 @@ def _sends_steps(
     features: Mapping[str, Feature],
     jerk: Jerk = Jerk.NONE,
     setpoint_filters: tuple[FilterChoice, ...] = (),
+    largest_acceleration: float = inf,
 ) -> ControlKind:
     """A control that sends steps: it has nothing of a loop, but for what was read."""
     common = dict.fromkeys(FEATURES, read(source, note="None: steps go out open loop."))
@@ -104,9 +106,15 @@ def _sends_steps(
         reference_delay=False,
         position_loops=(PositionLoop.DRIVE,),
         position_cycle=1e-3,
+        largest_acceleration=largest_acceleration,
         features=common | dict(features),
     )
 
+
+PRINTER = 20.0
+"""The most that any of Klipper's sample configurations has as max_accel, most have 3 (config/ at
+84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model. Marlin has
+no such list; its printers are taken to be alike (assumed)."""
 
 KLIPPER_SHAPERS = SHAPERS[:6]
 MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
@@ -115,6 +123,7 @@ MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
 KLIPPER = _sends_steps(
     "klipper",
     KLIPPER_SOURCE,
+    largest_acceleration=PRINTER,
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
@@ -191,6 +200,7 @@ MARLIN_SHAPERS: Mapping[str, str] = {
 MARLIN = _sends_steps(
     "marlin",
     MARLIN_SOURCE,
+    largest_acceleration=PRINTER,
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,

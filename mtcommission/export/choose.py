@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import inf
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.held import Held, read_limits, write_limits
@@ -74,7 +73,6 @@ def choose_limits(
     *,
     mode: ModeLimitsEntry | None = None,
     shapers: Sequence[Values] = (),
-    ceiling: float = inf,
 ) -> Chosen:
     """Return the limits to type in.
 
@@ -90,8 +88,6 @@ def choose_limits(
         The machining mode; None for the recommendation.
     shapers
         Input shapers of the control, tried in order.
-    ceiling
-        Of the acceleration, where there is no jerk limit [m/s²].
 
     Returns
     -------
@@ -116,7 +112,7 @@ def choose_limits(
         return Chosen(values=values, verdict=closed.judge(machine, limits))
 
     def typed() -> Iterator[Values]:
-        for limits, shaper in product(_tried(subject, forms, mode, ceiling), shapers or ({},)):
+        for limits, shaper in product(_tried(subject, forms, mode), shapers or ({},)):
             wanted = {**write_limits(limits, rapid, name), (Setting.RAPID, ""): rapid, **shaper}
             values = take((row for row in rows if row.key in wanted), wanted)
             if all(values.values()):
@@ -148,7 +144,7 @@ def choose_limits(
 
 
 def _tried(
-    subject: Subject, forms: set[Setting], mode: ModeLimitsEntry | None, ceiling: float
+    subject: Subject, forms: set[Setting], mode: ModeLimitsEntry | None
 ) -> Iterator[MotionLimits]:
     """The limits on the safe side, the nearest first."""
     a, j = subject.limits.acceleration, subject.limits.jerk
@@ -163,6 +159,6 @@ def _tried(
             time = a / j + count * cycle
             yield MotionLimits(acceleration=share * a, jerk=share * a / time)
     else:
-        a = min(a, ceiling)
+        a = min(a, subject.kind.largest_acceleration)
         for share in WIDE:
             yield MotionLimits(acceleration=share * a, jerk=share * a / cycle)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
 
 from mtcommission.control_kinds.kind import SHAPERS, PositionLoop
 from mtcommission.export.choose import Chosen
@@ -37,8 +36,6 @@ class Control:
         Sentences for the header, given the limits as typed.
     in_degrees
         Whether its angles are degrees, not radians.
-    ceiling
-        More acceleration than this is not written, whatever the model allows [m/s²].
     """
 
     key: str
@@ -47,7 +44,6 @@ class Control:
     shapers: Callable[[Subject], Sequence[Values]] = lambda _subject: ()
     notes: Callable[[Subject, Chosen], tuple[Message, ...]] = lambda _subject, _chosen: ()
     in_degrees: bool = True
-    ceiling: float = inf
 
 
 def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:

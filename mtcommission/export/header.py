@@ -90,7 +90,7 @@ def compose_header(
         _corners(subject),
         *_left_out(subject, judged.verdict),
         *without,
-        *say_ceiling(subject, control, judged),
+        *say_ceiling(subject, judged),
         Message("export-safe-side"),
         *_shaft(subject, rows),
         *control.notes(subject, chosen),
@@ -134,16 +134,18 @@ def say_judgement(subject: Subject, control: Control, judged: Judged) -> tuple[M
     return (_verdict(subject, control, judged), *without)
 
 
-def say_ceiling(subject: Subject, control: Control, judged: Judged) -> list[Message]:
+def say_ceiling(subject: Subject, judged: Judged) -> list[Message]:
     """Return why less acceleration is written than the axis would take, where that is so."""
-    if subject.limits.acceleration <= control.ceiling:
+    ceiling = subject.kind.largest_acceleration
+    if subject.limits.acceleration <= ceiling:
         return []
     before, after = subject.settling_time, judged.verdict.settling_time
     return [
         Message(
             "export-ceiling",
             wanted=1e3 * subject.limits.acceleration,
-            ceiling=1e3 * control.ceiling,
+            ceiling=1e3 * ceiling,
+            why=Message("ceiling-source", kind=subject.kind.key),
             before=show_value(before, "s", in_degrees=False),
             after=show_value(after, "s", in_degrees=False),
         )

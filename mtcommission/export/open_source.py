@@ -34,10 +34,6 @@ FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 USUAL_CORNER = 5e-3
 """square_corner_velocity that Klipper takes unless told otherwise [m/s] (Config_Reference)."""
 
-PRACTICAL = 20.0
-"""The most that any of Klipper's sample configurations has as max_accel, most have 3 (config/ at
-84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model."""
-
 JUNCTION_DEVIATIONS = (1e-5, 3e-4)
 """What Marlin takes as M205 J [m]; it refuses any other and keeps the old one
 (M200-M205.cpp at 5ec63799)."""
@@ -173,8 +169,8 @@ def _of_mode(subject: Subject) -> Message:
 
 
 def _written(subject: Subject) -> float:
-    """What a printer's firmware is to get at most of the recommended acceleration [m/s²]."""
-    return min(subject.limits.acceleration, PRACTICAL)
+    """What the control is to get at most of the recommended acceleration [m/s²]."""
+    return min(subject.limits.acceleration, subject.kind.largest_acceleration)
 
 
 def _make_up(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
@@ -349,7 +345,6 @@ OPEN_CONTROLS = (
         rows=_klipper,
         layout=CONFIG,
         shapers=partial(_write_shapers, kinds=KLIPPER_USUAL),
-        ceiling=PRACTICAL,
         notes=_klipper_notes,
     ),
     Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
@@ -359,7 +354,6 @@ OPEN_CONTROLS = (
         rows=_marlin,
         layout=G_CODE,
         shapers=partial(_write_shapers, kinds=MARLIN_USUAL),
-        ceiling=PRACTICAL,
         notes=_marlin_notes,
     ),
     Control(key="ros2", rows=_ros, layout=YAML, in_degrees=False),

@@ -182,7 +182,7 @@ def _export(
     met = all(found.assessment.is_met for found in (verdict, *by_mode.values()))
     met = met and not judged.lost_margins
     judgement, *without = say_judgement(subject, target, judged)
-    without += say_ceiling(subject, target, judged)
+    without += say_ceiling(subject, judged)
     return Export(
         control=target.key,
         header=header,
@@ -272,7 +272,7 @@ def _choose_limits(
         own = [row for row in rows if row.key not in held.values and row.index == ""]
         own = [row for row in own if row.setting in LIMITS | shared]
         proposed = () if subject.setpoint_filter else target.shapers(subject)
-        return choose_limits(subject, held, own, shapers=proposed, ceiling=target.ceiling)
+        return choose_limits(subject, held, own, shapers=proposed)
     own = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
     if not own or not mode.meets_requirements:
         return None

@@ -21,7 +21,7 @@ from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.simulation_budget import longest_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Reserve, moving_mass
+from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
@@ -66,6 +66,7 @@ class Choice:
     moves: tuple[MoveResult, ...]  # in every corner
     reserve: Reserve  # what was to be kept of band and force
     reserve_used: bool  # the limits need more than that leaves: nothing else meets all
+    ceiling: tuple[Message, ...]  # said where a practical one of the control's kind ends them
     explain: Callable[[], Message]  # names what forbids faster limits: few choices are asked
     chart: Callable[[], Landscape]  # the map to be printed, likewise
 
@@ -84,7 +85,7 @@ class Choice:
         """What the verdict does not show."""
         kept = self.reserve
         used = Message("reserve-used", band=kept.band, force=kept.force)
-        return (used,) if self.reserve_used else ()
+        return (*((used,) if self.reserve_used else ()), *self.ceiling)
 
     @property
     def bound_by(self) -> Message:
@@ -132,7 +133,7 @@ def choose_limits(
         if typed is not None:
             break
     else:
-        a = 1e-3 * machine.drive.motion_force / moving_mass(machine)
+        a = 1e-3 * largest_acceleration(machine)
         limits = round_limits(machine, a, 0.1, digits=DIGITS)
         require_affordable_limits(machine, limits)
         typed = Typed(limits=limits, sizes=None)
@@ -190,7 +191,7 @@ def _type(
 ) -> Typed | None:
     """The nearest limits that can be typed in and hold; None where that does not end."""
     (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
-    largest = machine.drive.motion_force / moving_mass(machine)
+    largest = largest_acceleration(machine)
     grows, before = 1.0, (inf, inf)
     for _ in range(MOST_SCALED):
         limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
@@ -284,10 +285,20 @@ def _judged(
         candidate=candidate,
         moves=moves,
         reserve=machine.requirements.reserve,
+        ceiling=_say_ceiling(allowed, typed.limits),
         reserve_used=met and allowed is machine and keep_reserve(machine) is not machine,
         explain=cache(partial(_explain, allowed, plant, tuned, candidate, largest_jerk)),
         chart=cache(partial(chart_landscape, machine, plant, tuned, typed.limits)),
     )
+
+
+def _say_ceiling(machine: Machine, limits: MotionLimits) -> tuple[Message, ...]:
+    """The practical ceiling of the control's kind, where the search ended at it."""
+    ceiling, kind = practical_ceiling(machine), machine.control.kind.key
+    if largest_acceleration(machine) < ceiling or RAISED[0][0] * limits.acceleration <= ceiling:
+        return ()
+    why = Message("ceiling-source", kind=kind)
+    return (Message("acceleration-ceiling", ceiling=ceiling, why=why),)
 
 
 def _explain(
@@ -312,11 +323,11 @@ def _explain(
         for requirement, value in used.items():
             if requirement != SETTLING_TIME and value > requirement.bound(machine):
                 broken[requirement] = None
-    motor = machine.drive.motion_force
-    if not broken and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
+    named, motor = [item.message for item in broken], machine.drive.motion_force
+    if _say_ceiling(machine, limits):
+        named.append(Message("bound-by-ceiling", acceleration=practical_ceiling(machine)))
+    if not named and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
         return Message("bound-by-motor", acceleration=motor)
-    if not broken:
+    if not named:
         return Message("bound-by-settling-later")
-    return Message(
-        "bound-by-requirements", requirements=join_by_and([item.message for item in broken])
-    )
+    return Message("bound-by-requirements", requirements=join_by_and(named))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.bench import Bench
 from mtcommission.limits.filters import filters_to_try, neighbours
-from mtcommission.machine.machine import moving_mass
+from mtcommission.machine.machine import largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
@@ -30,7 +30,7 @@ SHORTEST, LONGEST = 1e-3, 3.0
 """Of them [s]; a longer one only makes moves longer."""
 
 LEAST_SHARE, LADDER = 1e-5, 160
-"""Least acceleration looked at, as a share of what the force allows, and rungs up to that."""
+"""Least acceleration looked at, as a share of the largest, and rungs up to that."""
 
 EQUALLY_SOON = 1.0015
 """Limits that settle within this factor of the soonest settle equally soon: then less jerk is
@@ -119,8 +119,7 @@ class Explorer:
     @classmethod
     def about(cls, bench: Bench, *, largest_jerk: float = inf) -> Explorer:
         """Return one that has looked at nothing yet."""
-        largest = bench.machine.drive.motion_force / moving_mass(bench.machine)
-        ladder = largest * np.geomspace(LEAST_SHARE, 1.0, LADDER)
+        ladder = largest_acceleration(bench.machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
         return cls(bench=bench, ladder=ladder, largest_jerk=largest_jerk)
 
     def ranked(self) -> tuple[Found, ...]:
@@ -180,7 +179,7 @@ class Explorer:
         return min((f.duration for f in self.known.values() if f is not None), default=inf)
 
     def _shortest(self, item: SetpointFilter | None, t_j: float) -> float:
-        """Duration with all the acceleration that force and largest jerk allow."""
+        """Duration with all the acceleration that is looked at and the largest jerk allows."""
         a = min(float(self.ladder[-1]), self.largest_jerk * t_j)
         return float(self.bench.durations(item, np.array([a]), t_j)[0])
 

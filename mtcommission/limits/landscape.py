@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.limits.bench import build_bench
 from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import filter_steps, jerk_steps
@@ -41,7 +41,7 @@ def chart_landscape(
     """Return the map about the limits that were chosen, behind their setpoint filter."""
     listed = replace(machine.requirements, every_size=False)
     bench = build_bench(replace(machine, requirements=listed), plant, tuned)
-    largest = max(machine.drive.motion_force / moving_mass(machine), 1.05 * chosen.acceleration)
+    largest = max(largest_acceleration(machine), 1.05 * chosen.acceleration)
     a = np.geomspace(min(0.05 * largest, chosen.acceleration / AROUND), largest, POINTS)
     longest = max(1.5 * longest_period(plant), AROUND * chosen.jerk_time)
     shortest = min(chosen.jerk_time / AROUND, 0.2 * longest)

@@ -324,6 +324,17 @@ def moving_mass(machine: Machine) -> float:
     return machine.mechanics.moving_mass
 
 
+def practical_ceiling(machine: Machine) -> float:
+    """Return what the control's kind is given at most, assumed [m/s²]; inf: no such bound."""
+    is_linear = machine.motion is Motion.LINEAR
+    return machine.control.kind.largest_acceleration if is_linear else inf
+
+
+def largest_acceleration(machine: Machine) -> float:
+    """Return the largest acceleration that is looked at: by force, and by practical ceiling."""
+    return min(machine.drive.motion_force / moving_mass(machine), practical_ceiling(machine))
+
+
 def mid_payload(machine: Machine) -> float:
     """Return the middle of the payload range [kg]."""
     return 0.5 * sum(machine.requirements.payload)

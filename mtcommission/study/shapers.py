@@ -16,7 +16,7 @@ from mtcommission.limits.bench import build_bench
 from mtcommission.limits.explore import Explorer
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, dominant_mode
@@ -85,7 +85,7 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
 def _of_klipper(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Candidate]:
     """What calibrate_shaper recommends for the same measurement, at its max_accel.
 
-    Where that is more than the motor follows, at what it follows.
+    Where that is more than the motor follows, or than is looked at, at that.
     """
     identified = machine.identified
     for one in identified.proposals if identified else ():
@@ -94,7 +94,7 @@ def _of_klipper(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Ca
         item = SetpointFilter(
             kind=one.shaper, frequency_hz=one.frequency_hz, damping_ratio=DESIGN_DAMPING
         )
-        a = min(one.max_acceleration, machine.drive.motion_force / moving_mass(machine))
+        a = min(one.max_acceleration, largest_acceleration(machine))
         limits = MotionLimits(
             acceleration=a, jerk=a / machine.control.position_cycle, setpoint_filter=item
         )
@@ -126,7 +126,7 @@ def _best_candidate(
     ramp = NO_JERK_LIMIT if item.averages else machine.control.position_cycle
     explorer = Explorer.about(build_bench(strict, plant, tuned))
     found = explorer.look_at([(item, ramp)], latest=inf, most=1)
-    largest = strict.drive.motion_force / moving_mass(machine)
+    largest = largest_acceleration(strict)
     a = found.acceleration if found else largest
     for _ in range(BACKED_OFF):
         limits = MotionLimits(acceleration=a, jerk=a / ramp, setpoint_filter=item)

@@ -5,9 +5,15 @@ joined-by-and = { $first } und { $second }
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = kleinste Einschwingzeit; keine Grenzwerte erfüllen alle Anforderungen
 bound-by-motor = keine Anforderung; mehr als die eigene Beschleunigung des Motors abzüglich der Reserve, { ACCELERATION($acceleration) }, wird nicht gesucht
+bound-by-ceiling = eine praktische Obergrenze für Drucker, { ACCELERATION($acceleration) } (angenommen)
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
 bound-by-jerk-in-proportion = Ruck im Verhältnis zum Toleranzband (höchstens { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = mehr Ruck als mit breiterem Toleranzband: bis { JERK($jerk) } hielt nichts dieses ein
+ceiling-source = { $kind ->
+    [marlin] Für Marlin gibt es keine solche Liste; es ist die größte in den Beispielkonfigurationen von Klipper (die meisten haben 3 m/s²).
+   *[other] Keine Beispielkonfiguration von Klipper hat mehr (die meisten 3 m/s²).
+}
+acceleration-ceiling = Die Beschleunigung endet an einer praktischen Obergrenze, angenommen: { ACCELERATION($ceiling) }; was Extruder, Rahmen und Motortreiber vertragen, enthält das Modell nicht. { $why } Mehr nur eingeben, wenn die eigenen es erwiesenermaßen vertragen; vertragen sie weniger, das als drive.max_acceleration angeben.
 reserve-used = { $axis ->
     [rotary] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } des Drehmoments erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
    *[linear] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } der Kraft erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.

@@ -49,7 +49,7 @@ export-neutral = In neutral words, since { $why }
 export-mode-left-out = LEFT OUT: { $why }. Do not use this mode with the old values.
 export-warning-here = WARNING, for the loop of this text: { $warning }
 # $wanted, $ceiling: mm/s^2
-export-ceiling = WRITTEN IS A PRACTICAL CEILING, assumed: { NUMBER($ceiling, digits: 4) } mm/s², settling time { $after }. The axis of this model would take { NUMBER($wanted, digits: 4) } mm/s², { $before }; what extruder, frame and motor driver take is not in it. No sample configuration of Klipper has more (most have 3000 mm/s²). Type more only where yours are known to take it, or state what they take as drive.max_acceleration.
+export-ceiling = WRITTEN IS A PRACTICAL CEILING, assumed: { NUMBER($ceiling, digits: 4) } mm/s², settling time { $after }. The axis of this model would take { NUMBER($wanted, digits: 4) } mm/s², { $before }; what extruder, frame and motor driver take is not in it. { $why } Type more only where yours are known to take it; where they take less, state that as drive.max_acceleration.
 export-shaft = Gain and inertia of the drive count at the motor's shaft: the axis moves { LENGTH($travel) } per radian of the motor.
 export-no-shaft = Kp and the force feed-forward stand at the axis (a linear motor; for a rotary one state drive.lead and drive.gear).
 export-set-elsewhere = Set in the drive, or must be so, for the result above to hold:

@@ -7,9 +7,16 @@ joined-by-and = { $first } and { $second }
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = least settling time; no limits meet all requirements
 bound-by-motor = no requirement; more than the motor's own acceleration less the reserve, { ACCELERATION($acceleration) }, is not looked for
+bound-by-ceiling = a practical ceiling for printers, { ACCELERATION($acceleration) } (assumed)
 bound-by-settling-later = settling time (higher limits settle later)
 bound-by-jerk-in-proportion = jerk in proportion to the band (at most { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = more jerk than with a wider band: up to { JERK($jerk) } nothing met this one
+# $kind: key of a control for printers
+ceiling-source = { $kind ->
+    [marlin] There is no such list for Marlin; it is the most in Klipper's sample configurations (most have 3 m/s²).
+   *[other] No sample configuration of Klipper has more (most have 3 m/s²).
+}
+acceleration-ceiling = The acceleration ends at a practical ceiling, assumed: { ACCELERATION($ceiling) }; what extruder, frame and motor driver take is not in the model. { $why } Type more only where yours are known to take it; where they take less, state that as drive.max_acceleration.
 reserve-used = { $axis ->
     [rotary] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the torque, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
    *[linear] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the force, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
