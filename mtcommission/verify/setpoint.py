@@ -231,7 +231,7 @@ class _Stretch:
             last = int(away[-1]) + 1 if away.size else last
         part = slice(max(begin - 8, 0), min(last + 9, x.size))
         reached = [
-            self._reached(order, part, noise, wanted=WANTED * limit)
+            self._reached_by_filter(order, part, noise, limit=limit)
             for order, limit in ((2, acceleration), (3, jerk))
         ]
         blur = (6.0 * level / max(reached[1].value, 1e-300)) ** (1.0 / 3.0)
@@ -252,6 +252,13 @@ class _Stretch:
             blur=blur + h, is_cut=is_cut, start=start, final_velocity=speed, spline=spline,
             misfit=misfit,
         )  # fmt: skip
+
+    def _reached_by_filter(self, order: int, part: slice, noise: float, *, limit: float) -> Reached:
+        """The same where a filter leaves little of the limit: wider if that tells too little."""
+        rough = self._reached(order, part, noise, wanted=WANTED * limit)
+        if rough.uncertainty <= 2.0 * WANTED * rough.value:
+            return rough
+        return self._reached(order, part, noise, wanted=WANTED * min(limit, rough.value))
 
     def _reached(self, order: int, part: slice, noise: float, *, wanted: float) -> Reached:
         """Largest difference quotient, as coarse as the noise demands."""
