@@ -58,9 +58,9 @@ def lay_sizes(
     --------
     >>> step = VelocityStep(velocity_step=0.1)
     >>> limits = MotionLimits(acceleration=2.0, jerk=200.0)
-    >>> sizes = lay_sizes(step, limits, pointed_spacing=0.01, spacing=0.01, decayed=1.0)
-    >>> sizes.round(3).tolist()
-    [0.005, 0.02, 0.02, 0.04, 0.06, 0.08, 0.1]
+    >>> sizes = lay_sizes(step, limits, pointed_spacing=0.006, spacing=0.015, decayed=1.0)
+    >>> sizes.round(4).tolist()
+    [0.005, 0.02, 0.0467, 0.0733, 0.1]
     """
     a, j, t_j, listed = limits.acceleration, limits.jerk, limits.jerk_time, size_of(move)
     found: list[Array] = [np.array([listed])]
