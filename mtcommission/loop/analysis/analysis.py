@@ -8,7 +8,6 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
-from scipy.optimize import linear_sum_assignment
 
 from mtcommission.allowance import spend
 from mtcommission.loop.analysis.frequency import SQRT_HALF, FrequencyResponse
@@ -220,8 +219,13 @@ def _assign(
     own = np.array([[mode.pole] for mode in plant.modes])
     distance = np.abs(near - own) / np.abs(own)
     claim = np.maximum(shares[:, upper], LEAST_SHARE) / np.maximum(distance, LEAST_SHARE)
-    _, chosen = linear_sum_assignment(-np.log(claim))
-    return upper, near, chosen
+    chosen = np.argmax(claim, axis=1)
+    if len(np.unique(chosen)) < len(chosen):
+        # Loads as long as a loop is tuned; where each mode claims another pole it finds the same.
+        from scipy.optimize import linear_sum_assignment
+
+        _, chosen = linear_sum_assignment(-np.log(claim))
+    return upper, near, np.asarray(chosen)
 
 
 LEAST_SHARE = 1e-9
