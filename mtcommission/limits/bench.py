@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.respond import (
     RAMPS,
     LoopPoles,
     extremes,
     find_poles,
-    free_motion,
     lay_grid,
     set_in_motion,
     where_signals_lead,
@@ -57,12 +57,12 @@ class Bench:
 
     machine: Machine
     poles: LoopPoles  # in every corner
+    mean: MeanResponse
     leading: tuple[LoopPoles, Cycles]  # where signals swing furthest
     signals: Array  # set force and bounded peaks, rows over the outputs of a velocity cycle
     bounds: Array  # what encoder noise leaves of theirs [own units]
     band: float  # the same of the band [m]
     contour: float  # and of the contour deviation; inf: none is asked for [m]
-    parts: Cycles  # velocity cycles of a position cycle at which free motion is looked at
     ages: Array  # free times looked at beyond the least of a family [s]
     every_size: bool
     behind: dict[SetpointFilter | None, BehindFilter] = field(default_factory=dict)
@@ -81,7 +81,7 @@ class Bench:
     def use(self, item: SetpointFilter | None, t_j: float) -> Use:
         """Return what limits with a filter and a jerk time use."""
         if item not in self.behind:
-            self.behind[item] = BehindFilter(bench=self, item=item)
+            self.behind[item] = BehindFilter(bench=self, item=item, factor=self.mean.behind(item))
         return Use(behind=self.behind[item], t_j=t_j)
 
 
@@ -96,12 +96,12 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
     return Bench(
         machine=machine,
         poles=poles,
+        mean=average_phases(poles),
         leading=where_signals_lead(poles, np.array(rows)),
         signals=np.array(rows),
         bounds=np.array([_left(drive.motion_force, force), *(peak.bound for peak in needs.peaks)]),
         band=_left(needs.tcp_deviation, tool),
         contour=_left(needs.contour_deviation, tool),
-        parts=_parts(poles),
         ages=_ages(poles),
         every_size=needs.every_size,
     )
@@ -120,13 +120,6 @@ def counting_poles(poles: LoopPoles) -> Complex:
     excited = [sizes[there] * np.minimum(np.abs(p[there]) * t, 2.0) ** 2 for t in RAMPS]
     counts = np.any([each >= COUNTS * each.max(initial=0.0) for each in excited], axis=0)
     return np.asarray(p[there[counts]])
-
-
-def _parts(poles: LoopPoles) -> Cycles:
-    """Velocity cycles of a position cycle that meet the fastest pole that counts often enough."""
-    fastest = np.max(np.abs(counting_poles(poles)), initial=1.0)
-    stride = max(int(2.0 * pi / (SAMPLES * fastest * poles.velocity_cycle)), 1)
-    return np.arange(0, poles.cycles, min(stride, poles.cycles))
 
 
 def _ages(poles: LoopPoles) -> Array:
@@ -149,15 +142,13 @@ class BehindFilter:
 
     bench: Bench
     item: SetpointFilter | None
+    factor: Complex  # of the mean response
     pointed: dict[type[Move], tuple[Array, Array]] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], tuple[Array, Array]] = field(default_factory=dict)
 
     def worst_of(self, steps: JerkSteps) -> Array:
         """Return the residual of each setpoint in its worst corner, shape (n_setpoints,) [m]."""
-        poles = self.bench.poles
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        free = free_motion(motions, lay_grid(poles, SAMPLES), parts=self.bench.parts)
-        return np.asarray(free.residual.max(axis=1))
+        return self.bench.mean.residual(steps, self.item, self.factor)
 
     def peaks(self, steps: JerkSteps) -> Array:
         """Return the largest of each signal, worst corner, shape (n_setpoints, n_signals)."""

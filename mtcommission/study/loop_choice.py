@@ -55,7 +55,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     family, remark = cascade_family(machine, settings.tuning), None
     if machine.control.seeks_force_filters:
         base = tune_shape(family, CLASSIC, largest=settings.tuning.largest_fraction)
-        found = find_filters(family, CLASSIC, base) if base else None
+        found = find_filters(family, CLASSIC) if base else None
         if base and found:
             family, remark = found.family, _say_filters("loop-filters-used", base, found)
         elif machine.control.velocity_gain is None:
@@ -106,7 +106,7 @@ def _suggest_filters(machine: Machine, choice: LoopChoice, settings: Settings) -
     family: LoopFamily | None = cascade_family(machine, settings.tuning)
     if used.shape.mode_weight:
         family = feedback_family(cascade_family(machine, settings.tuning))
-    found = find_filters(family, used.shape, used.tuned) if family else None
+    found = find_filters(family, used.shape) if family else None
     remark = (
         _say_filters("loop-filters-suggested", used.tuned, found)
         if found
