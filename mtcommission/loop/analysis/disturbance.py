@@ -16,18 +16,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DisturbanceStep:
-    """Response of the tool to a step of force on the line of the drive.
+    """Response of the tool to a step of force on the line of the drive."""
 
-    Parameters
-    ----------
-    t
-        Every velocity cycle from the step on, shape (n_samples,) [s].
-    deflection
-        Tool displacement per newton, shape (n_samples,) [m/N].
-    """
-
-    t: Array
-    deflection: Array
+    t: Array  # every velocity cycle from the step on, shape (n_samples,) [s]
+    deflection: Array  # tool displacement per newton, shape (n_samples,) [m/N]
 
     @property
     def peak(self) -> float:
@@ -36,19 +28,9 @@ class DisturbanceStep:
 
 
 def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
-    """Return how the tool gives way to a step of force, at rest before it.
+    """Return how the tool gives way to a step of force, at rest before it, for a duration [s].
 
-    Parameters
-    ----------
-    loop
-        The loop; the setpoint rests, the force is not saturated.
-    duration
-        Time to look at [s].
-
-    Returns
-    -------
-    DisturbanceStep
-        The step begins with a position cycle.
+    The step begins with a position cycle; the setpoint rests, the force is not saturated.
     """
     size, cycle, held = len(loop.states), loop.cycle, loop.held
     entry = np.zeros(size)
