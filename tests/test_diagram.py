@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.block_responses import build_blocks, scan_blocks
 from mtcommission.loop.analysis.disturbance import simulate_disturbance
-from mtcommission.loop.analysis.frequency import scan
+from mtcommission.loop.analysis.frequency import build_blocks, scan, scan_blocks
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen

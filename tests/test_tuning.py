@@ -13,9 +13,8 @@ import pytest
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis.block_responses import build_blocks, scan_blocks
 from mtcommission.loop.analysis.cross_check import check_by_blocks
-from mtcommission.loop.analysis.frequency import frequency_response, scan
+from mtcommission.loop.analysis.frequency import build_blocks, frequency_response, scan, scan_blocks
 from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade

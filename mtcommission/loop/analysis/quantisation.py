@@ -33,39 +33,21 @@ DOUBLINGS = 30
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EncoderNoise:
-    """What the steps of an encoder add to the motion, either way.
+    """What the steps of an encoder add to the motion, either way."""
 
-    Parameters
-    ----------
-    tool
-        Of the tool's position [m].
-    force
-        Of the set force [N].
-    """
-
-    tool: float
-    force: float
+    tool: float  # position [m]
+    force: float  # set force [N]
 
 
 @lru_cache(maxsize=128)
 def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
     """Return within what tool and set force stay of where they would be with a perfect encoder.
 
-    Parameters
-    ----------
-    loop
-        A stable loop.
-    resolution
-        Step q of the encoder [m]; 0: none.
-
-    Returns
-    -------
-    EncoderNoise
-        The larger of: three sigmas of white noise in the velocity cycle in which they are most, at
-        the tool beside half a step for where the axis stands; and what one change of the count
-        does, at the tool the peak after it (half a step for where the axis stands, the rest for
-        how it swings about that), in the force from peak to peak, because the count may change
-        back at the worst moment.
+    Of a stable loop whose encoder has steps q = ``resolution`` [m] (0: none), the larger of: three
+    sigmas of white noise in the velocity cycle in which they are most, at the tool beside half a
+    step for where the axis stands; and what one change of the count does, at the tool the peak
+    after it (half a step for where the axis stands, the rest for how it swings about that), in the
+    force from peak to peak, because the count may change back at the worst moment.
 
     Source: variance of rounding q²/12 (Widrow & Kollár, Quantization Noise, 2008); the rest is
     derived here, and held to simulations that round every sample (docs/feedback-loop.md).
