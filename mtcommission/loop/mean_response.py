@@ -15,14 +15,15 @@ Source: derived here; held to ``loop.respond`` by tests/test_mean_response.py.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import factorial
+from math import factorial, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.respond import LoopPoles, free_motion, lay_grid, set_in_motion
+from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.loop.respond import RAMPS, LoopPoles, find_poles
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 
@@ -35,6 +36,12 @@ PHASES = 8
 SAMPLES = 12
 """Instants to a period: the peak of a swing is missed by 3 % at most."""
 
+SWINGS = 1.75
+"""Periods of each pole for which free times are looked at densely (empirical)."""
+
+COUNTS = 0.03
+"""A pole counts if ramps excite it to this share of the one that they excite most [-]."""
+
 GONE = -1e6
 """Rate that stands for poles that a corner has not [1/s]."""
 
@@ -43,8 +50,8 @@ GONE = -1e6
 class MeanResponse:
     """A loop in every corner, by the poles that ring on after a jerk step."""
 
-    poles: LoopPoles
     rates: Complex  # (n_corners, n_poles) [1/s]
+    ages: Array  # times that meet the swings of every pole that counts, from 0 [s]
     seen: NDArray[np.float32]  # tool at each instant by Re and Im of what poles hold,
     # (n_corners, 2 n_poles, n_instants)
 
@@ -56,31 +63,35 @@ class MeanResponse:
         total = (steps.steps[..., None, None] * np.exp(self.rates * age[..., None, None])).sum(1)
         return np.asarray(total[0] / self.rates ** (steps.order - one.order))
 
-    def residual(self, steps: JerkSteps, item: SetpointFilter | None, behind: Complex) -> Array:
+    def since(self, time: Array | float) -> Complex:
+        """Return exp(p t), shape (n_times, n_corners, n_poles)."""
+        return np.asarray(np.exp(self.rates * np.atleast_1d(time)[:, None, None]))
+
+    def largest(self, held: Complex) -> Array:
         """Return the residual deviation of moves in their worst corner, shape (n_setpoints,) [m].
 
-        ``steps``: from ``jerk_steps``; ``behind``: of the filter.
+        ``held``: G F of each at the end of its setpoint, (n_setpoints, n_corners, n_poles).
         """
-        if not self.rates.size:  # nothing but a table tells of this loop
-            motions = set_in_motion(self.poles, filter_steps(steps, item))
-            return free_motion(motions, lay_grid(self.poles, SAMPLES)).residual.max(axis=1)
-        times, jerk = steps.times, steps.steps[:, 0]
-        ramp = times[:1, 1] if np.all(times[:, 1] == times[0, 1]) else times[:, 1]
-        held = behind * self._between(ramp) * self._between(times[:, 2])
-        if times.shape[1] > 4:
-            held = held * self._between(times[:, 4])
         both = np.concatenate([held.real, held.imag], axis=2).astype(np.float32)
-        found = np.abs(both.transpose(1, 0, 2) @ self.seen)
-        return np.asarray(jerk * found.max(axis=(0, 2)))
+        return np.asarray(np.abs(both.transpose(1, 0, 2) @ self.seen).max(axis=(0, 2)))
 
-    def _between(self, time: Array) -> Complex:
-        """Two steps of opposite sign, a time apart, at the later one."""
-        return np.asarray(np.exp(self.rates * time[:, None, None]) - 1.0)
+    def residual(self, steps: JerkSteps, behind: Complex) -> Array:
+        """Return the residual deviation of moves in their worst corner, shape (n_setpoints,) [m].
+
+        ``steps``: from ``jerk_steps``; ``behind``: F of the filter.
+        """
+        times, jerk = steps.times, steps.steps[:, 0]
+        held = behind * (self.since(times[:, 1]) - 1.0) * (self.since(times[:, 2]) - 1.0)
+        if times.shape[1] > 4:
+            held = held * (self.since(times[:, 4]) - 1.0)
+        return jerk * self.largest(held)
 
 
 @lru_cache(maxsize=16)
 def average_phases(poles: LoopPoles) -> MeanResponse:
     """Return the response of a loop averaged over the phases of its position cycle."""
+    if not poles.factors.size:  # equal poles: a little apart they are as good here
+        poles = find_poles.__wrapped__(tuple(map(_nudge, poles.loops)))
     T, missing = poles.dt, np.abs(poles.factors) == 0.0
     rates = np.where(missing, GONE, poles.rates)
     early = (np.arange(PHASES) + 0.5)[:, None, None] / PHASES * T
@@ -88,8 +99,43 @@ def average_phases(poles: LoopPoles) -> MeanResponse:
     held = sum(early**b / factorial(b) * poles.starts[3 - b] for b in range(4))
     age = np.where(missing, 0.0, rates) * (early + poles.forced * T)
     c = np.where(missing, 0.0, (held * np.exp(-age)).mean(axis=0))
-    grid = lay_grid(poles, SAMPLES)
-    s = poles.delay + np.unique(grid.cycle * T + grid.part * poles.velocity_cycle)
+    ages = _lay_ages(poles)
+    s = poles.delay + ages
     tool = (c * poles.shapes[:, 0, 0])[..., None] * np.exp(rates[..., None] * s)
     seen = np.concatenate([tool.real, -tool.imag], axis=1).astype(np.float32)
-    return MeanResponse(poles=poles, rates=rates, seen=seen)
+    return MeanResponse(rates=rates, ages=ages, seen=seen)
+
+
+def _counting_poles(poles: LoopPoles) -> Complex:
+    """Return the nominal poles that ramps excite at the tool, in the continuous plane [1/s]."""
+    p = poles.rates[0]
+    sizes = np.abs(poles.shapes[0, :, 0]).max(axis=0) * np.abs(poles.starts[3, 0])
+    there = np.flatnonzero(sizes > 0.0)
+    excited = [sizes[there] * np.minimum(np.abs(p[there]) * t, 2.0) ** 2 for t in RAMPS]
+    counts = np.any([each >= COUNTS * each.max(initial=0.0) for each in excited], axis=0)
+    return np.asarray(p[there[counts]])
+
+
+def _lay_ages(poles: LoopPoles) -> Array:
+    """Free times that meet the swings of every pole of the nominal loop that counts."""
+    found, gone = [np.zeros(1)], 1e-3
+    for pole in _counting_poles(poles):
+        period, fades = 2.0 * pi / abs(pole), log(1e3) / max(-pole.real, 1e-9)
+        dense = min(SWINGS * period, fades)
+        found.append(np.arange(0.0, dense, period / SAMPLES))
+        found.append(np.geomspace(dense, max(fades, 1.01 * dense), 9))
+        gone = max(gone, fades)
+    ages = np.unique(np.concatenate(found))
+    finest = np.min(np.diff(ages[:2])) if len(ages) > 1 else gone
+    return np.asarray(ages[np.append(True, np.diff(ages) > 0.3 * finest)])
+
+
+def _nudge(loop: SampledLoop) -> SampledLoop:
+    """A loop whose equal poles lie apart."""
+    A = loop.lifted.A
+    other = A * (1.0 + NUDGE * np.arange(A.size).reshape(A.shape) / A.size)
+    return replace(loop, lifted=replace(loop.lifted, A=other))
+
+
+NUDGE = 1e-7
+"""Relative change of the loop that separates equal poles: they come 3e-4 apart (empirical)."""
