@@ -1,4 +1,4 @@
-"""The disturbance step response: a force on the axis while the loop holds its position."""
+"""Answers of the loop at rest to what sets in: a force on the axis, an error of the encoder."""
 
 from __future__ import annotations
 
@@ -32,15 +32,34 @@ def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceSt
 
     The step begins with a position cycle; the setpoint rests, the force is not saturated.
     """
-    size, cycle, held = len(loop.states), loop.cycle, loop.held
-    entry = np.zeros(size)
-    entry[: loop.plant.order] = discretise_disturbance(loop.plant, loop.controller.velocity_cycle)
-    X, tool = np.zeros(size), []
+    push = np.zeros(loop.own_size)
+    push[: loop.plant.order] = discretise_disturbance(loop.plant, loop.controller.velocity_cycle)
+    nothing = np.zeros(loop.own_size - loop.held)
+    tool = loop.observation[:1, : loop.own_size]
+    found = step_response(loop, tool, entry=push, handed_down=nothing, duration=duration)
+    t = np.arange(len(found), dtype=np.float64) * loop.controller.velocity_cycle
+    return DisturbanceStep(t=t, deflection=found[:, 0])
+
+
+def step_response(
+    loop: SampledLoop, rows: Array, *, entry: Array, handed_down: Array, duration: float
+) -> Array:
+    """Return signals at every velocity cycle after a constant input sets in, (n, n_rows).
+
+    ``rows``: over the loop's own states; ``entry``: what the input adds to these in a velocity
+    cycle, ``handed_down``: to what is held, in a position cycle. It begins with a position cycle.
+    """
+    size = loop.own_size
+    cycle, A = loop.cycle[:size, :size], loop.lifted.A[:size, :size]
+    seen, added, state, pushed = [], [], np.eye(size), np.zeros(size)
+    for _ in range(loop.controller.cycles):
+        seen.append(rows @ state)
+        added.append(rows @ pushed)
+        state, pushed = cycle @ state, cycle @ pushed + entry
+    pushed[loop.held :] = handed_down
+    C, D = np.vstack(seen), np.concatenate(added)
+    X, found = np.zeros(size), []
     for _ in range(ceil(duration / loop.controller.position_cycle)):
-        handed_down = loop.handed_down[:, :size] @ X
-        for _ in range(loop.controller.cycles):
-            tool.append(float(loop.observation[0] @ X))
-            X = cycle @ X + entry
-        X[held : loop.own_size] = handed_down
-    t = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
-    return DisturbanceStep(t=t, deflection=np.array(tool))
+        found.append(C @ X + D)
+        X = A @ X + pushed
+    return np.array(found).reshape(-1, len(rows))

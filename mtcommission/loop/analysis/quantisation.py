@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.analysis.disturbance import step_response
 from mtcommission.loop.model.assembly import SampledLoop
 
 Array = NDArray[np.float64]
@@ -100,17 +101,11 @@ def _standard_deviations(loop: SampledLoop) -> Array:
 
 def _swings(loop: SampledLoop) -> tuple[Array, Array]:
     """Least and largest values of tool and set force after the encoder jumps by 1, shape (2,)."""
-    size, rows, held = loop.own_size, _seen(loop), loop.held
-    cycle, (sample, handed_down) = loop.cycle[:size, :size], loop.sensed[:, :size]
-    X, low, high = np.zeros(size), np.zeros(2), np.zeros(2)
-    for _ in range(ceil(SWING / loop.controller.position_cycle)):
-        following = loop.handed_down[:, :size] @ X + handed_down[held:]
-        for _ in range(loop.controller.cycles):
-            values = rows @ X
-            low, high = np.minimum(low, values), np.maximum(high, values)
-            X = cycle @ X + sample
-        X[held:] = following
-    return low, high
+    sample, handed_down = loop.sensed[:, : loop.own_size]
+    found = step_response(
+        loop, _seen(loop), entry=sample, handed_down=handed_down[loop.held :], duration=SWING
+    )
+    return found.min(axis=0), found.max(axis=0)
 
 
 def _seen(loop: SampledLoop) -> Array:
