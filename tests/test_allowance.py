@@ -23,7 +23,6 @@ from mtcommission.allowance import (
     require_room,
     spend,
 )
-from mtcommission.commission import recommend
 from mtcommission.errors import ComputationError, Outcome, TooMuchError
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning
@@ -32,6 +31,7 @@ from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.recommend import recommend
 
 
 def say(error: Message) -> str:
