@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 from scipy.optimize import linear_sum_assignment
 
-from mtcommission.allowance import spend
 from mtcommission.loop.analysis.frequency import SQRT_HALF, FrequencyResponse
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.plant.plant import Plant, PlantMode
@@ -136,7 +135,6 @@ def share_out(loop: SampledLoop) -> PoleShares:
         A plant under its controller.
     """
     lifted = loop.lifted
-    spend(len(lifted.A) ** 3 + 300.0 * lifted.A.size, calls=10)
     # Not ``model.poles()``: the participation of the modes needs the vectors, too.
     parts = tuple(eig(lifted.A, left=True, right=True))
     z, left, right = (np.asarray(part, dtype=np.complex128) for part in parts)

@@ -25,7 +25,6 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.discrete import (
     Stage,
@@ -338,7 +337,6 @@ def advance_cycle(
     # One product a velocity cycle: a saturated simulation spends its time here.
     rows = np.vstack([loop.observation, loop.demand, loop.integration, loop.step])
     seen, cycles = len(loop.observation), loop.controller.cycles
-    spend(0.3 * cycles * rows.size * X.shape[1], calls=2.0 + 3.0 * cycles)
     for i in range(cycles):
         Y = rows @ X
         outputs[i] = Y[:seen]
