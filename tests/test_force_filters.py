@@ -49,7 +49,7 @@ def loops() -> tuple[LoopFamily, TunedLoop, FilteredLoop]:
     family = cascade_family(ball_screw(), WANTED)
     tuned = tune_shape(family, SHAPE, largest=4.0)
     assert tuned is not None
-    found = find_filters(family, SHAPE, tuned)
+    found = find_filters(family, SHAPE)
     assert found is not None
     return family, tuned, found
 
@@ -91,11 +91,11 @@ def test_without_its_filters_the_loop_would_lack_the_margins() -> None:
 
 
 def test_no_more_filters_than_the_control_has() -> None:
-    family, tuned, _ = loops()
+    family, _, _ = loops()
     for kind in (replace(GENERIC, force_filters=0), replace(GENERIC, force_filters=1)):
         control = replace(family.machine.control, kind=kind)
         limited = replace(family, machine=replace(family.machine, control=control))
-        found = find_filters(limited, SHAPE, tuned)
+        found = find_filters(limited, SHAPE)
         assert len(found.filters if found else ()) <= kind.force_filters
 
 

@@ -17,6 +17,7 @@ from mtcommission.loop.tuning.cascade import (
     symmetrical_optimum,
 )
 from mtcommission.loop.tuning.family import build, cascade_family, tune_shape
+from mtcommission.loop.tuning.grid import lay_gain_grid
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
@@ -29,8 +30,6 @@ from mtcommission.loop.tuning.tuned import (
     close_within_margins,
     corner_plants,
     has_margins,
-    scan_corners,
-    seems_within_margins,
 )
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
@@ -75,10 +74,10 @@ def test_quick_verdict_is_that_of_the_whole_loop() -> None:
     for machine in machines():
         bench = corner_plants(machine)
         ladder = list(tries(machine, bench))
-        scanned = scan_corners(bench, ladder[0])
+        grid = lay_gain_grid(bench, ladder[0])
         for controller in ladder:
             expected = close_within_margins(bench, controller, settings=SETTINGS) is not None
-            assert seems_within_margins(controller, scanned, settings=SETTINGS) is expected
+            assert grid.keeps_margins(controller, settings=SETTINGS) is expected
             kept, refused = kept + expected, refused + (not expected)
     assert kept > 10
     assert refused > 10

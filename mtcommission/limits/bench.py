@@ -12,18 +12,17 @@ up most; later ones only grow less. ``limits.verify`` has the last word.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import inf, isfinite, log, pi
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.respond import (
-    RAMPS,
     LoopPoles,
     extremes,
     find_poles,
-    free_motion,
     lay_grid,
     set_in_motion,
     where_signals_lead,
@@ -35,7 +34,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.verdict.every_size import rigid_rms
+from mtcommission.verdict.every_size import rigid_rms, rms_forces
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -44,12 +43,6 @@ Cycles = NDArray[np.int64]
 SAMPLES = 12
 """Samples to a period, of free motion and of the free times (empirical: 3 % of a swing's peak)."""
 
-SWINGS = 1.75
-"""Periods of each pole for which free times are looked at densely (empirical)."""
-
-COUNTS = 0.03
-"""A pole counts if ramps excite it to this share of the one that they excite most [-]."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bench:
@@ -57,20 +50,27 @@ class Bench:
 
     machine: Machine
     poles: LoopPoles  # in every corner
-    leading: tuple[LoopPoles, Cycles]  # where signals swing furthest
+    mean: MeanResponse
     signals: Array  # set force and bounded peaks, rows over the outputs of a velocity cycle
     bounds: Array  # what encoder noise leaves of theirs [own units]
     band: float  # the same of the band [m]
     contour: float  # and of the contour deviation; inf: none is asked for [m]
-    parts: Cycles  # velocity cycles of a position cycle at which free motion is looked at
     ages: Array  # free times looked at beyond the least of a family [s]
+    aged: Complex  # what each has left of the mean response
+    ramps: Array  # of sizes that do not reach the acceleration [s]
     every_size: bool
     behind: dict[SetpointFilter | None, BehindFilter] = field(default_factory=dict)
+    excess: list[float] = field(default_factory=list)  # see ``Use.of_rms``, once it is known
 
     @property
     def delay(self) -> float:
         """τ [s]."""
         return self.poles.delay
+
+    @property
+    def leading(self) -> tuple[LoopPoles, Cycles]:
+        """Where signals swing furthest."""
+        return where_signals_lead(self.poles, self.signals)
 
     def durations(self, item: SetpointFilter | None, a: Array, t_j: Array | float) -> Array:
         """Return t_e of the slowest listed move, shape of ``a`` [s]."""
@@ -78,11 +78,11 @@ class Bench:
         each = [jerk_steps(move, acceleration=a, jerk=jerk).duration for move in self.machine.moves]
         return np.asarray(np.max(each, axis=0) + (item.duration if item else 0.0))
 
-    def use(self, item: SetpointFilter | None, t_j: float) -> Use:
-        """Return what limits with a filter and a jerk time use."""
+    def use(self, item: SetpointFilter | None, t_j: Array | float) -> Use:
+        """Return what limits with a filter and some jerk times use."""
         if item not in self.behind:
-            self.behind[item] = BehindFilter(bench=self, item=item)
-        return Use(behind=self.behind[item], t_j=t_j)
+            self.behind[item] = BehindFilter(bench=self, item=item, factor=self.mean.behind(item))
+        return Use(behind=self.behind[item], t_j=np.asarray(t_j))
 
 
 def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
@@ -93,16 +93,20 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
     rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
     poles = find_poles(tuned.loops)
+    mean = average_phases(poles)
+    ages = mean.ages
     return Bench(
         machine=machine,
         poles=poles,
-        leading=where_signals_lead(poles, np.array(rows)),
+        mean=mean,
         signals=np.array(rows),
         bounds=np.array([_left(drive.motion_force, force), *(peak.bound for peak in needs.peaks)]),
         band=_left(needs.tcp_deviation, tool),
         contour=_left(needs.contour_deviation, tool),
-        parts=_parts(poles),
-        ages=_ages(poles),
+        ages=ages,
+        aged=mean.since(ages),
+        # Two ramps are as long as the free time, which counts twice: half-way as well.
+        ramps=np.sort(np.concatenate([ages[1:], 0.5 * (ages[:-1] + ages[1:])])),
         every_size=needs.every_size,
     )
 
@@ -112,52 +116,19 @@ def _left(bound: float, noise: float) -> float:
     return max(bound - noise, 1e-3 * bound)
 
 
-def counting_poles(poles: LoopPoles) -> Complex:
-    """Return the nominal poles that ramps excite at the tool, in the continuous plane [1/s]."""
-    p = poles.rates[0]
-    sizes = np.abs(poles.shapes[0, :, 0]).max(axis=0) * np.abs(poles.starts[3, 0])
-    there = np.flatnonzero(sizes > 0.0)
-    excited = [sizes[there] * np.minimum(np.abs(p[there]) * t, 2.0) ** 2 for t in RAMPS]
-    counts = np.any([each >= COUNTS * each.max(initial=0.0) for each in excited], axis=0)
-    return np.asarray(p[there[counts]])
-
-
-def _parts(poles: LoopPoles) -> Cycles:
-    """Velocity cycles of a position cycle that meet the fastest pole that counts often enough."""
-    fastest = np.max(np.abs(counting_poles(poles)), initial=1.0)
-    stride = max(int(2.0 * pi / (SAMPLES * fastest * poles.velocity_cycle)), 1)
-    return np.arange(0, poles.cycles, min(stride, poles.cycles))
-
-
-def _ages(poles: LoopPoles) -> Array:
-    """Free times that meet the swings of every pole of the nominal loop that counts."""
-    found, gone = [np.zeros(1)], 1e-3
-    for pole in counting_poles(poles):
-        period, fades = 2.0 * pi / abs(pole), log(1e3) / max(-pole.real, 1e-9)
-        dense = min(SWINGS * period, fades)
-        found.append(np.arange(0.0, dense, period / SAMPLES))
-        found.append(np.geomspace(dense, max(fades, 1.01 * dense), 9))
-        gone = max(gone, fades)
-    ages = np.unique(np.concatenate(found))
-    finest = np.min(np.diff(ages[:2])) if len(ages) > 1 else gone
-    return np.asarray(ages[np.append(True, np.diff(ages) > 0.3 * finest)])
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BehindFilter:
     """What all limits behind a setpoint filter share: ramps that do not reach a, and more."""
 
     bench: Bench
     item: SetpointFilter | None
-    pointed: dict[type[Move], tuple[Array, Array]] = field(default_factory=dict)
-    held: dict[tuple[type[Move], float], tuple[Array, Array]] = field(default_factory=dict)
+    factor: Complex  # of the mean response
+    pointed: dict[type[Move], Array] = field(default_factory=dict)
+    held: dict[tuple[type[Move], float], Array] = field(default_factory=dict)
 
     def worst_of(self, steps: JerkSteps) -> Array:
         """Return the residual of each setpoint in its worst corner, shape (n_setpoints,) [m]."""
-        poles = self.bench.poles
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        free = free_motion(motions, lay_grid(poles, SAMPLES), parts=self.bench.parts)
-        return np.asarray(free.residual.max(axis=1))
+        return self.bench.mean.residual(steps, self.factor)
 
     def peaks(self, steps: JerkSteps) -> Array:
         """Return the largest of each signal, worst corner, shape (n_setpoints, n_signals)."""
@@ -178,32 +149,33 @@ class BehindFilter:
     def worst_pointed(self, kind: type[Move], most: Array) -> Array:
         """Return the worst of ramps up to some that do not reach a [m per m/s³]."""
         if kind not in self.pointed:
-            t = _finer(self.bench.ages)[1:]
-            size = t**2 if kind is VelocityStep else 2.0 * t**3
-            steps = _unlimited(kind, a=np.full_like(t, inf), size=size)
-            self.pointed[kind] = t, np.maximum.accumulate(self.worst_of(steps))
-        return _up_to(*self.pointed[kind], most)
+            ramp = self.bench.mean.since(self.bench.ramps)
+            held = self.factor * (ramp - 1.0) ** 2
+            if kind is Positioning:
+                held = held * (ramp**2 - 1.0)
+            self.pointed[kind] = np.maximum.accumulate(self.bench.mean.largest(held))
+        return _up_to(self.bench.ramps, self.pointed[kind], most)
 
-    def worst_held(self, kind: type[Move], t_j: float, most: Array) -> Array:
+    def worst_held(self, kind: type[Move], t_j: Array, most: Array) -> Array:
         """Return the worst of times up to some for which a is held [m per m/s³]."""
-        if (kind, t_j) not in self.held:
-            T = t_j + self.bench.ages
-            size = t_j * T if kind is VelocityStep else t_j * T * (T + t_j)
-            steps = _unlimited(kind, a=np.full_like(T, t_j), size=size)
-            self.held[kind, t_j] = T, np.maximum.accumulate(self.worst_of(steps))
-        return _up_to(*self.held[kind, t_j], most)
-
-
-def _finer(ages: Array) -> Array:
-    """Twice as many: two ramps are as long as the free time, which counts twice."""
-    return np.sort(np.concatenate([ages, 0.5 * (ages[:-1] + ages[1:])]))
-
-
-def _unlimited(kind: type[Move], *, a: Array, size: Array) -> JerkSteps:
-    """Setpoints at a jerk of 1 that no velocity limits."""
-    move = VelocityStep(velocity_step=1.0) if kind is VelocityStep else Positioning(distance=1.0)
-    a = np.where(np.isfinite(a), a, 1e6)
-    return jerk_steps(move, acceleration=a, jerk=np.ones_like(a), size=size)
+        mean, ages = self.bench.mean, self.bench.ages
+        times, row = np.unique(t_j, return_inverse=True)
+        new = np.array([time for time in times.tolist() if (kind, time) not in self.held])
+        if len(new):
+            ramp = mean.since(new)[:, None]
+            rise = ramp * self.bench.aged
+            held = self.factor * (ramp - 1.0) * (rise - 1.0)
+            if kind is Positioning:
+                held = held * (rise * ramp - 1.0)
+            worst = mean.largest(held.reshape(-1, *held.shape[2:])).reshape(len(new), -1)
+            rising = np.maximum.accumulate(worst, axis=1)
+            self.held.update(
+                {(kind, t): each for t, each in zip(new.tolist(), rising, strict=True)}
+            )
+        rising = np.array([self.held[kind, time] for time in times.tolist()])
+        place = np.searchsorted(ages, most * (1.0 + 1e-9) - t_j)
+        found = rising[row, np.minimum(place, len(ages) - 1)]
+        return np.asarray(np.where(most > 0.0, found, 0.0))
 
 
 def _up_to(times: Array, rising: Array, most: Array) -> Array:
@@ -214,10 +186,10 @@ def _up_to(times: Array, rising: Array, most: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Use:
-    """Shares of what is allowed that limits with one filter and one jerk time use."""
+    """Shares of what is allowed that limits with one filter use."""
 
     behind: BehindFilter
-    t_j: float
+    t_j: Array  # jerk times, as many as accelerations asked for, or one for all [s]
 
     @property
     def bench(self) -> Bench:
@@ -232,47 +204,59 @@ class Use:
         return used
 
     def _of_move(self, move: Move, a: Array) -> Array:
-        jerk, kind = a / self.t_j, type(move)
+        jerk, kind, t_j = a / self.t_j, type(move), np.broadcast_to(self.t_j, a.shape)
         steps = jerk_steps(move, acceleration=a, jerk=jerk)
         if not self.bench.every_size:
             return self.behind.worst_of(steps) / self.bench.band
         ramp, rise = steps.times[:, 1], steps.times[:, 2]
         worst = self.behind.worst_pointed(kind, ramp)
-        reached = ramp >= self.t_j * (1.0 - 1e-9)
+        reached = ramp >= t_j * (1.0 - 1e-9)
         if reached.any():
-            held = self.behind.worst_held(kind, self.t_j, np.where(reached, rise, 0.0))
+            held = self.behind.worst_held(kind, t_j, np.where(reached, rise, 0.0))
             worst = np.maximum(worst, held)
         return jerk * worst / self.bench.band
 
     def of_cruise(self, a: Array) -> Array:
         """Return the share of the band of sizes that reach ``max_velocity``, shape of ``a`` [-]."""
-        used, bench = np.zeros_like(a), self.bench
+        used, bench, mean = np.zeros_like(a), self.bench, self.bench.mean
         for move in bench.machine.moves:
             is_bounded = isinstance(move, Positioning) and isfinite(move.max_velocity)
             if not (bench.every_size and is_bounded):
                 continue
-            assert isinstance(move, Positioning)
-            own = jerk_steps(move, acceleration=a, jerk=a / self.t_j).times
-            cruise = own[:, 4] - own[:, 3]
-            sizes = move.max_velocity * (own[:, 3:4] + np.minimum(bench.ages, cruise[:, None]))
-            full = np.repeat(a, len(bench.ages))
-            steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes.ravel())
-            worst = self.behind.worst_of(steps).reshape(sizes.shape).max(axis=1)
+            steps = jerk_steps(move, acceleration=a, jerk=a / self.t_j)
+            ramp, rise, up, fall = steps.times[:, 1:5].T
+            cruise = fall - up
+            held = self.behind.factor * (mean.since(ramp) - 1.0) * (mean.since(rise) - 1.0)
+            each = held[:, None] * (mean.since(up)[:, None] * bench.aged - 1.0)
+            worst = mean.largest(each.reshape(-1, *held.shape[1:])).reshape(len(a), -1)
+            worst = (worst * (bench.ages <= cruise[:, None])).max(axis=1)
+            worst = a / self.t_j * np.maximum(worst, mean.largest(held * (mean.since(fall) - 1.0)))
             used = np.maximum(used, np.where(cruise > 0.0, worst / bench.band, 0.0))
         return used
 
-    def of_rest(self, a: float) -> float:
-        """Return the largest share of force, peaks, contour and RMS force in some sizes [-].
+    def of_rms(self, a: float) -> float:
+        """Return the share of the RMS force [-]."""
+        share = rms_share(self.bench.machine, self.behind.item, a, float(self.t_j))
+        return share * self._excess(a) if share > NEAR else share
 
-        Or that of the RMS force alone, where that is too much.
-        """
-        bench, item = self.bench, self.behind.item
-        used = rms_share(bench.machine, item, a, self.t_j)
-        is_alone = len(bench.bounds) == 1 and not isfinite(bench.contour)
-        # Far from the limit the force need not be looked at: no loop swings that far.
-        rigid = heaviest(bench.machine) * a
-        if used > BROKEN or (is_alone and SAFE * rigid < bench.bounds[0]):
-            return used
+    def _excess(self, a: float) -> float:
+        """RMS force in the loop over that of the rigid axis: much the same for all limits [-]."""
+        if not self.bench.excess:
+            machine, item = self.bench.machine, self.behind.item
+            move = machine.moves[0]
+            full = np.array([a])
+            steps = filter_steps(jerk_steps(move, acceleration=full, jerk=full / self.t_j), item)
+            load = machine.drive.static_load
+            force = rms_forces(
+                self.bench.poles, steps, move.dwell, static_load=load, most=RMS_CYCLES
+            )
+            rigid = rigid_rms(machine, move, steps)
+            self.bench.excess.append(max(float(force.max() / rigid[0]), 1.0))
+        return self.bench.excess[0]
+
+    def of_rest(self, a: float) -> float:
+        """Return the largest share of force, peaks and contour in some sizes [-]."""
+        bench, used = self.bench, 0.0
         for move in bench.machine.moves:
             shares = np.array(SIZES) if bench.every_size else np.ones(1)
             peaks = self.behind.peaks(self._sizes(move, shares, a))
@@ -286,7 +270,7 @@ class Use:
     def _sizes(self, move: Move, shares: Array, a: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""
         if self.bench.every_size:
-            reach = _just_reached(move, a, self.t_j) / size_of(move)
+            reach = _just_reached(move, a, float(self.t_j)) / size_of(move)
             shares = np.unique(np.clip(np.append(shares, [reach, 1.3 * reach]), 1e-6, 1.0))
         full = np.full_like(shares, a)
         sizes = shares * size_of(move)
@@ -302,11 +286,9 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
     return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
 
-BROKEN = 1.01
-"""Share of the RMS force at which nothing else need be looked at [-]."""
-
-SAFE = 2.0
-"""Factor by which a loop may ask for more force than the rigid axis, at most [-] (empirical)."""
+NEAR, RMS_CYCLES = 0.9, 600
+"""Share of the RMS force from which it is corrected by what the loop adds to that of the rigid
+axis; position cycles that are summed for that."""
 
 RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
 """Sizes of a move at which the RMS force is looked at, as shares of the listed one."""
@@ -320,8 +302,7 @@ def heaviest(machine: Machine) -> float:
 def rms_share(machine: Machine, item: SetpointFilter | None, a: float, t_j: float) -> float:
     """Return the share of the RMS force that the rigid axis uses, heaviest payload [-]."""
     drive, needs, worst = machine.drive, machine.requirements, 0.0
-    most = float(np.hypot(heaviest(machine) * a, drive.static_load))
-    if not isfinite(drive.continuous_force) or most < drive.continuous_force:
+    if float(np.hypot(heaviest(machine) * a, drive.static_load)) < drive.continuous_force:
         return 0.0
     for move in machine.moves:
         sizes = size_of(move) * np.array(RMS_SIZES if needs.every_size else (1.0,))

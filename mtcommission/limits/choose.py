@@ -36,8 +36,8 @@ __all__ = ["Choice", "choose_limits"]
 DIGITS = 3
 """Significant digits of what is typed in."""
 
-MOST_TYPED, MOST_SCALED = 2, 8
-"""Found limits that are typed and judged, best first, and how often each is scaled."""
+MOST_TYPED, MOST_SCALED = 4, 8
+"""Filters whose limits are typed and judged, best first, and how often each is scaled."""
 
 FEW = 1
 """Places that are refined, and typed, where the best of a loop much like this one is known."""
@@ -104,23 +104,26 @@ def choose_limits(
     tuned: TunedLoop,
     *,
     near: MotionLimits | None = None,
+    found: tuple[Found, ...] = (),
     largest_jerk: float = inf,
 ) -> Choice:
     """Return the limits with the least worst-case settling time that meet all requirements.
 
     ``near``: the best limits of a loop much like this one; then only their neighbourhood is looked
-    at. The reserve is kept; where nothing does, all requirements without it. Of limits that settle
-    equally soon the gentlest. Where nothing meets the requirements, those that leave the band
-    least, within force and peaks.
+    at; ``found``: what ``explore`` found with the reserve kept, if that was asked. The reserve is
+    kept; where nothing does, all requirements without it. Of limits that settle equally soon the
+    gentlest. Where nothing meets the requirements, those that leave the band least, within force
+    and peaks.
     """
     strict, best = keep_reserve(machine), None
     for allowed in dict.fromkeys((strict, machine)):
-        typed = find_typed(allowed, plant, tuned, near=near, largest_jerk=largest_jerk)
+        typed = find_typed(allowed, plant, tuned, near=near, found=found, largest_jerk=largest_jerk)
+        found = ()
         if typed is not None:
-            found = _judged(machine, allowed, plant, tuned, typed, largest_jerk)
-            if found.meets_requirements:
-                return found
-            best = best or found  # too late, perhaps: the reserve may buy that time
+            choice = _judged(machine, allowed, plant, tuned, typed, largest_jerk)
+            if choice.meets_requirements:
+                return choice
+            best = best or choice  # too late, perhaps: the reserve may buy that time
     if best is not None:
         return best
     for factor in WIDER:
@@ -160,41 +163,43 @@ def find_typed(
     tuned: TunedLoop,
     *,
     near: MotionLimits | None = None,
+    found: tuple[Found, ...] = (),
     largest_jerk: float = inf,
 ) -> Typed | None:
     """Return the soonest limits, as typed in, that keep all requirements as they stand.
 
     None where the search finds none; a settling time is not asked for.
     """
-    bench = build_bench(machine, plant, tuned)
-    is_known = near is not None
-    refined = FEW if is_known else REFINED
-    found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
+    if not found:
+        bench, refined = build_bench(machine, plant, tuned), REFINED if near is None else FEW
+        found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
     longest = longest_move(machine)
-    best: tuple[float, Typed] | None = None
-    for item in found[: FEW if is_known else MOST_TYPED]:
-        if best is not None and item.duration >= best[0]:
-            continue
-        typed = (
-            _type(machine, plant, tuned, item, largest_jerk) if item.duration < longest else None
-        )
-        if typed is None:
-            continue
-        duration = _duration(machine, typed.limits)
-        if best is None or duration < best[0]:
-            best = duration, typed
-    return best[1] if best else None
+    soonest, best = inf, None
+    for item in found[:MOST_TYPED]:
+        if item.duration >= min(soonest, longest):
+            break
+        typed = _type(machine, plant, tuned, item, largest_jerk, soonest)
+        if typed is not None:
+            soonest, best = _duration(machine, typed.limits), typed
+    return best
 
 
 def _type(
-    machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, largest_jerk: float
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    found: Found,
+    largest_jerk: float,
+    latest: float,
 ) -> Typed | None:
-    """The nearest limits that can be typed in and hold; None where that does not end."""
+    """The nearest limits that can be typed in and hold; None where none are as soon as asked."""
     (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
     largest = largest_acceleration(machine)
     grows, before = 1.0, (inf, inf)
     for _ in range(MOST_SCALED):
         limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
+        if _duration(machine, limits) >= latest:
+            return None
         used, sizes = _use_of_bounds(machine, plant, tuned, limits)
         if used <= 1.0:
             break

@@ -8,14 +8,14 @@ accelerations at once; what is dearer is looked at where the motion could still 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import Jerk
-from mtcommission.limits.bench import Bench
+from mtcommission.limits.bench import Bench, Use
 from mtcommission.limits.filters import filters_to_try, neighbours
 from mtcommission.machine.machine import largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -36,6 +36,12 @@ EQUALLY_SOON = 1.0015
 """Limits that settle within this factor of the soonest settle equally soon: then less jerk is
 better (design choice: what a sixth of a per cent of time cannot buy, wear and noise pay for)."""
 
+AS_SOON = 1.006
+"""Quick looks within this factor of the soonest may be the soonest, judged exactly (empirical)."""
+
+ROUGH = 2
+"""Places that are settled where a loop is only looked at."""
+
 STEPS = 8
 """Towards the largest acceleration allowed, at most."""
 
@@ -48,11 +54,15 @@ WORTHWHILE = 1.05
 NOTICEABLE = 0.9997
 """What is not shorter than the best so far by this factor is not worth the next step."""
 
+LEAST_GROWTH = 0.2
+"""Power of the acceleration with which the RMS force grows, at least [-]."""
+
 CLOSE = 0.002
 """Share of a bound that may be left over [-]."""
 
-FIRST = 3
-"""Places with each filter that are settled at a first look."""
+SAFELY = 0.85
+"""Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
+again [-]."""
 
 REFINED, REACHES = 4, (0.35, 0.16, 0.08, 0.04, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-]."""
@@ -81,13 +91,13 @@ def explore(
     near: MotionLimits | None = None,
     refined: int = REFINED,
 ) -> tuple[Found, ...]:
-    """Return limits and filter with the shortest motion that keep all bounds, the best first.
+    """Return limits with the shortest motion that keep all bounds, behind each filter, best first.
 
-    Of those equally soon the one with the least jerk; then ever later ones. ``near``: what is known
+    Of those equally soon the one with the least jerk. ``near``: what is known
     of a loop much like this one; then only its neighbourhood is looked at. ``refined``: how many
     places are; 0 for a first look. Empty where nothing keeps the bounds.
     """
-    explorer = Explorer.about(bench, largest_jerk=largest_jerk)
+    explorer = Explorer.about(bench, largest_jerk=largest_jerk, is_rough=not refined)
     control, machine = bench.machine.control, bench.machine
     is_free = control.kind.jerk is not Jerk.NONE
     jerk_times = [without_jerk_limit(machine, 1.0).jerk_time]
@@ -100,10 +110,11 @@ def explore(
         items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY)]))
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
-    begins = [found for item in items if (found := explorer.first_look(item, jerk_times))]
-    for begin in sorted(begins, key=lambda item: item.duration)[:refined]:
-        if begin.duration <= WORTHWHILE * explorer.soonest():
-            explorer.refine(begin, is_free=is_free)
+    begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
+    for place in begins[:refined]:
+        found = explorer.look_at([place], latest=WORTHWHILE * explorer.soonest())
+        if found is not None:
+            explorer.refine(found, is_free=is_free)
     return explorer.ranked()
 
 
@@ -114,47 +125,74 @@ class Explorer:
     bench: Bench
     ladder: Array  # accelerations [m/s²]
     largest_jerk: float
+    is_rough: bool  # force and peaks are looked at once for each place, and taken in proportion
     known: dict[Place, Found | None] = field(default_factory=dict)
+    hoped: dict[Place, Found] = field(default_factory=dict)  # by quick looks
+    rests: dict[Place, float] = field(default_factory=dict)  # use of force and peaks, per a [s²/m]
 
     @classmethod
-    def about(cls, bench: Bench, *, largest_jerk: float = inf) -> Explorer:
+    def about(cls, bench: Bench, *, largest_jerk: float = inf, is_rough: bool = False) -> Explorer:
         """Return one that has looked at nothing yet."""
         ladder = largest_acceleration(bench.machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
-        return cls(bench=bench, ladder=ladder, largest_jerk=largest_jerk)
+        return cls(bench=bench, ladder=ladder, largest_jerk=largest_jerk, is_rough=is_rough)
 
     def ranked(self) -> tuple[Found, ...]:
-        """All that was found, the best first."""
-        found = sorted(
-            (item for item in self.known.values() if item is not None),
-            key=lambda item: item.duration,
-        )
-        if not found:
-            return ()
-        latest = EQUALLY_SOON * (found[0].duration + self.bench.delay)
-        near = [item for item in found if item.duration + self.bench.delay <= latest]
-        best = min(near, key=lambda item: item.acceleration / item.jerk_time)
-        return (best, *(item for item in found if item is not best))
+        """The best with each filter, the soonest first; of those equally soon the least jerk.
 
-    def first_look(self, item: SetpointFilter | None, jerk_times: list[float]) -> Found | None:
-        """Look at the jerk times that may be soon enough, and find the best with a filter."""
-        latest = WORTHWHILE * self.soonest()
-        places = [(item, t) for t in jerk_times if self._shortest(item, t) <= latest]
-        return self.look_at(places, latest=latest, most=FIRST)
-
-    def look_at(self, places: list[Place], *, latest: float, most: int) -> Found | None:
-        """Find the largest accelerations at some places, those first that promise most.
-
-        The best of them, where one is no later than ``latest``; at most so many are settled.
+        What was settled, and what quick looks leave that is as soon but for their error.
         """
-        new = [place for place in dict.fromkeys(places) if place not in self.known]
-        hopes = [(hope, place) for place in new if (hope := self._hope(*place, latest))]
+        found = [item for item in self.known.values() if item is not None]
+        for place in self.hoped.keys() - self.known.keys():
+            item = self._capped(place)
+            if self.soonest() <= item.duration <= AS_SOON * self.soonest():
+                found.append(item)
+        best = list[Found]()
+        for own in {item.setpoint_filter: None for item in found}:
+            of_filter = [item for item in found if item.setpoint_filter == own]
+            soonest = min(item.duration for item in of_filter)
+            late = EQUALLY_SOON * (soonest + self.bench.delay) - self.bench.delay
+            near = [item for item in of_filter if item.duration <= late]
+            best.append(min(near, key=lambda item: item.acceleration / item.jerk_time))
+        return tuple(sorted(best, key=lambda item: item.duration))
+
+    def first_look(self, places: list[Place]) -> list[Place]:
+        """Find the best of some places; the most promising with each filter, the best first."""
+        hopes = self._hopes(places, inf)
+        self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, inf)
+        first: dict[SetpointFilter | None, Place] = {}
+        for place in hopes:
+            first.setdefault(place[0], place)
+        return list(first.values())
+
+    def look_at(self, places: list[Place], *, latest: float) -> Found | None:
+        """Find the best of some places; None where none is as soon as asked for."""
+        known = [found for place in places if (found := self.known.get(place))]
+        best = min(known, key=lambda item: item.duration, default=None)
+        if best is not None and best.duration <= latest:
+            return best
+        return self._settle_first(self._hopes(places, latest), latest)
+
+    def _hopes(self, places: list[Place], latest: float) -> list[Place]:
+        """Places not settled yet where quick looks leave that possible, the soonest first."""
+        new = [p for p in dict.fromkeys(places) if p not in self.known and p not in self.hoped]
+        for item in {place[0]: None for place in new}:
+            self._hope(item, np.array([t for other, t in new if other == item]), latest)
+        open_ = {p: self.hoped[p].duration for p in places if p in self.hoped}
+        soon = [p for p, time in open_.items() if time <= latest and p not in self.known]
+        return sorted(soon, key=open_.__getitem__)
+
+    def _settle_first(self, places: list[Place], latest: float) -> Found | None:
+        """The best of some places: no other hope is as soon."""
         best: Found | None = None
-        for (duration, a), place in sorted(hopes, key=lambda pair: pair[0][0])[:most]:
-            if duration > latest:
+        for place in places:
+            if self.hoped[place].duration > latest:
                 break
-            found = self.known[place] = self._settle(*place, a, latest)
-            if found is not None and (best is None or found.duration < best.duration):
-                best, latest = found, min(latest, found.duration)
+            hope = self._capped(place)
+            if hope.duration > latest:
+                continue
+            found = self.known[place] = self._settle(*place, hope.acceleration, latest)
+            if found is not None:
+                best, latest = found, found.duration
         return best
 
     def refine(self, begin: Found, *, is_free: bool) -> None:
@@ -169,7 +207,7 @@ class Explorer:
                 places = [(here.setpoint_filter, time) for time in around]
                 places += [(item, time) for item in items for time in (t, *around)]
                 latest = NOTICEABLE * here.duration
-                found = self.look_at(places, latest=latest, most=len(places))
+                found = self.look_at(places, latest=latest)
                 if found is None:
                     break
                 here = found
@@ -178,30 +216,64 @@ class Explorer:
         """Duration of the best so far [s]; inf where nothing was found."""
         return min((f.duration for f in self.known.values() if f is not None), default=inf)
 
-    def _shortest(self, item: SetpointFilter | None, t_j: float) -> float:
-        """Duration with all the acceleration that is looked at and the largest jerk allows."""
-        a = min(float(self.ladder[-1]), self.largest_jerk * t_j)
-        return float(self.bench.durations(item, np.array([a]), t_j)[0])
+    def _hope(self, item: SetpointFilter | None, times: Array, latest: float) -> None:
+        """Note what quick looks leave possible at some jerk times, where that is soon enough."""
+        row, rung = np.indices((len(times), len(self.ladder)))
+        a, t_j = self.ladder[rung], times[row]
+        possible = a <= self.largest_jerk * t_j
+        possible[possible] = self.bench.durations(item, a[possible], t_j[possible]) <= latest
+        used = np.full(a.shape, inf)
+        if possible.any():
+            used[possible] = self.bench.use(item, t_j[possible]).of_band(a[possible])
+        for k, t in enumerate(times.tolist()):
+            allowed = np.flatnonzero(used[k] <= 1.0)
+            if not len(allowed):
+                continue
+            last = int(allowed[-1])
+            found = float(self.ladder[last])
+            # The share rises between two rungs; where only the lower one is allowed, between them.
+            if last < len(self.ladder) - 1 and possible[k, last + 1]:
+                above = _share_to_one(used[k, last], used[k, last + 1])
+                found *= float(self.ladder[last + 1] / self.ladder[last]) ** above
+            found = self._within_rms(self.bench.use(item, t), found)
+            duration = self._duration((item, t), found)
+            if duration <= latest:
+                self.hoped[item, t] = Found(
+                    duration=duration, acceleration=found, jerk_time=t, setpoint_filter=item
+                )
 
-    def _hope(
-        self, item: SetpointFilter | None, t_j: float, latest: float
-    ) -> tuple[float, float] | None:
-        """The least duration that quick looks leave possible, and its acceleration."""
-        a = self.ladder[self.ladder <= self.largest_jerk * t_j]
-        a = a[self.bench.durations(item, a, t_j) <= latest]
-        if not len(a):
-            return None
-        used = self.bench.use(item, t_j).of_band(a)
-        # The share rises between two rungs; where only the lower one is allowed, between them.
-        allowed = used <= 1.0
-        if not allowed.any():
-            return None
-        last = int(np.flatnonzero(allowed)[-1])
-        found = a[last : last + 1]
-        if last < len(a) - 1:
-            low, high = np.log(max(used[last], 1e-12)), np.log(used[last + 1])
-            found = found * (a[last + 1] / a[last]) ** (-low / (high - low))
-        return float(self.bench.durations(item, found, t_j)[0]), float(found[0])
+    def _duration(self, place: Place, a: float) -> float:
+        return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
+
+    def _within_rms(self, use: Use, a: float) -> float:
+        """The largest acceleration up to some that keeps the RMS force."""
+        share, grows = use.of_rms(a), 1.0
+        for _ in range(STEPS):
+            if share <= 1.0 + CLOSE:
+                break
+            less = a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows)
+            after = use.of_rms(less)
+            # A static load, or a longer move, leaves another power than the first.
+            grows = max(float(np.log(share / after) / np.log(a / less)), LEAST_GROWTH)
+            a, share = less, after
+        return a
+
+    def _rest(self, use: Use, a: float) -> float:
+        """Share of force and peaks; in proportion where they were far from what is allowed."""
+        likely = a * max(self.rests.values(), default=inf)
+        if likely > SAFELY:
+            likely = max(use.of_rest(a), CLOSE)
+            self.rests[use.behind.item, float(use.t_j)] = likely / a
+        return likely
+
+    def _capped(self, place: Place) -> Found:
+        """What was hoped for, with the force that it asks for: longer ramps ask for less."""
+        (item, t_j), hope = place, self.hoped[place]
+        used = [each for (other, t), each in self.rests.items() if other == item and t >= t_j]
+        a = min(hope.acceleration, 1.0 / max(used) if used else inf)
+        if a == hope.acceleration:
+            return hope
+        return replace(hope, acceleration=a, duration=self._duration(place, a))
 
     def _settle(
         self, item: SetpointFilter | None, t_j: float, a: float, latest: float
@@ -227,7 +299,9 @@ class Explorer:
                 a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
                 continue
             a = float(kept[0])
-            rest = max(use.of_rest(a), CLOSE)
+            rest = self._rest(use, a)
+            if self.is_rough:
+                a, rest = a / max(rest, 1.0), min(rest, 1.0)
             if rest <= 1.0 + CLOSE:
                 duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
                 best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
@@ -244,3 +318,9 @@ class Explorer:
             place = -np.log(low[1]) / np.log(high[1] / low[1])
             a = low[0] * (high[0] / low[0]) ** float(np.clip(place, 0.1, 0.9))
         return best
+
+
+def _share_to_one(below: float, above: float) -> float:
+    """Where between two places what is used is 1, in proportion of logarithms [-]."""
+    low, high = np.log(max(below, 1e-12)), np.log(above)
+    return float(-low / (high - low))

@@ -543,8 +543,12 @@ def extremes(
     begins = np.flatnonzero(np.diff(setpoint, prepend=-1))
     largest[setpoint[begins]] = np.maximum.reduceat(each, begins, axis=0)
     if poles.factors.size:
-        for j in range(steps):
-            _note_far(motions, pieces, grid, signals, largest, j, gaps[:, j], with_deviation)
+        gaps[:, -1] = poles.forced + grid.cycle[-1] + 1
+        for part in (slice(0, steps - 1), slice(steps - 1, steps)):
+            own, j = np.nonzero(gaps[:, part] > poles.forced)
+            if len(own):
+                j = j + (part.start or 0)
+                _note_far(motions, pieces, grid, signals, largest, own, j, gaps, with_deviation)
     if with_deviation:
         return Extremes(peaks=largest[..., 1:], deviation=largest[..., 0])
     return Extremes(peaks=largest, deviation=np.zeros(largest.shape[:2]))
@@ -556,17 +560,15 @@ def _note_far(
     grid: Grid,
     signals: Array,
     largest: Array,
-    j: int,
+    own: Cycles,
+    j: Cycles,
     gaps: Cycles,
     with_deviation: bool,
 ) -> None:
-    """Add what the poles alone tell of, from ``forced`` cycles after a step to the next."""
-    poles, q, is_last = motions.poles, motions.order, j == motions.first.shape[1] - 1
-    own = np.arange(len(gaps)) if is_last else np.flatnonzero(gaps > poles.forced)
-    if not len(own):
-        return
-    reach = grid.cycle[-1] + 1 if is_last else gaps[own].max() - poles.forced
-    used = int(np.searchsorted(grid.cycle, reach))
+    """Add what the poles alone tell of, from ``forced`` cycles after some steps to their next."""
+    poles, q = motions.poles, motions.order
+    left = gaps[own, j] - poles.forced
+    used = int(np.searchsorted(grid.cycle, left.max()))
     cycle, part, R = grid.cycle[:used], grid.part[:used], len(signals)
     shapes = (signals @ poles.shapes)[:, part] * grid.faded[:used].transpose(1, 0, 2)[:, :, None]
     found = seen(motions.held[j, own], shapes.reshape(len(shapes), used * R, -1))
@@ -579,9 +581,8 @@ def _note_far(
         t = at * poles.dt + part * poles.velocity_cycle
         found[..., 0] -= _wanted(pieces, np.repeat(own, used), t - poles.delay)[:, None]
     np.abs(found, out=found)
-    if not is_last:
-        found *= (cycle < (gaps[own] - poles.forced)[:, None])[:, None, :, None]
-    largest[own] = np.maximum(largest[own], found.max(axis=2, initial=0.0))
+    found *= (cycle < left[:, None])[:, None, :, None]
+    np.maximum.at(largest, own, found.max(axis=2, initial=0.0))
 
 
 def _wanted(pieces: Pieces, setpoint: Cycles, t: Array) -> Array:

@@ -81,12 +81,15 @@ def cut(times: Array, steps: Array, *, order: int) -> Pieces:
     knots = np.take_along_axis(times, rising, axis=1).T
     sizes = np.take_along_axis(steps, rising, axis=1).T
     values = np.zeros((len(knots) + 1, order + 1, knots.shape[1]))
+    gaps = np.diff(knots, axis=0, prepend=knots[:1])
     for i, size in enumerate(sizes):
-        before = values[i]
-        gap = knots[i] - knots[i - 1] if i else np.zeros(len(size))
-        for k in range(order + 1):
-            values[i + 1, k] = taylor(before[k:], gap)
-        values[i + 1, order] += size
+        later, before = values[i + 1], values[i]
+        later[:] = before
+        grown = np.ones_like(size)
+        for k in range(1, order + 1):
+            grown = grown * gaps[i] / k
+            later[:-k] += before[k:] * grown
+        later[order] += size
     values[-1, 2:] = 0.0
     return Pieces(knots=knots, values=values)
 

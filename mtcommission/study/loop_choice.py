@@ -27,6 +27,8 @@ from mtcommission.study.loop_trials import (
     LoopTrial,
     LoopVariant,
     best_limits,
+    in_order,
+    judge_loop,
     say_settling,
     try_all,
 )
@@ -55,7 +57,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     family, remark = cascade_family(machine, settings.tuning), None
     if machine.control.seeks_force_filters:
         base = tune_shape(family, CLASSIC, largest=settings.tuning.largest_fraction)
-        found = find_filters(family, CLASSIC, base) if base else None
+        found = find_filters(family, CLASSIC) if base else None
         if base and found:
             family, remark = found.family, _say_filters("loop-filters-used", base, found)
         elif machine.control.velocity_gain is None:
@@ -87,6 +89,8 @@ def show_alternatives(
     if machine.drive.follows:
         return choice
     machine = with_filters(machine, choice.tuned)
+    near = [judge_loop(machine, plant, each) for each in choice.others]
+    choice = replace(choice, trials=in_order((*choice.trials, *near)), others=())
     if not machine.control.seeks_force_filters:
         choice = _suggest_filters(machine, choice, settings)
     return show_state_feedback(machine, plant, choice, settings)
@@ -106,7 +110,7 @@ def _suggest_filters(machine: Machine, choice: LoopChoice, settings: Settings) -
     family: LoopFamily | None = cascade_family(machine, settings.tuning)
     if used.shape.mode_weight:
         family = feedback_family(cascade_family(machine, settings.tuning))
-    found = find_filters(family, used.shape, used.tuned) if family else None
+    found = find_filters(family, used.shape) if family else None
     remark = (
         _say_filters("loop-filters-suggested", used.tuned, found)
         if found
@@ -221,10 +225,8 @@ def _weigh_state_feedback(
         choice = found.use(with_it)
         return replace(choice, remarks=(*choice.remarks, NEEDS_STATE_FEEDBACK))
     helps = _pays(without, with_it)
-    if helps:
-        choice = found.use(with_it, among=plain.trials)
-    else:
-        choice = plain.use(without, among=found.trials)
+    pair = (without, with_it)
+    choice = found.use(with_it, among=pair[:1]) if helps else plain.use(without, among=pair[1:])
     remarks = (
         Message(
             "state-feedback-chosen" if helps else "state-feedback-left-out",

@@ -9,7 +9,7 @@ from typing import Any
 
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
-from mtcommission.limits.explore import Found, explore
+from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
@@ -26,8 +26,34 @@ STIFFNESS_EXPONENT = 0.01
 choice; a smooth price, so that a machine that is a little better never gets a loop that is much
 slower)."""
 
+CENTRES = 2
+"""Loops about which others are looked at."""
+
 FINALISTS = 3
-"""Loops that are judged with limits of their own, those first that a first look likes best."""
+"""Loops whose limits are sought more closely, those first that a first look likes best."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finalist:
+    """A loop and the limits that seem to suit it best."""
+
+    shape: Shape  # Kv and Tn over Kp
+    tuned: TunedLoop  # in every corner
+    is_classic: bool  # the cascade by the classic rule
+    found: tuple[Found, ...] = ()  # the best first; empty: none were found that keep the bounds
+    price: float = inf  # settling time, less what the stiffness is worth
+
+    @property
+    def limits(self) -> MotionLimits | None:
+        """The best limits, not rounded; None where none were found."""
+        if not self.found:
+            return None
+        best = self.found[0]
+        return MotionLimits(
+            acceleration=best.acceleration,
+            jerk=best.acceleration / best.jerk_time,
+            setpoint_filter=best.setpoint_filter,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,11 +70,6 @@ class LoopTrial:
     def candidate(self) -> Candidate:
         """Its best limits, judged."""
         return self.choice.candidate
-
-    @property
-    def price(self) -> float:
-        """Settling time, less what the stiffness is worth; the least is chosen."""
-        return priced(self.candidate.settling_time, self.tuned)
 
 
 def priced(settling_time: float, tuned: TunedLoop) -> float:
@@ -73,6 +94,7 @@ class LoopChoice:
     tuned: TunedLoop
     choice: Choice | None = None  # its limits, where they were chosen already
     trials: tuple[LoopTrial, ...] = ()  # judged ones, soonest first; empty: nothing to choose
+    others: tuple[Finalist, ...] = ()  # that came near, not judged yet
     variants: tuple[LoopVariant, ...] = ()  # without and with state feedback, if both were sought
     remarks: tuple[Message, ...] = ()  # why this loop, and what the control must offer
 
@@ -88,74 +110,90 @@ class LoopSearch:
 
     proposals: Proposals
     looked_at: int
-    trials: tuple[LoopTrial, ...]
-
-    @property
-    def best(self) -> LoopTrial | None:
-        """The one that serves the moves best; None if there is none."""
-        return pick_loop(self.trials)
+    best: LoopTrial | None  # the one that serves the moves best; None if there is none
+    others: tuple[Finalist, ...]
 
     def use(self, trial: LoopTrial, *, among: Sequence[LoopTrial] = ()) -> LoopChoice:
-        """The choice of one of the trials, listed beside all others, soonest first."""
-        listed = [replace(item, is_used=item is trial) for item in (*self.trials, *among)]
-        listed.sort(key=lambda item: item.candidate.settling_time)
+        """The choice of the best, or of one of another search, listed beside it."""
+        used = replace(trial, is_used=True)
         return LoopChoice(
             tuned=finish(self.proposals.family, trial.tuned),
             choice=trial.choice,
-            trials=tuple(listed),
-            remarks=_explain(trial, listed, self.looked_at),
+            trials=in_order((used, *among)),
+            others=self.others,
+            remarks=_explain(trial, self.looked_at),
         )
 
 
-def pick_loop(trials: Sequence[LoopTrial]) -> LoopTrial | None:
-    """Return the loop with the least price, of those that meet the requirements if any does."""
-    good = [item for item in trials if item.candidate.assessment.is_met] or trials
-    return min(good, key=lambda item: item.price, default=None)
+def in_order(trials: Sequence[LoopTrial]) -> tuple[LoopTrial, ...]:
+    """Return trials, the soonest first."""
+    return tuple(sorted(trials, key=lambda item: item.candidate.settling_time))
 
 
 def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
-    """Return what the moves make of the proposals, and of those near the best one."""
-    strict, looked = keep_reserve(machine), list[tuple[float, Proposal]]()
-    known: Found | None = None
+    """Return what the moves make of the proposals, and of those near the best one.
 
-    def look_at(proposal: Proposal) -> None:
-        nonlocal known
-        bench = build_bench(strict, plant, proposal.tuned)
-        near = None
-        if known is not None:
-            near = MotionLimits(
-                acceleration=known.acceleration,
-                jerk=known.acceleration / known.jerk_time,
-                setpoint_filter=known.setpoint_filter,
-            )
-        found = explore(bench, near=near, refined=0)
-        if found:
-            known = known or found[0]
-            time = min(item.duration for item in found) + bench.delay
-            looked.append((priced(time, proposal.tuned), proposal))
-        else:
-            looked.append((inf, proposal))
+    The best has the least price of those whose limits meet the requirements, if any does.
+    """
+    looked = _look_at_all(machine, plant, proposals)
+    finalists = [_explore(machine, plant, item) for item in looked[:FINALISTS]]
+    finalists.sort(key=_price)
+    best: LoopTrial | None = None
+    for item in finalists:
+        trial = judge_loop(machine, plant, item)
+        best = best or trial
+        if trial.choice.meets_requirements:
+            best = trial
+            break
+    others = [item for item in finalists if best and item.tuned is not best.tuned]
+    return LoopSearch(proposals=proposals, looked_at=len(looked), best=best, others=tuple(others))
 
-    for proposal in proposals.loops:
-        look_at(proposal)
-    if looked:
-        _, best = min(looked, key=lambda item: item[0])
-        for proposal in propose_near(proposals, best.shape):
-            look_at(proposal)
-    looked.sort(key=lambda item: item[0])
-    trials: list[LoopTrial] = []
-    for _, proposal in looked[:FINALISTS]:
-        first = trials[0].choice if trials else None
-        near = first.limits if first and first.meets_requirements else None
-        trials.append(
-            LoopTrial(
-                shape=proposal.shape,
-                tuned=proposal.tuned,
-                choice=choose_limits(machine, plant, proposal.tuned, near=near),
-                is_classic=proposal.tuned is proposals.classic,
+
+def _price(item: Finalist) -> float:
+    return item.price
+
+
+def _look_at_all(machine: Machine, plant: Plant, proposals: Proposals) -> list[Finalist]:
+    """All proposals, and those near the best of them, at a first look; the best first."""
+    found: list[Finalist] = []
+
+    def look_at(loops: Sequence[Proposal]) -> None:
+        for each in loops:
+            item = Finalist(
+                shape=each.shape, tuned=each.tuned, is_classic=each.tuned is proposals.classic
             )
-        )
-    return LoopSearch(proposals=proposals, looked_at=len(looked), trials=tuple(trials))
+            near = next((other.limits for other in found if other.limits), None)
+            found.append(_explore(machine, plant, item, near=near, refined=0))
+
+    look_at(proposals.loops)
+    for best in sorted(found, key=_price)[:CENTRES]:
+        look_at(propose_near(proposals, best.shape))
+    return sorted(found, key=_price)
+
+
+def _explore(
+    machine: Machine,
+    plant: Plant,
+    item: Finalist,
+    *,
+    near: MotionLimits | None = None,
+    refined: int = REFINED,
+) -> Finalist:
+    """A loop with the best limits, sought everywhere or near those of a loop much like it."""
+    bench = build_bench(keep_reserve(machine), plant, item.tuned)
+    found = explore(bench, near=near, refined=refined)
+    time = found[0].duration + bench.delay if found else inf
+    return replace(item, found=found, price=priced(time, item.tuned))
+
+
+def judge_loop(machine: Machine, plant: Plant, item: Finalist) -> LoopTrial:
+    """Return a loop with the limits that were found for it, rounded and judged."""
+    return LoopTrial(
+        shape=item.shape,
+        tuned=item.tuned,
+        choice=choose_limits(machine, plant, item.tuned, found=item.found),
+        is_classic=item.is_classic,
+    )
 
 
 def best_limits(
@@ -165,7 +203,7 @@ def best_limits(
     return choose_limits(machine, plant, tuned, near=near).candidate
 
 
-def _explain(used: LoopTrial, trials: Sequence[LoopTrial], number: int) -> tuple[Message, ...]:
+def _explain(used: LoopTrial, number: int) -> tuple[Message, ...]:
     """Why a loop is used."""
     if number < 2:
         return ()

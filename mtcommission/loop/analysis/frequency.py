@@ -22,12 +22,10 @@ from mtcommission.loop.analysis.block_responses import (
     BlockResponses,
     Blocks,
     PlantResponse,
-    resolvent,
     scan_blocks,
     scan_blocks_on_grid,
 )
-from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.discrete import discretise_filter
+from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -131,9 +129,10 @@ def _laws(controller: Controller, scanned: BlockResponses) -> Laws:
     T_v, N, z = controller.velocity_cycle, controller.cycles, scanned.z
     Kp, integral = controller.velocity_gain, T_v / controller.integral_time / (z - 1.0)
     path = 1.0 / z
+    s = 2.0 / T_v * (z - 1.0) / (z + 1.0)  # bilinear
     for item in controller.force_filters:
-        stage = discretise_filter(item, controller)
-        path = path * (resolvent(stage.A, stage.B[:, None], z)[:, :, 0] @ stage.C + stage.D)
+        numerator, denominator = filter_polynomials(item)
+        path = path * np.polyval(numerator, s) / np.polyval(denominator, s)
     # The position controller's demand reaches the integral branch through the reference model.
     handed_down = path * (Kp * (1.0 + integral * _reference_model(controller, z)))
     correction = np.full_like(z, controller.position_gain)
@@ -220,7 +219,11 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
         From 0.1 Hz to the Nyquist frequency of the velocity cycle, finest where margins, the
         bandwidth and the peaks are read.
     """
-    scanned = scan_blocks_on_grid(plant, controller)
+    return complete_response(controller, scan_blocks_on_grid(plant, controller))
+
+
+def complete_response(controller: Controller, scanned: BlockResponses) -> FrequencyResponse:
+    """Return the same where plant and observer have been scanned on the grid already."""
     return refine(controller, scanned.blocks, scan(controller, scanned))
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.block_responses import BlockResponses
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.tuning.cascade import Shape, build_cascade
+from mtcommission.loop.tuning.grid import GainGrid, lay_gain_grid
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
@@ -22,8 +22,6 @@ from mtcommission.loop.tuning.tuned import (
     TuningSettings,
     close_within_margins,
     corner_plants,
-    scan_corners,
-    seems_within_margins,
 )
 from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
@@ -39,31 +37,15 @@ BISECTIONS = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopFamily:
-    """What all loops of a machine share, whatever their shape.
+    """What all loops of a machine share, whatever their shape."""
 
-    Parameters
-    ----------
-    machine, bench
-        Nominal, and in every corner.
-    settings
-        Required margins, and the shapes tried.
-    scanned
-        From ``scan_corners`` with the observer.
-    observer
-        Without states where nothing but the cascade is built.
-    state_gains
-        As given, shape (n_plant,) [N per unit]; zero where none are.
-    damps
-        Whether state feedback by weight is built.
-    """
-
-    machine: Machine
-    bench: CornerPlants
-    settings: TuningSettings
-    scanned: tuple[BlockResponses, ...]
-    observer: Observer
-    state_gains: Array
-    damps: bool = False
+    machine: Machine  # nominal
+    bench: CornerPlants  # in every corner
+    settings: TuningSettings  # required margins, and the shapes tried
+    grid: GainGrid  # with the observer and all filters
+    observer: Observer  # without states where nothing but the cascade is built
+    state_gains: Array  # as given, (n_plant,) [N per unit]; zero where none are
+    damps: bool = False  # whether state feedback by weight is built
 
 
 def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
@@ -87,7 +69,7 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
         machine=machine,
         bench=bench,
         settings=settings,
-        scanned=scan_corners(bench, controller),
+        grid=lay_gain_grid(bench, controller),
         observer=controller.observer,
         state_gains=controller.state_gains,
     )
@@ -116,8 +98,8 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     if not moving_modes(bench.model, controller.sensors):
         return None
     observer = design_observer(machine, bench.model, controller, settings=cascades.settings)
-    scanned = scan_corners(bench, replace(controller, observer=observer))
-    return replace(cascades, scanned=scanned, observer=observer, damps=True)
+    grid = lay_gain_grid(bench, replace(controller, observer=observer))
+    return replace(cascades, grid=grid, observer=observer, damps=True)
 
 
 def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
@@ -148,43 +130,17 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
 def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop | None:
     """Return the loop of a shape with the largest Kp that keeps the margins in every corner.
 
-    Parameters
-    ----------
-    family, shape
-        As for ``build``.
-    largest
-        Where Kp begins, over the symmetrical optimum [-].
-
-    Returns
-    -------
-    TunedLoop or None
-        Without remarks and warnings; None if no Kp keeps the margins, or the given one does not.
+    Kp begins at ``largest``, over the symmetrical optimum [-]. Without remarks and warnings; None
+    if no Kp keeps the margins, or the given one does not.
     """
-    bench, settings = family.bench, family.settings
-
-    def close(fraction: float) -> TunedLoop | None:
-        controller = build(family, shape, fraction=fraction)
-        return close_within_margins(bench, controller, settings=settings)
-
-    if family.machine.control.velocity_gain is not None:
-        return close(largest)
-
-    def seems(fraction: float) -> bool:
-        controller = build(family, shape, fraction=fraction)
-        return seems_within_margins(controller, family.scanned, settings=settings)
-
-    low, good = largest, seems(largest)
-    while not good and low > LEAST_FRACTION:
-        low *= settings.reduction
-        good = seems(low)
-    if low < largest and good:
-        high = low / settings.reduction
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if seems(middle) else (low, middle)
-    while low > LEAST_FRACTION:
+    low = tune_on_grid(family, shape, largest=largest)
+    while low is not None and low > LEAST_FRACTION:
         # The grid is coarser than the exact response: what it misses costs half a per cent or two.
-        if (found := close(low)) is not None:
+        controller = build(family, shape, fraction=low)
+        found = close_within_margins(
+            family.bench, controller, family.grid.scanned, settings=family.settings
+        )
+        if found is not None or family.machine.control.velocity_gain is not None:
             return found
         low *= CLOSER
     return None
@@ -194,23 +150,39 @@ CLOSER = 0.995
 """Share of Kp that is tried next where the exact margins are missed."""
 
 
-def tune_with_filters(
-    family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]
-) -> tuple[LoopFamily, TunedLoop | None]:
-    """Return the family with other filters in the set-force path, and its loop of a shape.
+def tune_on_grid(family: LoopFamily, shape: Shape, *, largest: float) -> float | None:
+    """Return Kp of the same loop over the symmetrical optimum, as far as the grid tells [-].
 
-    Parameters
-    ----------
-    family, shape
-        As for ``tune_shape``; plant and observer stay what they are.
-    filters
-        All of them, in order.
-
-    Returns
-    -------
-    (family, loop)
-        None for a loop without the margins.
+    A given Kp counts as ``largest``.
     """
-    control = replace(family.machine.control, force_filters=filters)
-    changed = replace(family, machine=replace(family.machine, control=control))
-    return changed, tune_shape(changed, shape, largest=family.settings.largest_fraction)
+    settings = family.settings
+
+    def seems(fraction: float) -> bool:
+        controller = build(family, shape, fraction=fraction)
+        return family.grid.keeps_margins(controller, settings=settings)
+
+    low, good = largest, seems(largest)
+    if family.machine.control.velocity_gain is not None:
+        return largest if good else None
+    while not good and low > LEAST_FRACTION:
+        low *= settings.reduction
+        good = seems(low)
+    if low < largest and good:
+        high = low / settings.reduction
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if seems(middle) else (low, middle)
+    return low if good else None
+
+
+def with_filters(family: LoopFamily, filters: tuple[ForceFilter, ...]) -> LoopFamily:
+    """Return the family with some filters more in the set-force path, behind those it has."""
+    control = family.machine.control
+    return replace(
+        family,
+        machine=replace(
+            family.machine,
+            control=replace(control, force_filters=(*control.force_filters, *filters)),
+        ),
+        grid=family.grid.with_filters(filters, control.velocity_cycle),
+    )

@@ -7,10 +7,15 @@ from dataclasses import dataclass
 from itertools import product
 from math import pi
 
-import numpy as np
-
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import Shape
-from mtcommission.loop.tuning.family import LoopFamily, tune_with_filters
+from mtcommission.loop.tuning.family import (
+    LoopFamily,
+    build,
+    tune_on_grid,
+    tune_shape,
+    with_filters,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import FilterKind, ForceFilter
 
@@ -37,69 +42,70 @@ MOST = 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilteredLoop:
-    """A loop with filters that the profile does not name.
+    """A loop with filters that the profile does not name."""
 
-    Parameters
-    ----------
-    filters
-        Those that were added.
-    family, tuned
-        Of the loop, with all filters, and the loop in every corner.
-    """
+    filters: tuple[ForceFilter, ...]  # those that were added
+    family: LoopFamily  # with all filters
+    tuned: TunedLoop  # in every corner
 
-    filters: tuple[ForceFilter, ...]
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Sketch:
+    """A loop as far as the grid tells."""
+
+    filters: tuple[ForceFilter, ...]  # those that were added
     family: LoopFamily
-    tuned: TunedLoop
+    controller: Controller
+    stiffness: float  # in the worst corner [N/m]
+
+    def is_worth(self, before: _Sketch) -> bool:
+        """Whether the last filter is worth its place."""
+        rises = self.controller.velocity_gain >= WORTH * before.controller.velocity_gain
+        return rises and self.stiffness >= WORTH * before.stiffness
 
 
-def find_filters(family: LoopFamily, shape: Shape, tuned: TunedLoop) -> FilteredLoop | None:
+def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
     """Return the loop of the same shape with the filters that make the tool stiffest.
 
-    Parameters
-    ----------
-    family, shape, tuned
-        The loop without more filters than are given.
-
-    Returns
-    -------
-    FilteredLoop or None
-        With no more filters than the kind of control has; None if none is worth its place, or if
-        Kp is given.
+    No more than the kind of control has; None if none is worth its place, or if Kp is given.
     """
     control = family.machine.control
-    if control.velocity_gain is not None:
-        return None
-    found: FilteredLoop | None = None
+    begin = None if control.velocity_gain is not None else _sketch(family, shape, ())
+    best = begin
     for _ in range(min(MOST, control.kind.force_filters - len(control.force_filters))):
-        better = _add_filter(
-            family, shape, found.filters if found else (), found.tuned if found else tuned
-        )
-        if better is None:
+        if best is None or (better := _add_filter(family, shape, best)) is None:
             break
-        found = better
-    return found
+        best = better
+    if best is None or best is begin:
+        return None
+    tuned = tune_shape(best.family, shape, largest=_largest(family))
+    return FilteredLoop(filters=best.filters, family=best.family, tuned=tuned) if tuned else None
 
 
-def _add_filter(
-    family: LoopFamily, shape: Shape, added: tuple[ForceFilter, ...], tuned: TunedLoop
-) -> FilteredLoop | None:
+def _largest(family: LoopFamily) -> float:
+    return family.settings.largest_fraction
+
+
+def _add_filter(family: LoopFamily, shape: Shape, before: _Sketch) -> _Sketch | None:
     """The stiffest loop with one filter more, if that is worth its place."""
-    loops = []
-    for item in _candidates(family, tuned):
-        filters = (*added, item)
-        given = family.machine.control.force_filters
-        changed, found = tune_with_filters(family, shape, (*given, *filters))
-        if found is not None and _is_worth(tuned, found):
-            loops.append(FilteredLoop(filters=filters, family=changed, tuned=found))
-    return max(loops, key=lambda loop: loop.tuned.least_stiffness, default=None)
+    tried = (
+        _sketch(family, shape, (*before.filters, item)) for item in _candidates(family, before)
+    )
+    good = [loop for loop in tried if loop is not None and loop.is_worth(before)]
+    return max(good, key=lambda loop: loop.stiffness, default=None)
 
 
-def _is_worth(before: TunedLoop, after: TunedLoop) -> bool:
-    rises = after.controller.velocity_gain >= WORTH * before.controller.velocity_gain
-    return rises and after.least_stiffness >= WORTH * before.least_stiffness
+def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
+    changed = with_filters(family, filters)
+    fraction = tune_on_grid(changed, shape, largest=_largest(family))
+    if fraction is None:
+        return None
+    controller = build(changed, shape, fraction=fraction)
+    stiffness = changed.grid.stiffness(controller)
+    return _Sketch(filters=filters, family=changed, controller=controller, stiffness=stiffness)
 
 
-def _candidates(family: LoopFamily, tuned: TunedLoop) -> Iterator[ForceFilter]:
+def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
     """Notches about every mode that the encoder sees, low-passes above the weakest frequency."""
     for mode in family.bench.model.modes:
         if mode.measured_gain:
@@ -110,9 +116,7 @@ def _candidates(family: LoopFamily, tuned: TunedLoop) -> Iterator[ForceFilter]:
                     damping=DEPTH * width,
                     width=width,
                 )
-    peaks = [1.0 / np.abs(1.0 + response.open_loop) for response in tuned.responses]
-    worst = max(range(len(peaks)), key=lambda i: float(np.max(peaks[i])))
-    weakest_hz = float(tuned.responses[worst].frequency_hz[np.argmax(peaks[worst])])
+    weakest_hz = before.family.grid.weakest_hz(before.controller)
     for factor in LOW_PASSES:
         yield ForceFilter(
             kind=FilterKind.LOW_PASS,

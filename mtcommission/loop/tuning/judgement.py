@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 from math import floor, log10
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.cascade import CLASSIC
-from mtcommission.loop.tuning.family import LoopFamily, tune_shape
+from mtcommission.loop.tuning.family import CLOSER, LoopFamily, tune_on_grid, tune_shape
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, describe_margins, has_margins
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
@@ -141,25 +141,26 @@ def _name_cure(family: LoopFamily) -> Message:
     """
     given = family.machine.control
 
-    def keeps(**gains: float) -> bool:
-        control = replace(given, **gains)  # type: ignore[arg-type]
-        changed = replace(family, machine=replace(family.machine, control=control))
-        return tune_shape(changed, CLASSIC, largest=1.0) is not None
+    def with_gain(name: str, value: float) -> LoopFamily:
+        control = replace(given, **{name: value})  # type: ignore[arg-type]
+        return replace(family, machine=replace(family.machine, control=control))
 
     cures = []
     if given.position_gain is not None:
-        Kv = _largest(given.position_gain, lambda value: keeps(position_gain=value))
+        Kv = _largest(given.position_gain, partial(with_gain, "position_gain"))
         cures += [Message("loop-cure-kv", value=Kv)] if Kv else []
     if given.velocity_gain is not None:
-        Kp = _largest(given.velocity_gain, lambda value: keeps(velocity_gain=value))
+        Kp = _largest(given.velocity_gain, partial(with_gain, "velocity_gain"))
         cures += [Message("loop-cure-kp", value=Kp)] if Kp else []
         if not Kp:  # too soft for its integrator, or for Kv
             compliance = _largest(
-                1.0 / given.velocity_gain, lambda value: keeps(velocity_gain=1.0 / value)
+                1.0 / given.velocity_gain, lambda value: with_gain("velocity_gain", 1.0 / value)
             )
             cures += [Message("loop-cure-kp-from", value=1.0 / compliance)] if compliance else []
     if given.integral_time is not None:
-        rate = _largest(1.0 / given.integral_time, lambda value: keeps(integral_time=1.0 / value))
+        rate = _largest(
+            1.0 / given.integral_time, lambda value: with_gain("integral_time", 1.0 / value)
+        )
         cures += [Message("loop-cure-tn", value=1.0 / rate)] if rate else []
     if not cures:
         return Message("loop-no-cure")
@@ -167,15 +168,25 @@ def _name_cure(family: LoopFamily) -> Message:
     return Message("loop-cure", gains=gains)
 
 
-def _largest(value: float, keeps: Callable[[float], bool]) -> float:
-    """The largest value of a gain below the given one that keeps, to three digits; 0 if none."""
+def _largest(value: float, with_gain: Callable[[float], LoopFamily]) -> float:
+    """The largest value of a gain below the given one with the margins, to three digits; or 0."""
+
+    def seems(gain: float) -> bool:
+        return tune_on_grid(with_gain(gain), CLASSIC, largest=1.0) is not None
+
     for power in range(1, TRIES):
         low = value * LOWERED**power
-        if keeps(low):
+        if seems(low):
             high = low / LOWERED
             for _ in range(5):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if keeps(middle) else (low, middle)
-            step = 10.0 ** (floor(log10(low)) - 2)
-            return floor(low / step) * step
+                low, high = (middle, high) if seems(middle) else (low, middle)
+            while tune_shape(with_gain(_round_down(low)), CLASSIC, largest=1.0) is None:
+                low *= CLOSER
+            return _round_down(low)
     return 0.0
+
+
+def _round_down(value: float) -> float:
+    step = 10.0 ** (floor(log10(value)) - 2)
+    return floor(value / step) * step

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi, radians, sin
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,8 @@ from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
 from mtcommission.loop.analysis.block_responses import BlockResponses, scan_blocks_on_grid
 from mtcommission.loop.analysis.frequency import (
     FrequencyResponse,
+    complete_response,
     frequency_response,
-    open_loop,
 )
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
@@ -163,19 +162,17 @@ def corner_plants(machine: Machine) -> CornerPlants:
     )
 
 
-def close_loop(bench: CornerPlants, controller: Controller) -> TunedLoop:
+def close_loop(
+    bench: CornerPlants, controller: Controller, scanned: Sequence[BlockResponses] = ()
+) -> TunedLoop:
     """Return the controller on the machine in every corner, analysed.
 
-    Parameters
-    ----------
-    bench
-        From ``corner_plants``.
-    controller
-        With every gain resolved.
+    ``scanned``: plant and observer over frequency, where these are known already.
     """
+    scanned = scanned or [scan_blocks_on_grid(plant, controller) for plant in bench.plants]
     closed = [
-        _close_on(plant, controller, frequency_response(plant, controller), model=bench.model)
-        for plant in bench.plants
+        _close_on(plant, controller, complete_response(controller, known), model=bench.model)
+        for plant, known in zip(bench.plants, scanned, strict=True)
     ]
     return _gather(bench, controller, closed)
 
@@ -209,55 +206,17 @@ def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop
     )
 
 
-def seems_within_margins(
-    controller: Controller, scanned: Sequence[BlockResponses], *, settings: TuningSettings
-) -> bool:
-    """Return whether a controller keeps the margins in every corner, as far as the grid tells.
-
-    ``scanned``: from ``scan_corners`` with the same cycles, sensors and observer. Stability by the
-    turns of 1 + L about the origin (Nyquist): three quarters for the three integrators of plant,
-    velocity and position loop, where nothing else stands on the unit circle.
-    """
-    least = 2.0 * sin(0.5 * radians(settings.phase_margin_deg))
-    for known in scanned:
-        L = open_loop(controller, known).whole
-        distance, size = np.abs(1.0 + L), np.abs(L)
-        if distance.min() * settings.sensitivity_peak < 1.0:
-            return False
-        crossing = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
-        share = (1.0 - size[crossing]) / (size[crossing + 1] - size[crossing])
-        at = L[crossing] + share * (L[crossing + 1] - L[crossing])
-        if np.any(np.abs(1.0 + at / np.abs(at)) < least):
-            return False
-        turned = np.unwrap(np.angle(1.0 + L))
-        if abs(turned[-1] - turned[0] - 1.5 * pi) > pi and known.is_damped:
-            return False
-    return True
-
-
 def close_within_margins(
-    bench: CornerPlants, controller: Controller, *, settings: TuningSettings
+    bench: CornerPlants,
+    controller: Controller,
+    scanned: Sequence[BlockResponses] = (),
+    *,
+    settings: TuningSettings,
 ) -> TunedLoop | None:
     """Return the loop as ``close_loop`` does, or None where a corner lacks the margins."""
-    tuned = close_loop(bench, controller)
+    tuned = close_loop(bench, controller, scanned)
     within = all(has_margins(item, settings=settings) for item in tuned.analyses)
     return tuned if within else None
-
-
-def scan_corners(bench: CornerPlants, controller: Controller) -> tuple[BlockResponses, ...]:
-    """Return what all controllers with the same cycles, sensors and observer share.
-
-    Parameters
-    ----------
-    bench, controller
-        As for ``close_loop``.
-
-    Returns
-    -------
-    tuple of BlockResponses
-        One for each corner.
-    """
-    return tuple(scan_blocks_on_grid(plant, controller) for plant in bench.plants)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
