@@ -9,20 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from mtcommission.allowance import SECOND, allow_whole, find_part, left
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
-from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import ProfileSource
+from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
 from mtcommission.study.friction import FrictionEffect, examine_friction
@@ -46,8 +45,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Progress = Callable[[Message], None]
-
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -98,8 +95,6 @@ class Commissioning:
         What measuring at the tool could free; None where nothing was measured, or all of it.
     profile
         The profile that the machine came from; None: another source, so no record.
-    left_out
-        What would have been too much to compute; without it the part is empty.
     improve
         Finds what single changes would bring, when it is first asked for: a sweep never does.
     """
@@ -125,7 +120,6 @@ class Commissioning:
     today: TodaysValues | None
     tool_sensor: ToolSensor | None
     profile: ProfileSource | None
-    left_out: tuple[Message, ...]
     improve: Callable[[], tuple[Improvement, ...]]
 
     @property
@@ -176,28 +170,6 @@ class Commissioning:
         return show_html(self.machine, named, self.plot())
 
 
-class _Dispensable:
-    """Finds what the recommendation does not hang on, and notes what was too much to compute."""
-
-    def __init__(self) -> None:
-        self._missing: list[Message] = []
-
-    @property
-    def left_out(self) -> tuple[Message, ...]:
-        """One message that names all of it; none where nothing was left out."""
-        return (Message("left-out", parts=tuple(self._missing)),) if self._missing else ()
-
-    def find(self, kind: str, find: Callable[[], Found], *, otherwise: Found) -> Found:
-        """Return what is found; else what stands for it, and a message of that kind is noted."""
-
-        def leave_out(_: Message) -> Found:
-            self._missing.append(Message(kind))
-            return otherwise
-
-        return find_part(find, otherwise=leave_out)
-
-
-@allow_whole()
 def commission(
     machine: Machine,
     *,
@@ -225,7 +197,7 @@ def commission(
     """
     settings = settings or Settings()
     require_force(machine)
-    require_affordable(machine)
+    require_short_moves(machine)
     plant = build_plant(machine)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
@@ -239,43 +211,22 @@ def commission(
     tuned = loop.tuned
     progress(Message("stage-limits"))
     choice = loop.choice or choose_limits(machine, plant, tuned)
-    dispensable = _Dispensable()
     listed = None
     if machine.requirements.every_size and choice.meets_requirements:
-        listed = dispensable.find(
-            "left-out-listed",
-            lambda: choose_for_listed(machine, plant, tuned),
-            otherwise=None,
-        )
+        listed = choose_for_listed(machine, plant, tuned)
     progress(Message("stage-responses"))
     alternatives = tuple(
         evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = dispensable.find(
-        "left-out-rules",
-        lambda: evaluate_rules(machine, plant, tuned, rule),
-        otherwise=tuple[Candidate, ...](),
-    )
-    shapers = dispensable.find(
-        "left-out-shapers",
-        lambda: compare_shapers(machine, plant, tuned),
-        otherwise=tuple[Candidate, ...](),
-    )
+    rules = evaluate_rules(machine, plant, tuned, rule)
+    shapers = compare_shapers(machine, plant, tuned)
     attainable: tuple[Attainable, ...] = ()
     if not choice.meets_requirements:
         progress(Message("stage-attainable"))
-        attainable = dispensable.find(
-            "left-out-attainable",
-            lambda: find_attainable(machine, plant, tuned, choice),
-            otherwise=tuple[Attainable, ...](),
-        )
+        attainable = find_attainable(machine, plant, tuned, choice)
     progress(Message("stage-machining-modes"))
-    modes = dispensable.find(
-        "left-out-modes",
-        lambda: find_limits_by_mode(machine, plant, tuned, choice),
-        otherwise=tuple[ModeLimits, ...](),
-    )
+    modes = find_limits_by_mode(machine, plant, tuned, choice)
     progress(Message("stage-comparison"))
     triples = zip(optima, within_band, choice.moves, strict=True)
     comparisons = tuple(
@@ -292,11 +243,7 @@ def commission(
     move_sizes = compare_move_sizes(
         machine, tuned, choice.limits, listed.limits if listed else None, rule.limits
     )
-    tool_sensor = dispensable.find(
-        "left-out-tool-sensor",
-        lambda: value_tool_sensor(machine, tuned, choice),
-        otherwise=None,
-    )
+    tool_sensor = value_tool_sensor(machine, tuned, choice)
     return Commissioning(
         machine=machine,
         plant=plant,
@@ -319,16 +266,5 @@ def commission(
         today=today,
         tool_sensor=tool_sensor,
         profile=profile,
-        left_out=dispensable.left_out,
-        improve=cache(
-            partial(
-                find_improvements,
-                machine,
-                loop,
-                choice,
-                comparisons,
-                settings,
-                spare=left() / SECOND,
-            )
-        ),
+        improve=cache(partial(find_improvements, machine, loop, choice, comparisons, settings)),
     )

@@ -2,9 +2,8 @@
 
 MtcommissionError
 ├── InputError           exit code 2: what the user gave cannot be used; all faults at once
-└── NamedOutcome         exit code 3: how a computation ended, with its remedy
-    ├── ComputationError     of any part; whoever can do without it says so and goes on
-    └── TooMuchError         of the whole: nothing more is computed
+└── ComputationError     exit code 3: how a computation ended, with its remedy; whoever can do
+                         without it says so and goes on
 
 A failed assessment is neither: it is a result (exit code 1).
 """
@@ -130,10 +129,10 @@ class Outcome(Enum):
     SCHEDULER_LOST = "outcome-scheduler-lost"
     STOPPED = "outcome-stopped"
     PRINTING_FAILED = "outcome-printing-failed"
-    TOO_MUCH_TO_COMPUTE = "outcome-too-much-to-compute"
+    DELAY_TOO_LONG = "outcome-delay-too-long"
 
 
-class NamedOutcome(MtcommissionError):
+class ComputationError(MtcommissionError):
     """A computation ended with a named outcome other than success.
 
     Parameters
@@ -160,14 +159,6 @@ class NamedOutcome(MtcommissionError):
     def text(self, catalogue: Catalogue) -> str:
         """Return outcome, detail and remedy."""
         return catalogue.say(self.message)
-
-
-class ComputationError(NamedOutcome):
-    """One of any part; whoever can do without it says so and goes on."""
-
-
-class TooMuchError(NamedOutcome):
-    """The command has used up what it may compute: nobody goes on (see ``allowance``)."""
 
 
 def _english() -> Catalogue:

@@ -8,15 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mtcommission.allowance import allow_whole
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
-from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.known_rules import evaluate_rules
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
@@ -39,7 +38,6 @@ class Recommendation:
     rules: tuple[Candidate, ...]
 
 
-@allow_whole()
 def recommend(
     machine: Machine,
     *,
@@ -59,7 +57,7 @@ def recommend(
     """
     settings = settings or Settings()
     require_force(machine)
-    require_affordable(machine)
+    require_short_moves(machine)
     plant = build_plant(machine)
     progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, plant, settings)

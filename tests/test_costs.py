@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.fuzz import LONGEST, call, fault_of, in_place
+from benchmarks.mutations import dice_of, extreme_machine
+from mtcommission.commission import recommend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_time_optimum
-from mtcommission.loop.simulation_budget import (
-    count_cycles,
-    remark_on_cost,
-    require_affordable,
-)
+from mtcommission.loop.simulate.response import simulate_corners
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.bounded.proof.motion import follow_control
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.free import newton_refinement
@@ -24,7 +27,11 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import joint_system
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.setpoint.duration import require_short_moves
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from tests.machines import paper_machine
 
 STEP = VelocityStep(velocity_step=0.1)
 
@@ -83,16 +90,79 @@ def test_a_motion_followed_in_blocks_is_the_one_followed_at_once() -> None:
     assert motion.peaks == pytest.approx(found.peaks, rel=1e-7)
 
 
-def test_a_dear_machine_says_so_beforehand_and_no_other_does() -> None:
-    """Minutes of silence look like a hang; a line for every machine would not be read."""
-    shipped = [read_shipped(name).machine for name in shipped_names()]
-    assert [remark_on_cost(machine) for machine in shipped] == [()] * len(shipped)
-    many = replace(gantry(), moves=gantry().moves * 12)
-    (remark,) = remark_on_cost(many)
-    assert remark.values["moves"] == len(many.moves)
-    assert remark.values["cycles"] == pytest.approx(12 * count_cycles(gantry()))
-    require_affordable(many)
-    beyond = replace(gantry(), moves=gantry().moves * 1000)
-    assert remark_on_cost(beyond) == ()  # it ends at once
-    with pytest.raises(ComputationError, match="velocity cycles"):
-        require_affordable(beyond)
+@pytest.mark.parametrize(
+    "move",
+    [
+        VelocityStep(velocity_step=0.1),
+        Positioning(distance=0.4, max_velocity=1.0),
+        Positioning(distance=0.01, max_velocity=1.0),
+    ],
+)
+def test_least_time_is_that_of_a_setpoint_with_endless_jerk(move: VelocityStep) -> None:
+    """If it failed, moves would be refused or begun by a wrong duration."""
+    planned = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=2e6))
+    assert least_motion_time(move, 2.0) == pytest.approx(planned.duration, rel=1e-4)
+
+
+def with_force(force: float) -> Machine:
+    machine = paper_machine()
+    return replace(machine, drive=replace(machine.drive, max_force=force))
+
+
+@pytest.mark.parametrize("force", [0.5, 1e-3, 1e-300])
+def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: float) -> None:
+    """If it failed, the user would wait for hours instead of checking the unit of the force."""
+    with np.errstate(all="raise"), pytest.raises(ComputationError) as caught:
+        recommend(with_force(force))
+    assert caught.value.outcome is Outcome.MOVE_TOO_LONG
+    assert "velocity cycles of 125\u202fµs, followed are 5×10⁵ at most" in str(caught.value)
+    assert "check the unit of max_force" in str(caught.value)
+
+
+def test_the_remedy_for_too_long_a_move_helps() -> None:
+    """If it failed, the message would send the user into the next refusal."""
+    machine = with_force(1.0)
+    require_short_moves(replace(machine, moves=(VelocityStep(velocity_step=0.01),)))
+
+
+def test_a_long_move_takes_no_more_instants_and_is_judged_alike() -> None:
+    """A cruise of a minute once asked for gigabytes; it leaves no vibration of its own."""
+    machine = gantry()
+    tuned, limits = tune_loop(machine), MotionLimits(acceleration=2.0, jerk=50.0)
+    short, far = (
+        simulate_corners(
+            tuned.loops,
+            plan_setpoint(Positioning(distance=distance, max_velocity=0.5), limits),
+            drive=machine.drive,
+            band=machine.requirements.tcp_deviation,
+        )
+        for distance in (5.0, 30.0)
+    )
+    for one, other in zip(short, far, strict=True):
+        assert len(other.t) < 1.2 * len(one.t)
+        late = one.settling_time - one.t_end
+        assert other.settling_time - other.t_end == pytest.approx(late, abs=1e-4)
+        assert other.residual_deviation == pytest.approx(one.residual_deviation, rel=1e-3)
+        assert other.peak_deviation == pytest.approx(one.peak_deviation, rel=1e-3)
+        assert other.max_force == pytest.approx(one.max_force, rel=1e-3)
+        energies = [each.rms_force**2 * each.t_end for each in (one, other)]
+        assert energies[1] == pytest.approx(energies[0], rel=0.01)
+
+
+def test_a_loop_that_keeps_thousands_of_setpoints_is_refused() -> None:
+    """A long delay at a short cycle took 1.1 GB."""
+    machine = gantry()
+    control = replace(
+        machine.control, reference_delay=0.1, position_cycle=125e-6, velocity_cycle=125e-6
+    )
+    with pytest.raises(ComputationError, match="would keep 800 setpoints") as caught:
+        tune_loop(replace(machine, control=control))
+    assert caught.value.outcome is Outcome.DELAY_TOO_LONG
+
+
+@pytest.mark.parametrize("seed", [6, 7, 9])
+def test_machines_that_nobody_built_end_with_an_outcome(seed: int, tmp_path: Path) -> None:
+    profile = tmp_path / "dice.toml"
+    profile.write_text(extreme_machine(dice_of(99, seed)), "utf-8")
+    ending = in_place(partial(call, "limits", str(profile)))
+    assert not fault_of("limits", ending, longest=LONGEST), ending

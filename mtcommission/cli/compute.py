@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mtcommission.allowance import allow_whole
 from mtcommission.cli.arguments import (
     AppendixOption,
     CsvOption,
@@ -26,7 +25,7 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
-from mtcommission.cli.progress import print_costs, print_note, print_written, show_stage
+from mtcommission.cli.progress import print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -57,7 +56,6 @@ def run(
     require_folder(output, *names, inputs=[profile])
     source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
-    print_costs(machine)
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
@@ -183,7 +181,7 @@ def optimal(
         intervals=intervals,
         jerk=jerk,
     )
-    with show_stage() as progress, allow_whole():
+    with show_stage() as progress:
         progress(Message(f"stage-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
@@ -219,7 +217,6 @@ def limits(
     require_writable(json_file, page, inputs=[profile])
     source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
-    print_costs(machine)
     if page and not json_file:
         raise typer.Exit(_write_page(machine, source, page, language=language))
 
@@ -304,7 +301,8 @@ def simulate(
     """
     from mtcommission.files import require_writable, write_text
     from mtcommission.machine.rigid_body import require_force
-    from mtcommission.options.simulate import read_limits, read_tried, require_short_moves
+    from mtcommission.options.simulate import read_limits, read_tried
+    from mtcommission.setpoint.duration import require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
     machine = read_machine(profile, f_max, sizes=sizes)
@@ -318,8 +316,7 @@ def simulate(
         error=frequency_error,
     )
     require_force(machine)
-    require_short_moves(tried.machine, chosen)
-    print_costs(machine)
+    require_short_moves(tried.machine, acceleration=chosen.acceleration)
 
     from mtcommission.cli.results_view import describe_simulation
     from mtcommission.cli.terminal import show
@@ -341,7 +338,7 @@ def simulate(
         ramps = {"ramp": asked.jerk_time, "cycle": chosen.jerk_time}
         notes.append(Message("simulated-ramp-of-a-cycle", **ramps))
     plant = build_plant(machine)
-    with show_stage() as progress, allow_whole():
+    with show_stage() as progress:
         progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
         if tried.place:

@@ -66,17 +66,18 @@ def check(
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.machine_view import describe_machine
     from mtcommission.cli.terminal import show
-    from mtcommission.machine.plausibility import check_patience, check_plausibility
+    from mtcommission.machine.plausibility import check_plausibility
     from mtcommission.plant.plant import build_plant
+    from mtcommission.setpoint.duration import require_short_moves
 
     machine = read_machine(profile, "")
-    remarks = [*check_plausibility(machine), *check_patience(machine)]
-    warnings: list[Message | str] = [remark.with_key() for remark in remarks]
+    warnings: list[Message | str] = [each.with_key() for each in check_plausibility(machine)]
     if not machine.control.leaves_all_to_rules:
         from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
 
         warnings += check_loop(machine)
     show(describe_machine(machine, build_plant(machine), warnings))
+    require_short_moves(machine)
 
 
 def list_profiles() -> None:

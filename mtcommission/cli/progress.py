@@ -6,13 +6,9 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mtcommission.cli.language import say, words
 from mtcommission.messages.message import Message
-
-if TYPE_CHECKING:
-    from mtcommission.machine.machine import Machine
 
 
 @contextmanager
@@ -62,15 +58,6 @@ def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
 def print_note(note: Message) -> None:
     """Say on the error stream what the user must know while something is computed."""
     sys.stderr.write(words().say(note) + "\n")
-
-
-def print_costs(machine: Machine) -> None:
-    """Say before a long computation why it will be one; nothing for most machines."""
-    from mtcommission.loop.simulation_budget import remark_on_cost
-    from mtcommission.machine.plausibility import check_patience
-
-    for note in (*remark_on_cost(machine), *(one.with_key() for one in check_patience(machine))):
-        print_note(note)
 
 
 def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:

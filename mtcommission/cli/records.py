@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from mtcommission.allowance import allow_whole
 from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
 from mtcommission.cli.language import ENGLISH, LanguageOption, words
 from mtcommission.cli.progress import print_note, print_written, show_stage
@@ -101,7 +100,7 @@ def export(
     from mtcommission.record.files import load_record
 
     loaded = load_record(record)
-    with trusting(record), allow_whole():
+    with trusting(record):
         found = export_record(loaded, control=key, language=language, as_list=as_csv)
     write_text(output, found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

@@ -19,12 +19,12 @@ from mtcommission.limits.digits import limits_about, round_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.loop.simulation_budget import longest_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
 from mtcommission.verdict.assess import Assessment, assess
@@ -143,7 +143,7 @@ def choose_limits(
     else:
         a = 1e-3 * largest_acceleration(machine)
         limits = round_limits(machine, a, 0.1, digits=DIGITS)
-        require_affordable_limits(machine, limits)
+        require_short(_duration(machine, limits), velocity_cycle=machine.control.velocity_cycle)
         typed = Typed(limits=limits, sizes=None)
     return _judged(machine, machine, plant, tuned, typed, largest_jerk)
 
@@ -183,7 +183,7 @@ def find_typed(
         found = found or explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
         best, excess = min((item.duration for item in typed), default=inf), 1.0
         for item in found[:MOST_TYPED]:
-            if item.duration >= min(best, longest_affordable(machine)):
+            if item.duration >= min(best, longest_move(machine)):
                 break
             own = _Typing(machine=machine, plant=plant, tuned=tuned, bench=bench, latest=best)
             nearest, used = own.type_in(item, largest_jerk)

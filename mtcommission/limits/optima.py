@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10
 
-from mtcommission.allowance import allow_part
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine, Move, Positioning
@@ -37,7 +36,6 @@ NOT_FOUND = (
     Outcome.NO_CONVERGENCE,
     Outcome.MOVE_TOO_LONG,
     Outcome.BEYOND_HORIZON,
-    Outcome.TOO_MUCH_TO_COMPUTE,
 )
 """Ends of a search for which a composed control stands in."""
 
@@ -93,8 +91,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
     if bounds:
         try:
-            with allow_part():
-                constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
+            constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(Message("optimum-under-bounds-failed", error=error.message))
     if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
@@ -104,8 +101,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
     damping = None
     try:
-        with allow_part():
-            damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
+        damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
     except ComputationError as error:
         remarks.append(Message("damping-optimum-failed", error=error.message))
     excess = excess_velocity(plant, damping) if damping else 0.0
@@ -158,10 +154,9 @@ def _search(
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     cruises = isinstance(move, Positioning) and isfinite(move.max_velocity)
     try:
-        with allow_part():
-            if cruises:
-                return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
-            return solve_time_optimal(plant, move, force_limit=force_limit)
+        if cruises:
+            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
+        return solve_time_optimal(plant, move, force_limit=force_limit)
     except ComputationError as error:
         if error.outcome not in NOT_FOUND:
             raise

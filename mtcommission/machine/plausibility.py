@@ -96,37 +96,6 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     )
 
 
-def check_patience(machine: Machine) -> tuple[Remark, ...]:
-    """Return what makes every computation take long: slow modes, and very short cycles.
-
-    Parameters
-    ----------
-    machine
-        Nominal machine, valid.
-
-    Returns
-    -------
-    tuple of Remark
-        Empty if every mode has decayed to 1 % within 10 s, exp(-zeta omega t) = 0.01, and the
-        velocity cycle is at least 20 us.
-    """
-    remarks = []
-    for i, mode in enumerate(machine.mechanics.modes):
-        decay = mode.damping_ratio * mode.natural_frequency
-        ringing = log(100.0) / decay if decay > 0.0 else inf
-        if ringing > LONGEST_RINGING:
-            kind = "mode-rings-long" if decay > 0.0 else "mode-rings-for-ever"
-            what = Message(
-                kind, frequency=mode.frequency_hz, damping_ratio=mode.damping_ratio, time=ringing
-            )
-            remarks.append(_on_mode(machine, mode, i, what))
-    cycle = machine.control.velocity_cycle
-    if cycle < SHORTEST_VELOCITY_CYCLE:
-        message = Message("cycle-shorter-than-drives-have", cycle=cycle)
-        remarks.append(Remark(key="control.velocity_cycle", message=message))
-    return tuple(remarks)
-
-
 def _on_mode(machine: Machine, mode: FlexibleMode, index: int, what: Message) -> Remark:
     message = Message("remark-on-mode", mode=mode.name, what=what)
     return Remark(key=machine.mechanics.mode_key(index), message=message)
@@ -147,6 +116,11 @@ def _doubts(machine: Machine, mode: FlexibleMode, *, is_stated: bool) -> Iterato
         yield Message("mode-damping-high", damping_ratio=zeta, low=low, high=high)
     if f < LOWEST_FREQUENCY_HZ:
         yield Message("mode-slow", frequency=f)
+    decay = zeta * mode.natural_frequency
+    ringing = log(100.0) / decay if decay > 0.0 else inf  # exp(-zeta omega t) = 0.01
+    if ringing > LONGEST_RINGING:
+        kind = "mode-rings-long" if decay > 0.0 else "mode-rings-for-ever"
+        yield Message(kind, frequency=f, damping_ratio=zeta, time=ringing)
     in_velocity, in_position = (
         1.0 / (f * cycle) for cycle in (control.velocity_cycle, control.position_cycle)
     )
@@ -233,6 +207,9 @@ def _check_requirements(machine: Machine) -> Iterator[Remark]:
 
 def _check_control(machine: Machine) -> Iterator[Remark]:
     control, m = machine.control, moving_mass(machine)
+    if control.velocity_cycle < SHORTEST_VELOCITY_CYCLE:
+        message = Message("cycle-shorter-than-drives-have", cycle=control.velocity_cycle)
+        yield Remark(key="control.velocity_cycle", message=message)
     low, high = (m + payload for payload in machine.requirements.payload)
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:

@@ -13,7 +13,6 @@ from math import exp, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning
 from mtcommission.machine.shapers import shape
@@ -40,9 +39,6 @@ MOST_RADIANS = 3e5
 
 COARSE = replace(STANDARD.proof, radians_per_cell=0.15)
 """Peaks of what is not optimal: to a millionth."""
-
-ARC_STEPS, RADIAN_STEPS = 3.5e6, 2e3
-"""What following takes for each arc, and for each radian and state [ns] (measured)."""
 
 
 def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
@@ -99,7 +95,6 @@ def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> Tim
     arcs = _arcs(
         np.add.outer(base, times).ravel(), force * np.multiply.outer(signs, shares).ravel()
     )
-    spend(ARC_STEPS * len(arcs) + RADIAN_STEPS * plant.order * arcs[-1].t_end * plant.fastest_rate)
     motion = follow_control(plant, arcs, rate=plant.fastest_rate, settings=COARSE)
     error = motion.final.copy()
     if isinstance(move, Positioning):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -82,7 +81,6 @@ def hermite_peaks(
     >>> bool(abs(peak[0] - 1.0) < 1e-6)
     True
     """
-    spend(25.0 * start.size, calls=10)
     largest = np.maximum(np.abs(start).max(axis=0), np.abs(end).max(axis=0))
     reach = step[:, None] / 3.0
     inner = np.maximum(np.abs(start + reach * start_rate), np.abs(end - reach * end_rate))

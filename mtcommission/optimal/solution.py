@@ -17,7 +17,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import require_room, spend
 from mtcommission.machine.machine import Move, Positioning, Weight
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.plant.plant import Plant, driven_at_once
@@ -251,12 +250,9 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     moved = driven_at_once(plant)
     n = moved.order
     x, times, forces, states = np.zeros(n), [], [], []
-    room = (arcs[-1].t_end - arcs[0].t_start) / step * (n + arcs[0].initial.size)
-    require_room(8.0 * room, array="allowance-motion")  # whoever asks computes with them
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        spend(count * (n + arc.initial.size) ** 2, calls=0.6 * count)
         transition = balanced_expm(joint_system(moved, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))
         motion[0] = np.concatenate([x, arc.initial])

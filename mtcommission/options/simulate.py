@@ -21,10 +21,6 @@ from mtcommission.units.quantities import (
     TIME,
 )
 
-MOST_SIMULATED_CYCLES = 500_000
-"""Velocity cycles of one simulation, all moves and corners together (empirical: about as long as
-the run of a usual machine, and well below a GB)."""
-
 
 def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimits:
     """Return limits from ``--acceleration`` and ``--jerk``; "" where the control has no jerk limit.
@@ -151,29 +147,3 @@ def _read_filter(machine: Machine, text: str, faults: list[Fault]) -> SetpointFi
     if ranges[0][0] == "time":
         return SetpointFilter(kind=name, time=values[0], second_time=sum(values[1:]))
     return SetpointFilter(kind=name, frequency_hz=values[0], damping_ratio=values[1])
-
-
-def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
-    """Raise MOVE_TOO_LONG if the moves take more velocity cycles than one simulation follows.
-
-    Parameters
-    ----------
-    machine
-        Nominal.
-    limits
-        Of ``--acceleration`` and ``--jerk``.
-
-    Raises
-    ------
-    ComputationError
-        With the count, before anything is computed.
-    """
-    from mtcommission.loop.simulation_budget import require_few_cycles
-
-    require_few_cycles(
-        machine,
-        limits,
-        most=MOST_SIMULATED_CYCLES,
-        reason=Message("budget-asked-for"),
-        remedy=Message("budget-check-options"),
-    )

@@ -83,7 +83,6 @@ def limits_part(
         warnings=[
             *choice.warnings,
             *([today.failure] if today and today.failure else []),
-            *commissioning.left_out,
         ],
         would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )

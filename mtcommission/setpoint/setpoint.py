@@ -17,7 +17,6 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -30,9 +29,6 @@ Array = NDArray[np.float64]
 NUDGES = (0.0, 1e-9, 1e-7, 1e-5)
 """Shares by which the acceleration is lowered in turn where Ruckig finds no profile: it fails on
 the exact border at which a phase vanishes, and next to it it does not."""
-
-EACH = 300.0
-"""What the steps of one setpoint take [ns] (measured)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -260,7 +256,6 @@ def jerk_steps(
     Source: the seven-segment profile, e.g. Biagiotti & Melchiorri, Trajectory Planning for
     Automatic Machines and Robots, 2008, sec. 3.4.
     """
-    spend(EACH * len(jerk), calls=10)
     if isinstance(move, VelocityStep):
         velocity = np.full_like(jerk, move.velocity_step) if size is None else size
         times = _ramp_times(velocity, acceleration, jerk)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil, floor, inf, log10, sqrt
 
-from mtcommission.allowance import allow_part
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice, choose_limits
@@ -44,10 +43,6 @@ REST_TRIES, REST_FACTOR = 4, 1.5
 """How often a rest that does not suffice yet is made longer, and by how much."""
 
 ROUNDING = 1e-9
-
-COMPUTED, BEYOND = 16.0, 9.0
-"""What they may take, about that many seconds of processor time; and what of it where nothing is
-left of what the recommendation was allowed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +76,6 @@ def find_improvements(
     choice: Choice,
     comparisons: Sequence[MoveComparison],
     settings: Settings,
-    spare: float = inf,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first.
 
@@ -95,8 +89,6 @@ def find_improvements(
         One for each move; they know the robust force fed forward.
     settings
         Numerical settings; limits are chosen by the coarser search.
-    spare
-        What the recommendation left of its allowance [s].
 
     Returns
     -------
@@ -109,12 +101,11 @@ def find_improvements(
     # The classic rule begins with the symmetrical optimum, all other loops with more.
     largest = settings.tuning.largest_fraction if trial else 1.0
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
-    with allow_part(min(COMPUTED, BEYOND + spare)):  # what comes after that is named as too much
-        changes = _changes(with_filters(machine, loop.tuned))
-        found = _rested(machine, loop.tuned, choice)
-        found += [_computed(item, shape, largest, choice, settings) for item in changes]
-        if has_filters and not machine.control.seeks_force_filters:
-            found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
+    changes = _changes(with_filters(machine, loop.tuned))
+    found = _rested(machine, loop.tuned, choice)
+    found += [_computed(item, shape, largest, choice, settings) for item in changes]
+    if has_filters and not machine.control.seeks_force_filters:
+        found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
     for variant in loop.variants:
         if variant.name == WITH and not variant.is_used:
             candidate = variant.candidate

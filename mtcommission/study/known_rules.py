@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from mtcommission.limits.commissioning_rule.rule import RuleResult
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
-from mtcommission.loop.simulation_budget import require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
@@ -29,7 +28,6 @@ def evaluate_rules(
     tuple of Candidate
         First the commissioning rule, then the others.
     """
-    require_affordable_limits(machine, rule.limits)
     known = [
         (item.name, item.source, item.limits)
         for item in (*apply_rules_of_thumb(machine, plant), *apply_slower_ramps(machine, plant))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 from mtcommission.errors import ComputationError
 from mtcommission.loop.model.controller import Controller, no_observer
-from mtcommission.loop.simulation_budget import MOST_SLOW_CYCLES, require_few_cycles
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine
@@ -92,13 +91,6 @@ def judge_today(
     filtered = replace(machine, control=control)
     candidate, error, failure = None, None, None
     try:
-        require_few_cycles(
-            filtered,
-            limits,
-            most=MOST_SLOW_CYCLES,
-            reason=Message("budget-today-is"),
-            remedy=Message("budget-check-today"),
-        )
         loop = close_loop(corner_plants(machine), controller) if gains else tuned
         failure = _find_instability(loop) if loop.analyses else None
         if failure is None:

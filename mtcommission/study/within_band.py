@@ -13,7 +13,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from mtcommission.allowance import allow_part
 from mtcommission.errors import ComputationError
 from mtcommission.limits.optima import Optima
 from mtcommission.machine.machine import Machine, Positioning, moving_mass
@@ -135,8 +134,7 @@ def spread_places(machine: Machine, settings: BandSettings) -> list[Corner]:
 def _tried(find: Callable[[], Found], kind: str, remarks: list[Message]) -> Found | None:
     """Return what is found, or None and a remark that tells why not."""
     try:
-        with allow_part():
-            return find()
+        return find()
     except ComputationError as error:
         remarks.append(Message(kind, error=error.message))
         return None

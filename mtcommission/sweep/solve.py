@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from threadpoolctl import threadpool_limits
 
-from mtcommission.allowance import allow_whole
-from mtcommission.errors import InputError, NamedOutcome
+from mtcommission.errors import ComputationError, InputError
 from mtcommission.machine.machine import Machine
 from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import (
@@ -77,11 +76,10 @@ def solve_case(work: Work, number: int) -> Answer:
     try:
         text = vary_profile(work.base.profile_text, settings, where=work.base.where)
         machine = parse_profile(text, where=work.base.where)
-        with allow_whole():
-            return _compute(work, number, text, machine)
+        return _compute(work, number, text, machine)
     except InputError as error:
         return failed(work, number, WRONG_INPUT, str(error))
-    except NamedOutcome as error:
+    except ComputationError as error:
         return failed(work, number, error.outcome.name.lower(), str(error))
     except Exception as error:  # one case must not take the others with it
         return failed(work, number, INTERNAL, f"please report it with the profile: {error!r}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mtcommission.commission import commission
-from mtcommission.errors import NamedOutcome
+from mtcommission.errors import ComputationError
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.schema.record import Record
@@ -52,7 +52,7 @@ def find_new_limits(record: Record, profile: str) -> NewLimits:
     )
     try:
         found = commission(parse_profile(profile, where="--refine"))
-    except NamedOutcome as error:
+    except ComputationError as error:
         return NewLimits(old=old, new=None, failure=Message("verify-no-limits", why=str(error)))
     chosen = found.recommended
     return NewLimits(

@@ -16,16 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import require_room
 from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.model.controller import Controller, reference_state
 from mtcommission.loop.model.interpolation import delay_weights, kept_samples, motion_between
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
-MATRICES = 4.0
-"""Square ones of a loop that are held at once, about."""
+MOST_KEPT = 500
+"""Setpoints that the loop keeps at most: each is four of its states (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,10 +58,13 @@ def hand_down(controller: Controller, model: Plant) -> HandedDown:
     Raises
     ------
     ComputationError
-        TOO_MUCH_TO_COMPUTE where the loop would keep thousands of setpoints.
+        DELAY_TOO_LONG where the loop would keep more than ``MOST_KEPT`` setpoints.
     """
-    kept = 4.0 * kept_samples(controller)  # states of the loop, nearly all where there are many
-    require_room(MATRICES * kept**2, array="allowance-loop")
+    kept = kept_samples(controller)
+    if kept > MOST_KEPT:
+        cycle = controller.position_cycle
+        detail = Message("loop-keeps-many", kept=kept, cycle=cycle, most=MOST_KEPT)
+        raise ComputationError(Outcome.DELAY_TOO_LONG, detail)
     if controller.position_loop is PositionLoop.CONTROL:
         return _held(controller, model)
     return _interpolated(controller, model)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
-from mtcommission.allowance import spend
 from mtcommission.loop.model.controller import Controller
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
@@ -70,7 +69,6 @@ def simulate_continuous(
     A, B, C = _balance(system.A, system.B, system.C)
     system = control.ss(A, B, C, system.D)
     t = np.arange(int(np.ceil(until / STEP)) + 1, dtype=np.float64) * STEP
-    spend(t.size * (A.size + 300.0), calls=0.5 * t.size)
     tau = controller.reference_delay
     inputs = sample_setpoint(setpoint, t - tau if controller.follows else t)
     response = control.forced_response(system, t, inputs.T, squeeze=False)

@@ -2,9 +2,10 @@
 
 e(t) = TCP position - x_ref(t - τ); t_e ends the setpoint. Residual deviation: max |e| for
 t >= t_e + τ. Settling time: the later of t_e + τ and the last time with |e| above the band.
-At every velocity cycle until every closed-loop mode has decayed below 1 % of the band at the tool,
-and below 1 % of what the tool still moves: a residual far within the band is followed to its peak,
-too, and no further where that lasts. What takes longer than the horizon to decay so far is settled
+At every velocity cycle, in long stretches without a step at evenly spread ones, until every
+closed-loop mode has decayed below 1 % of the band at the tool, and below 1 % of what the tool still
+moves: a residual far within the band is followed to its peak, too, and no further where that lasts.
+What takes longer than the horizon to decay so far is settled
 if it can leave the band no more; else it is "not settled". By poles (``loop.respond``); stepped
 where the force saturates.
 """
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, inf, log, sqrt
 
 import numpy as np
@@ -21,6 +23,7 @@ from numpy.typing import NDArray
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.nonlinear import step_linear, step_through
 from mtcommission.loop.respond import (
+    Cycles,
     LoopPoles,
     Motions,
     find_poles,
@@ -32,6 +35,7 @@ from mtcommission.loop.respond import (
 )
 from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.machine.machine import Drive
+from mtcommission.setpoint.duration import require_short
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 
 Array = NDArray[np.float64]
@@ -62,7 +66,7 @@ class LoopResponse:
     Parameters
     ----------
     t
-        Every velocity cycle, shape (n_samples,) [s].
+        Velocity cycles that are looked at: nearly always every one, shape (n_samples,) [s].
     deviation
         e, shape (n_samples,) [m].
     force
@@ -127,12 +131,13 @@ def simulate_corners(
     motions = set_in_motion(poles, knots_of(setpoint))
     first = ceil((setpoint.duration + poles.delay) / poles.dt) + 1
     count, decayed = _follow(poles, motions, first, band=band)
-    outputs = np.empty((len(loops), (first + count) * poles.cycles, poles.outputs))
+    n = _looked_at(motions, first, first + count)
+    outputs = np.empty((len(loops), len(n) * poles.cycles, poles.outputs))
     rows = np.eye(poles.outputs)
-    for start in range(0, first + count, TOGETHER):
-        n = np.arange(start, min(start + TOGETHER, first + count))
-        part = slice(start * poles.cycles, (start + len(n)) * poles.cycles)
-        found = outputs_at(motions, n[None], rows)[0]
+    for start in range(0, len(n), TOGETHER):
+        some = n[start : start + TOGETHER]
+        part = slice(start * poles.cycles, (start + len(some)) * poles.cycles)
+        found = outputs_at(motions, some[None], rows)[0]
         outputs[:, part] = found.reshape(len(loops), -1, poles.outputs)
     max_force = np.max(np.abs(outputs[:, :, 2]), axis=1)
     saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
@@ -143,7 +148,8 @@ def simulate_corners(
     responses = []
     for corner, loop in enumerate(loops):
         own, settles = instead.get(corner, (outputs[corner], bool(decayed[corner])))
-        found = _judge(loop, setpoint, own, settles=settles, drive=drive, band=band)
+        at = np.arange(len(own) // poles.cycles) if corner in instead else n
+        found = _judge(loop, setpoint, at, own, settles=settles, drive=drive, band=band)
         asked, beyond = float(max_force[corner]), bool(saturated[corner])
         responses.append(replace(found, max_force=asked, saturated=beyond))
     return responses
@@ -151,6 +157,25 @@ def simulate_corners(
 
 TOGETHER = 2000
 """Position cycles that are computed at once."""
+
+
+LOOKED_AT = 4000
+"""Velocity cycles after each step of the setpoint that are all looked at, and of the rest until the
+next one, evenly spread: half a second each at 125 us, so that no move makes many (empirical)."""
+
+
+def _looked_at(motions: Motions, first: int, last: int) -> Cycles:
+    """Position cycles that are looked at, from one on for longer after the setpoint's end."""
+    poles = motions.poles
+    steps = np.minimum(motions.first[0], first)
+    ends = np.unique(np.concatenate([[0], steps, [first, last]])).tolist()
+    parts = []
+    for start, stop in pairwise(ends):
+        every = FOLLOWED / poles.dt if start == first else LOOKED_AT / poles.cycles
+        dense = min(start + ceil(every), stop)
+        rest = min(stop - dense, ceil(LOOKED_AT / poles.cycles))
+        parts += [np.arange(start, dense), np.linspace(dense, stop, rest, endpoint=False)]
+    return np.concatenate(parts).astype(np.int64)
 
 
 def _follow(
@@ -198,6 +223,7 @@ def _step_saturated(
     if not loops:
         return []
     T, delay = loops[0].lifted.dt, loops[0].controller.reference_delay
+    require_short(setpoint.duration, velocity_cycle=loops[0].controller.velocity_cycle)
     X = np.zeros((len(loops), len(loops[0].lifted.A)))
     pieces: list[Array] = []
     k, stop = 0, ceil((setpoint.duration + delay) / T) + 1
@@ -224,6 +250,7 @@ def _step_saturated(
 def _judge(
     loop: SampledLoop,
     setpoint: Setpoint,
+    n: Cycles,
     outputs: Array,
     *,
     settles: bool,
@@ -232,7 +259,8 @@ def _judge(
 ) -> LoopResponse:
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
-    t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
+    cycles, T_v = loop.controller.cycles, loop.controller.velocity_cycle
+    t: Array = (n[:, None] * cycles + np.arange(cycles)).ravel() * T_v
     deviation = outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0]
     states = outputs[:, 3:]
     signals = np.hstack([states, states @ loop.plant.C.T])
@@ -249,7 +277,8 @@ def _judge(
         at = np.concatenate([[until], t[begin:]])
         settling = float(last_crossing(at, judged[None], band, begin=at[:1])[1][0])
     peak, window = float(np.max(np.abs(deviation))), setpoint.duration + setpoint.move.dwell
-    shares, motor = window_shares(t, window, step=loop.controller.velocity_cycle), outputs[:, -1]
+    stands_for = np.repeat(np.gradient(n.astype(np.float64)), cycles)  # cycles for each one
+    shares, motor = stands_for * window_shares(t, window, step=T_v), outputs[:, -1]
     rms = rms_force(
         np.array(shares @ motor),
         np.array(shares @ motor**2),

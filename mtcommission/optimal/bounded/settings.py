@@ -170,6 +170,8 @@ class NewtonSettings:
 class MeshSettings:
     """Meshes: where cells lie, what is solved on them, when they are finished."""
 
+    most_cells: int = 1000
+    """Of one program at most (empirical: some hundred are usual)."""
     point_excess: float = 1e-8
     """Relative excess over a bound between the points that calls for another point at the end."""
     margin_excess: float = 2e-7

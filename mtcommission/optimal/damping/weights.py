@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
 from mtcommission.plant.plant import Plant
 
 SAMPLING_ANGLE = 0.02
 """Sampling step times the fastest natural frequency [-]: the quadrature then errs by 1e-8."""
+
+MOST_RADIANS = 2e3
+"""Of the fastest mode over the motion: a hundred thousand samples (empirical)."""
 
 
 def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]:
@@ -36,6 +41,10 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     see docs/optimal-control-damping.md.
     """
     fastest = max(mode.natural_frequency for mode in plant.modes)
+    radians = fastest * reference.t_f
+    if radians > MOST_RADIANS:
+        detail = Message("optimum-too-long", t_f=reference.t_f, radians=radians, most=MOST_RADIANS)
+        raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
     motion = sample_trajectory(plant, reference.arcs, step=SAMPLING_ANGLE / fastest)
     h = np.diff(motion.t)[:, None]
     x = motion.states

@@ -23,7 +23,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import left, require_room, spend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
@@ -31,10 +30,6 @@ from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSet
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-HELD, ITERATION, FIRST = 140.0, 6e3, 10.0
-"""For each interval and state: numbers that IPOPT holds, and what an iteration takes [ns]; and how
-many iterations are made up by what comes before them (all measured)."""
 
 LONGEST = 100.0
 """Longest final time that is searched, in units of its first guess."""
@@ -152,16 +147,11 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
     ------
     ComputationError
         FINAL_TIME_TOO_SHORT if IPOPT finds a move with given t_f infeasible,
-        BOUND_CANNOT_HOLD if one with free t_f, NO_CONVERGENCE for its other failures,
-        TOO_MUCH_TO_COMPUTE where it is.
+        BOUND_CANNOT_HOLD if one with free t_f, NO_CONVERGENCE for its other failures.
     """
     n, N = problem.target.size, settings.intervals
-    require_room(HELD * N * n, array="allowance-transcription")
-    each = ITERATION * N * n
-    spend(FIRST * each)
     program = _program(problem, settings)
-    most = int(min(settings.max_iterations, left() / each))
-    options = _options(problem, settings, program) | {"ipopt.max_iter": most}
+    options = _options(problem, settings, program)
     solver = ca.nlpsol("transcription", "ipopt", program, options)
     low, high = _box(problem, N)
     equal = np.zeros(n * N + _end_rows(problem).size)
@@ -175,8 +165,6 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
         ubg=np.concatenate([equal, limit]),
     )
     stats = solver.stats()
-    cut_short = stats["iter_count"] >= most < settings.max_iterations
-    spend(left() + each if cut_short else each * stats["iter_count"])
     _check(problem, settings, stats)
     point = np.asarray(answer["x"]).ravel()
     last, reach_rate, unit = float(point[-1]), nan, 1.0 / _weight(problem, N)

@@ -25,23 +25,13 @@ outcome-no-force-left = { $axis ->
     [rotary] kein Moment übrig: { $detail }: die statische Last braucht das ganze Moment, die Achse kann sich also nicht bewegen; max_force erhöhen oder die Last ausgleichen
    *[linear] keine Kraft übrig: { $detail }: die statische Last braucht die ganze Kraft, die Achse kann sich also nicht bewegen; max_force erhöhen oder die Last ausgleichen
 }
-outcome-move-too-long = Bewegung zu lang: { $detail }: eine so lange Bewegung wird nicht Takt für Takt verfolgt; die Einheit von max_force prüfen oder eine kürzere Bewegung angeben (einen kleineren velocity_step oder einen kürzeren Weg bei gleicher max_velocity: konstante Geschwindigkeit und lange konstante Beschleunigung lassen keine Schwingung zurück, die Grenzwerte bleiben also nahezu gleich; was wegfällt, auch von max_settling_time abziehen)
+outcome-move-too-long = Bewegung zu lang: { $detail }: eine so lange Bewegung wird nicht Takt für Takt verfolgt; die Einheit von max_force prüfen, oder von Beschleunigung und Ruck, wo sie angegeben sind, oder eine kürzere Bewegung angeben (einen kleineren velocity_step oder einen kürzeren Weg bei gleicher max_velocity: konstante Geschwindigkeit und lange konstante Beschleunigung lassen keine Schwingung zurück, die Grenzwerte bleiben also nahezu gleich; was wegfällt, auch von max_settling_time abziehen)
 outcome-setpoint-failed = kein Sollwert: { $detail }: Ruckig fand zu diesen Grenzwerten keinen Sollwert; prüfen, ob sie in SI-Einheiten angegeben sind
 outcome-worker-lost = Prozess verloren: { $detail }: Prozesse der Reihenrechnung endeten immer wieder, aus Mangel an Speicher oder mit Gewalt; mit --resume und weniger --workers fortsetzen
 outcome-scheduler-lost = Scheduler verloren: { $detail }: ihn und seine Prozesse neu starten und mit --resume fortsetzen
 outcome-stopped = angehalten: { $detail }: die Reihenrechnung wurde unterbrochen; mit --resume fortsetzen
 outcome-printing-failed = Druck gescheitert: { $detail }: das PDF konnte nicht gesetzt werden; --no-pdf verwenden und die Meldung einsenden
-outcome-too-much-to-compute = zu viel zu rechnen: { $detail }: weniger oder kürzere Bewegungen, weniger Zuladungen, keine Eigenform, die weder Werkzeug noch Geber bemerkt, oder einen längeren velocity_cycle angeben; für eine Transkription weniger --intervals
-allowance-whole = das Ganze braucht mehr als etwa { ROUND($seconds) } s Prozessorzeit (in Schritten gezählt, auf jedem Rechner gleich)
-allowance-part = dieser Teil braucht mehr als etwa { ROUND($seconds) } s Prozessorzeit (in Schritten gezählt, auf jedem Rechner gleich)
-allowance-array = { $what } hätte { ROUND($values, digits: 2) } Zahlen, höchstens { ROUND($most, digits: 2) } werden gehalten
-allowance-echoes = was der Regelkreis auf einen Ruckschritt antwortet
-allowance-free-motion = die freie Bewegung des Regelkreises
-allowance-motion = die Bewegung unter einer optimalen Steuerung
-allowance-transients = die Antwort des Regelkreises auf jeden Schritt des Sollwerts
-allowance-loop = der Regelkreis mit den Sollwerten, die er behält
-allowance-transcription = die Transkription mit so vielen Intervallen (--intervals)
-allowance-mesh = das Netz der optimalen Steuerung
+outcome-delay-too-long = Verzögerung zu lang: { $detail }: eine kürzere reference_delay oder einen längeren position_cycle angeben
 
 # what another program says, in its own words
 foreign = { $text }

@@ -58,11 +58,6 @@ loop-hidden-states = Zustandsrückführung von { $states }
 loop-observer-failed = Beobachter: { $error }
 loop-gains-failed = Verstärkungen: { $error }
 
-budget-dear = Das dauert länger als meist: jede Simulation verfolgt { $moves } Bewegung(en) in { $corners } Ecke(n) über { ROUND($cycles, digits: 2) } Geschwindigkeitstakte von { TIME($cycle) }, { ROUND($ratio, digits: 2) }-mal das längste Beispiel. Weniger Bewegungen oder kürzere derselben Art geben fast dieselben Grenzen früher.
-budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }
-budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }; { $remedy }
-budget-rule-asks = ein Band von { SI($band, "LENGTH", digits: 3) } verlangt
-budget-check-band = die Einheit von tcp_deviation prüfen
-budget-asked-for = verlangt sind
-budget-check-options = die Einheiten von --acceleration und --jerk prüfen
 loop-motor-follows = kein Regelkreis einzustellen: der Motor folgt dem Sollwert, um { TIME($delay) } verspätet, so lange wie zwei Sollwerte brauchen; beurteilt wird die Beschleunigung des gefilterten Sollwerts, sie ist die des Motors
+loop-keeps-many = der Regelkreis müsste { ROUND($kept, digits: 3) } Sollwerte von je { TIME($cycle) } behalten, höchstens { ROUND($most, digits: 2) } werden behalten
+move-of-many-cycles = eine Bewegung von { PLAIN($time) } s sind { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }

@@ -86,8 +86,6 @@ today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: di
 today-in-own-loop = Simuliert mit heutigem Kv, Kp und Tn; Vorsteuerung und Takte wie empfohlen.
 today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht angegeben, sowie Vorsteuerung und Takte wie empfohlen.
 today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
-budget-today-is = die heutigen Werte sind
-budget-check-today = die Einheiten in [today] prüfen
 
 # what would bring more
 change-dsc = Lageregelung im Antrieb (DSC)
@@ -133,12 +131,3 @@ glance-force = { $axis ->
    *[linear] Sollkraft in { $unit }
 }
 glance-time = Zeit in ms
-
-# was zu lange dauerte; $parts: eines oder mehrere der folgenden
-left-out = Für dieses Blatt nicht berechnet und für sein Urteil nicht nötig: { $parts }. Eine Rechnung mit weniger oder kürzeren Bewegungen oder weniger Zuladungen lässt Zeit dafür.
-left-out-listed = was den genannten Weiten allein diente
-left-out-rules = die Regeln von Herstellern und Lehrbüchern
-left-out-shapers = Eingangsformer und Ruckfilter neben der Empfehlung
-left-out-attainable = was stattdessen einzuhalten wäre
-left-out-modes = Grenzwerte für die Bearbeitungsarten
-left-out-tool-sensor = was eine Messung am Werkzeug freigäbe

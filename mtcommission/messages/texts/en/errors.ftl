@@ -28,23 +28,13 @@ outcome-no-force-left = { $axis ->
     [rotary] no torque left: { $detail }: the static load takes all of the torque, so the axis cannot move; raise max_force or balance the load
    *[linear] no force left: { $detail }: the static load takes all of the force, so the axis cannot move; raise max_force or balance the load
 }
-outcome-move-too-long = move too long: { $detail }: so long a motion is not followed cycle by cycle; check the unit of max_force, or state a shorter move (a smaller velocity_step, or a shorter distance at the same max_velocity: constant velocity and long constant acceleration leave no vibration, so the limits stay nearly the same; take what is cut off from max_settling_time, too)
+outcome-move-too-long = move too long: { $detail }: so long a motion is not followed cycle by cycle; check the unit of max_force, or of the acceleration and jerk that were given, or state a shorter move (a smaller velocity_step, or a shorter distance at the same max_velocity: constant velocity and long constant acceleration leave no vibration, so the limits stay nearly the same; take what is cut off from max_settling_time, too)
 outcome-setpoint-failed = setpoint failed: { $detail }: Ruckig found no setpoint for these limits; check that they are in SI units
 outcome-worker-lost = worker lost: { $detail }: processes of the sweep ended again and again, for want of memory or by force; continue with --resume, with fewer --workers
 outcome-scheduler-lost = scheduler lost: { $detail }: start it and its workers again, and continue with --resume
 outcome-stopped = stopped: { $detail }: the sweep was interrupted; continue with --resume
 outcome-printing-failed = printing failed: { $detail }: the PDF could not be set; use --no-pdf and report the message
-outcome-too-much-to-compute = too much to compute: { $detail }: state fewer or shorter moves, fewer payloads, no mode that neither tool nor encoder notices, or a longer velocity_cycle; for a transcription fewer --intervals
-allowance-whole = the whole takes more than about { ROUND($seconds) } s of processor time (counted in steps, the same on every computer)
-allowance-part = this part takes more than about { ROUND($seconds) } s of processor time (counted in steps, the same on every computer)
-allowance-array = { $what } would have { ROUND($values, digits: 2) } numbers, { ROUND($most, digits: 2) } are held at most
-allowance-echoes = what the loop answers to a step of the jerk
-allowance-free-motion = the free motion of the loop
-allowance-motion = the motion under an optimal control
-allowance-transients = the answer of the loop to each step of the setpoint
-allowance-loop = the loop with the setpoints that it keeps
-allowance-transcription = the transcription with so many intervals (--intervals)
-allowance-mesh = the mesh of the optimal control
+outcome-delay-too-long = delay too long: { $detail }: state a shorter reference_delay or a longer position_cycle
 
 # what another program says, in its own words
 foreign = { $text }

@@ -71,12 +71,6 @@ loop-hidden-states = state feedback of { $states }
 loop-observer-failed = observer: { $error }
 loop-gains-failed = gains: { $error }
 
-# What a move costs: more velocity cycles than are followed
-budget-dear = This takes longer than most: each simulation follows { $moves } move(s) in { $corners } corner(s) for { ROUND($cycles, digits: 2) } velocity cycles of { TIME($cycle) }, { ROUND($ratio, digits: 2) } times the longest example. Fewer moves, or shorter ones of the same kind, give nearly the same limits sooner.
-budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most
-budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most; { $remedy }
-budget-rule-asks = to keep a band of { SI($band, "LENGTH", digits: 3) } it takes
-budget-check-band = check the unit of tcp_deviation
-budget-asked-for = asked for are
-budget-check-options = check the units of --acceleration and --jerk
 loop-motor-follows = no loop to tune: the motor follows its setpoint, { TIME($delay) } late, which is what two setpoints take; the acceleration judged is that of the setpoint behind its filter, which is the motor's own
+loop-keeps-many = the loop would keep { ROUND($kept, digits: 3) } setpoints of { TIME($cycle) } each, at most { ROUND($most, digits: 2) } are kept
+move-of-many-cycles = a move of { PLAIN($time) } s is { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most

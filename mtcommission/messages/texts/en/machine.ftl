@@ -3,9 +3,9 @@
 # $key: of the profile; $what: one of the remarks below
 remark = { $key }: { $what }
 remark-on-mode = mode { $mode }: { $what }
-mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left; limits, simulate and run follow it that long, take about a minute or leave parts out
-mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever; limits, simulate and run follow it that long, take about a minute or leave parts out
-cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms; limits, simulate and run follow every cycle, take about a minute or leave parts out
+mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left
+mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever
+cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms
 mode-damping-low = damping ratio { ROUND($damping_ratio, digits: 3) } is below what machine structures show, { ROUND($low) } to { ROUND($high) }
 mode-damping-high = damping ratio { ROUND($damping_ratio, digits: 3) } is above what machine structures show, { ROUND($low) } to { ROUND($high) }
 mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and { $axis ->

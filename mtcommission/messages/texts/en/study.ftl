@@ -90,8 +90,6 @@ today-in-recommended-loop = Today's gains are not stated: today's limits were si
 today-in-own-loop = Simulated with today's Kv, Kp and Tn; feed-forward and cycles as recommended.
 today-in-mixed-loop = Simulated with today's { $stated }; { $others }, not stated, and feed-forward and cycles as recommended.
 today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
-budget-today-is = today's values are
-budget-check-today = check the units in [today]
 
 # what would bring more
 change-dsc = Position loop in the drive (DSC)
@@ -137,12 +135,3 @@ glance-force = { $axis ->
    *[linear] set force in { $unit }
 }
 glance-time = time in ms
-
-# what would have taken too long; $parts: one or more of those that follow
-left-out = Not computed for this sheet, and not needed for its verdict: { $parts }. A run with fewer or shorter moves or fewer payloads leaves time for it.
-left-out-listed = what would serve the listed sizes alone
-left-out-rules = the rules of makers and textbooks
-left-out-shapers = input shapers and jerk filters beside the recommendation
-left-out-attainable = what could be met instead
-left-out-modes = limits for the machining modes
-left-out-tool-sensor = what measuring at the tool would free

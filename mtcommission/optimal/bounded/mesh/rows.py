@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import require_room, spend
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.places import FORCE, ArcInterior, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
@@ -133,9 +134,9 @@ def mesh_segments(problem: BoundedProblem, plan: MeshPlan, *, relaxed: bool) -> 
     cells = sum(interior is None for *_, interior in spans)
     jumps = sum(problem.limits[interior.limit].order for interior in interiors) if relaxed else 0
     lengths = np.array([start - end for start, end, _ in spans])
-    values = float(len(spans) * plant.order * (cells + jumps + 2))
-    require_room(2.0 * values, array="allowance-mesh")
-    spend(values * (0.25 * plant.order + 1.0), calls=2 * len(spans))
+    if len(spans) > problem.settings.mesh.most_cells:
+        detail = Message("mesh-too-fine", cells=len(spans), most=problem.settings.mesh.most_cells)
+        raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
     flows = transition(plant, lengths)
     pushes = step_response(plant, lengths) * problem.force_limit
     state, column, jump = np.zeros((plant.order, cells + jumps + 2)), 0, cells

@@ -11,7 +11,6 @@ from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from mtcommission.allowance import CALL, left, spend
 from mtcommission.optimal.bounded.settings import ProgramSettings
 
 Array = NDArray[np.float64]
@@ -137,20 +136,14 @@ def solve_program(
     2.0
     """
     model = _model(program)
-    # A step looks at each coefficient about once, a new factorisation many times.
-    each, again = 1.1 * program.rows.size + CALL, 8.0 * program.rows.size + CALL
     for way in WAYS:
         allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
-        most = int(min(steps, 1 + left() / each))
-        solver = _solver(way, settings, steps=most, tolerance=allowed)
-        more = min((settings.checks_per_step - 1) * most, left() / again)
-        checks = _stop_circles(solver, most=most + int(more))
+        solver = _solver(way, settings, steps=steps, tolerance=allowed)
+        _stop_circles(solver, most=settings.checks_per_step * steps)
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
         solver.run()
-        done = solver.getInfo().simplex_iteration_count
-        spend(each * done + again * max(most + int(more) - checks.left - done, 0), calls=250)
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _solution(solver, equations=program.right.size)
@@ -208,20 +201,13 @@ def _solver(
     return solver
 
 
-@dataclass(slots=True)
-class _Checks:
-    """How often a simplex method may still ask whether it shall go on."""
-
-    left: int
-
-
-def _stop_circles(solver: highspy.Highs, *, most: int) -> _Checks:
+def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
     """Stop a simplex method that has asked too often whether it shall go on.
 
     It asks at each step, and again at each new factorisation: one that turns in circles without
     counting its steps goes on asking.
     """
-    checks = _Checks(left=most)
+    checks = iter(range(most))
 
     def answer(
         kind: cb.HighsCallbackType,
@@ -230,12 +216,10 @@ def _stop_circles(solver: highspy.Highs, *, most: int) -> _Checks:
         told: cb.HighsCallbackInput,
         data: object,
     ) -> None:
-        checks.left -= 1
-        told.user_interrupt = checks.left < 0
+        told.user_interrupt = next(checks, None) is None
 
     solver.setCallback(answer, None)
     solver.startCallback(cb.HighsCallbackType.kCallbackSimplexInterrupt)
-    return checks
 
 
 def _solution(solver: highspy.Highs, *, equations: int) -> Solution:

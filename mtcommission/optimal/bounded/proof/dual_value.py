@@ -22,7 +22,6 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure, Stretch, stretches
 from mtcommission.optimal.bounded.proof.sigma import integrate_sigma, sigma_magnitude
@@ -121,7 +120,6 @@ def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
         int(np.ceil(part.length * problem.rate * problem.settings.proof.density_cells_per_radian))
         + 1
     )
-    spend(count * (n + 1.0) ** 2, calls=0.3 * count)
     flow = balanced_expm(joint * (part.length / count))
     rows = [np.append(held.chart @ part.adjoint, 0.0)]
     for _ in range(count):

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import impulse_response, step_response
 
@@ -166,8 +165,6 @@ def _sigma(
     problem: BoundedProblem, adjoints: Array, stretch: NDArray[np.intp], tau: Array
 ) -> tuple[Array, Array]:
     """Return σ and dσ/dτ at times before the ends of stretches."""
-    n, modes = problem.plant.order, len(problem.plant.modes)
-    spend(tau.size * (4.0 * n + 50.0 * modes + 60.0), calls=6 + 3 * modes)
     response, adjoint = impulse_response(problem.plant, tau), adjoints[stretch]
     slopes = np.sum(response * (adjoint @ problem.plant.A), axis=1)
     return np.sum(response * adjoint, axis=1), slopes
@@ -223,7 +220,6 @@ def _halved(
 
 def _may_hide_zeros(cells: _Cells, bend: Array) -> NDArray[np.bool_]:
     """Return which cells may hold zeros that the signs at their ends do not show."""
-    spend(110.0 * cells.left.size, calls=6)
     widths, most = cells.right - cells.left, bend[cells.stretch]
     monotone = np.abs(cells.slopes).max(axis=1) >= most * widths
     # Between its ends σ deviates from the chord by at most bend widths² / 8.
@@ -239,8 +235,6 @@ def _sign_changes(
     where = signs[:, 0] * signs[:, 1] < 0.0
     stretch, low, high = cells.stretch[where], cells.left[where], cells.right[where]
     sign, adjoint = signs[where, 0], adjoints[stretch]
-    rounds, modes = problem.settings.proof.bisections, len(problem.plant.modes)
-    spend(rounds * low.size * (40.0 * modes + 50.0), calls=rounds * (4 + 2 * modes))
     for _ in range(problem.settings.proof.bisections):
         at = 0.5 * (low + high)
         same = np.sign(np.sum(impulse_response(problem.plant, at) * adjoint, axis=1)) == sign

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import spend
 from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
@@ -96,10 +95,8 @@ def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array
     ndarray, shape (k, n)
     """
     if piece.limit < 0:
-        spend(tau.size * (2.0 * state.size**2 + 100.0 * state.size), calls=4 * state.size)
         pushes = step_response(problem.plant, tau) * piece.side * problem.force_limit
         return np.asarray(transition(problem.plant, tau) @ state + pushes)
-    spend(tau.size * state.size**2, calls=0.4 * tau.size)
     flow = problem.limits[piece.limit].boundary_flow.over(float(tau[1] - tau[0]))
     states = [state]
     for _ in tau[1:]:
