@@ -31,7 +31,7 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.shapers import compare_shapers
+from mtcommission.study.rules import compare_shapers
 from mtcommission.study.varied import respond_varied
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
@@ -107,8 +107,8 @@ def score_machine(seed: int) -> list[Score]:
         name = Catalogue().say(rule.name).split(" (")[0]
         note(name, evaluate(machine, plant, tuned, rule.limits), 0.0)
     start = process_time()
-    shaped = compare_shapers(machine, plant, tuned)
-    taken = (process_time() - start) / len(shaped)
+    shaped = compare_shapers(machine, tuned, near=searched)
+    taken = (process_time() - start) / max(len(shaped), 1)
     for candidate in shaped:
         note(Catalogue().say(candidate.name or "").split(" (")[0], candidate, taken)
     start = process_time()

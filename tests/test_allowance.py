@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,6 @@ import pytest
 
 from benchmarks.fuzz import LONGEST, call, fault_of, in_place
 from benchmarks.mutations import dice_of, extreme_machine
-from mtcommission import allowance
 from mtcommission.allowance import (
     LARGEST,
     SECOND,
@@ -108,30 +106,6 @@ def steps_of(machine: Machine) -> float:
     with allow_whole(given):
         recommend(machine)
         return given * SECOND - left()
-
-
-def test_without_room_for_parts_limits_are_found_and_the_sheet_says_what_is_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Limits and verdict of a whole run, less what stands beside them."""
-    monkeypatch.setattr(allowance, "KEPT", 1e3)
-    monkeypatch.setattr(allowance, "LEAST", 1e-3)
-    profile, out = tmp_path / "honing.toml", tmp_path / "out"
-    profile.write_text(read_shipped("honing-z").text, "utf-8")
-    code, said = call("run", str(profile), "-o", str(out))
-    assert code == 0, said
-    record = json.loads((out / "record.json").read_text("utf-8"))
-    assert record["assessment"]["met"]
-    assert record["limits"]["rules"] == record["limits"]["modes"] == []
-    page = (out / "sheet.html").read_text("utf-8")
-    for missing in (
-        "Not computed for this sheet, and not needed for its verdict",
-        "the rules of makers and textbooks",
-        "limits for the machining modes",
-    ):
-        assert missing in page
-    code, said = call("export", str(out / "record.json"), "--control", "sinumerik")
-    assert code == 0, said
 
 
 def test_a_shorter_move_and_fewer_payloads_take_less() -> None:

@@ -26,7 +26,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.known_rules import evaluate_rules
+from mtcommission.study.rules import evaluate_rules
 from tests.machines import paper_machine
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
@@ -93,7 +93,7 @@ def test_a_band_that_no_move_can_keep_is_told_without_following_it() -> None:
     settling_time = choose_limits(tight, plant, tuned).candidate.settling_time
     assert 60.0 < settling_time < 2.0 * longest_affordable(tight)
     with pytest.raises(ComputationError) as caught:
-        evaluate_rules(tight, plant, tuned, apply_commissioning_rule(tight, plant, tuned))
+        evaluate_rules(tight, tuned, apply_commissioning_rule(tight, plant, tuned))
     assert caught.value.outcome is Outcome.MOVE_TOO_LONG
     assert "to keep a band of 1×10⁻¹² m it takes" in str(caught.value)
     assert "check the unit of tcp_deviation" in str(caught.value)

@@ -44,10 +44,10 @@ from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.improvements import Improvement
-from mtcommission.study.kept_range import DampingRange, FrequencyError
 from mtcommission.study.loop_choice import describe_loop
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
+from mtcommission.study.robustness import KeptRange
 from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 
@@ -103,11 +103,7 @@ def limits_part(
             residual_deviation=_plotted(seen.residual_deviation),
             usage=_plotted(seen.usage),
         ),
-        warnings=[
-            *choice.warnings,
-            *([today.failure] if today and today.failure else []),
-            *commissioning.left_out,
-        ],
+        warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
         would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )
 
@@ -161,7 +157,7 @@ def _improvement_entry(item: Improvement, *, before: float) -> ImprovementEntry:
     )
 
 
-def _range(error: FrequencyError | DampingRange) -> list[float] | None:
+def _range(error: KeptRange) -> list[float] | None:
     ends = [error.kept_from, error.kept_to]
     return ends if all(map(isfinite, ends)) else None
 

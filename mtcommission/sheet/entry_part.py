@@ -6,7 +6,6 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mtcommission.allowance import allow_part
 from mtcommission.errors import ComputationError, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -19,9 +18,6 @@ from mtcommission.sheet.verdict_part import acceleration, headline, jerk
 if TYPE_CHECKING:
     from mtcommission.export.layout import Entry
     from mtcommission.export.write import Export
-
-SECONDS = 20.0
-"""What the export of a sheet may take."""
 
 ELSEWHERE_MARK = ">"
 """Stands, as in the export's text, before what is set in the drive, or must be so."""
@@ -40,8 +36,7 @@ def type_in(record: Record) -> Export | Message:
     from mtcommission.export.write import export_own
 
     try:
-        with allow_part(SECONDS):
-            return export_own(record)
+        return export_own(record)
     except InputError as error:
         return error.faults[0].message
     except ComputationError as error:

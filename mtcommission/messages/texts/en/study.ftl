@@ -6,11 +6,9 @@ recommended-limits = recommended limits
 way-listed = listed sizes only
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
-moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
 source-klipper = Klipper, Resonance Compensation
 source-calibrate-shaper = Klipper, calibrate_shaper at 84104bbb, its criterion computed here
-source-jerk-filter = jerk filter of the controls, Biagiotti & Melchiorri 2008
 
 # where a worst value was found; $parts: some of the others
 place = { $parts }
@@ -45,10 +43,6 @@ loop-no-filters = No notch or low-pass in the { $axis ->
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
 
 # small changes
-change-jerk = jerk { CHANGE($change) }
-change-acceleration = acceleration { CHANGE($change) }
-change-frequencies = frequencies { CHANGE($change) }
-change-damping = damping { CHANGE($change) }
 
 # robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
 frequency-spread-not-stated = The profile states no spread of the frequencies; all requirements are kept only while the eigenfrequencies are off by { $low } to { $high }. Missed outside this range: { $lost }. State requirements.frequency_spread, at least { SHARE($least) }, and run again.
@@ -137,12 +131,3 @@ glance-force = { $axis ->
    *[linear] set force in { $unit }
 }
 glance-time = time in ms
-
-# what would have taken too long; $parts: one or more of those that follow
-left-out = Not computed for this sheet, and not needed for its verdict: { $parts }. A run with fewer or shorter moves or fewer payloads leaves time for it.
-left-out-listed = what would serve the listed sizes alone
-left-out-rules = the rules of makers and textbooks
-left-out-shapers = input shapers and jerk filters beside the recommendation
-left-out-attainable = what could be met instead
-left-out-modes = limits for the machining modes
-left-out-tool-sensor = what measuring at the tool would free
