@@ -93,12 +93,9 @@ def compare_move(
         limits=result.setpoint.limits,
         optima=tuple(found.values()),
     )
-    robust_rows = (
-        () if robust is None else ((ROBUST, feed_forward(machine, plant, tuned, robust.force)),)
-    )
+    fed = (*found.items(), *([(ROBUST, robust.force)] if robust else []))
     fed_forward = (
-        *((name, feed_forward(machine, plant, tuned, item)) for name, item in found.items()),
-        *robust_rows,
+        *((name, feed_forward(machine, plant, tuned, item)) for name, item in fed),
         (
             Message("recommended-limits"),
             follow_setpoint(machine, plant, tuned, result.setpoint),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -10,7 +11,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import Candidate, evaluate
+from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_moves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,17 +27,18 @@ class Row:
 
 
 def judge(row: Row) -> Candidate:
-    """Return the limits of a row, judged like the recommendation."""
+    """Return the limits of a row, judged like the recommendation.
+
+    ``sizes`` is empty where the listed sizes miss a requirement already.
+    """
     if row.limits is None:
         return replace(choose(row).candidate, name=row.label, source=row.source)
-    return evaluate(
-        row.machine,
-        build_plant(row.machine),
-        row.tuned,
-        row.limits,
-        name=row.label,
-        source=row.source,
-    )
+    plant = build_plant(row.machine)
+    moves = simulate_moves(row.machine, row.tuned, row.limits)
+    of_all = partial(evaluate_moves, row.machine, plant, row.tuned, moves)
+    found = of_all(sizes=(), name=row.label, source=row.source)
+    # What the listed sizes miss, smaller ones cannot mend.
+    return of_all(name=row.label, source=row.source) if found.assessment.is_met else found
 
 
 def choose(row: Row) -> Choice:
