@@ -68,8 +68,8 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, profile=source, progress=progress)
-    record = record_run(found, created=now())
-    with show_stage() as progress:
+        progress(Message("stage-improvements"))
+        record = record_run(found, created=now())
         progress(Message("stage-sheet"))
         typed = type_in(record)
         notes = (Message("entry-none", why=typed),) if isinstance(typed, Message) else typed.doubts

@@ -260,7 +260,7 @@ def _judge(
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
     cycles, T_v = loop.controller.cycles, loop.controller.velocity_cycle
-    t: Array = (n[:, None] * cycles + np.arange(cycles)).ravel() * T_v
+    t = np.asarray((n[:, None] * cycles + np.arange(cycles)).ravel() * T_v, dtype=np.float64)
     deviation = outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0]
     states = outputs[:, 3:]
     signals = np.hstack([states, states @ loop.plant.C.T])
