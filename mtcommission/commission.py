@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
-from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
+from mtcommission.limits.optima import Optima, condense_optima, find_optima
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import ProfileSource
@@ -167,81 +168,6 @@ class Commissioning:
         if self.today and self.today.judged:
             named.insert(1, (Message("terminal-today"), self.today.judged))
         return show_html(self.machine, named, self.plot())
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Recommendation:
-    """Loop and limits alone, for whoever goes on trying from there.
-
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    tuned
-        The loop that is used, in every corner.
-    choice
-        Recommended limits, judged.
-    today
-        What the values now in the control do; None where the profile states none.
-    rule, rules
-        The commissioning rule and the makers' rules on this machine, where asked for.
-    """
-
-    machine: Machine
-    plant: Plant
-    tuned: TunedLoop
-    choice: Choice
-    today: TodaysValues | None
-    rule: RuleResult | None
-    rules: tuple[Candidate, ...]
-
-
-def recommend(
-    machine: Machine,
-    *,
-    with_rules: bool = False,
-    settings: Settings | None = None,
-    progress: Progress = lambda _: None,
-) -> Recommendation:
-    """Return loop and limits without optima, comparisons and robustness.
-
-    Parameters
-    ----------
-    machine, settings, progress
-        As for ``commission``.
-    with_rules
-        Whether the rules of makers and textbooks are judged beside them.
-
-    Returns
-    -------
-    Recommendation
-        The search knows nothing of the optima, so the limits may be others than in a record, never
-        ones that are judged otherwise.
-
-    Raises
-    ------
-    ComputationError
-        As ``commission``.
-    """
-    settings = settings or Settings()
-    require_force(machine)
-    require_short_moves(machine)
-    plant = build_plant(machine)
-    progress(Message("stage-feedback-loop"))
-    loop = settle_on_loop(machine, plant, settings)
-    tuned = loop.tuned
-    progress(Message("stage-limits"))
-    choice = loop.choice or choose_limits(machine, plant, tuned)
-    rule = apply_commissioning_rule(machine, plant, tuned) if with_rules else None
-    return Recommendation(
-        machine=machine,
-        plant=plant,
-        tuned=tuned,
-        choice=choice,
-        today=judge_today(machine, plant, tuned, settings.robustness),
-        rule=rule,
-        rules=evaluate_rules(machine, plant, tuned, rule) if rule else (),
-    )
 
 
 def commission(

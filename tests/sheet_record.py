@@ -663,6 +663,11 @@ def _loop() -> Any:
             "bandwidth_hz": 21.7,
             "dynamic_stiffness": 6.1e6,
         },
+        "cross_check": {
+            "pole_difference": 7e-15,
+            "gain_margin_db": 13.5,
+            "phase_margin_deg": 33.1,
+        },
         "gain_margin_up_db": None,
         "gain_margin_down_db": 13.5,
         "worst_mode_damping": {"base": 0.18, "rotation": 0.047},

@@ -31,6 +31,7 @@ from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
+BELT = str(PROFILES / "printer-belt.toml")
 
 Result = tuple[int, str, str]
 Run = Callable[..., Result]
@@ -63,6 +64,38 @@ def test_help_answers_without_the_heavy_libraries() -> None:
     assert done.returncode == 0, done.stderr
     for command in ("run", "check", "optimal", "limits", "simulate", "sheet"):
         assert command in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("command", "left_out"),
+    [
+        (("check", BELT), ("scipy", "ruckig")),
+        (("limits", BELT), ()),
+        (("limits", BELT, "--page", "page.html"), ()),
+        (("simulate", BELT, "--acceleration", "3", "--jerk", "200"), ()),
+    ],
+    ids=" ".join,
+)
+def test_a_command_loads_what_it_computes_with(
+    command: tuple[str, ...], left_out: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Who tries ten variants an hour would wait for libraries longer than for the answer."""
+    code = (
+        "import sys\nfrom mtcommission import cli\n"
+        f"sys.argv=['mtcommission',*{command!r}]\n"
+        "try:\n    cli.main()\nexcept SystemExit:\n    print(*sys.modules, sep='\\n')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    loaded = set(done.stdout.splitlines())
+    heavy = {
+        "casadi", "contourpy", "control", "highspy", "matplotlib", "polars", "scipy.integrate",
+        "scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.sparse", "typst",
+        "mtcommission.commission", "mtcommission.optimal.solution", "mtcommission.sheet.content",
+    }  # fmt: skip
+    assert "mtcommission.machine.machine" in loaded
+    assert not loaded & (heavy | set(left_out))
 
 
 @pytest.mark.parametrize(

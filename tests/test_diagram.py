@@ -14,12 +14,9 @@ from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.block_responses import build_blocks, scan_blocks
-from mtcommission.loop.analysis.frequency import scan
-from mtcommission.loop.model.assembly import lift_on_plants
+from mtcommission.loop.analysis.disturbance import simulate_disturbance
+from mtcommission.loop.analysis.frequency import build_blocks, scan, scan_blocks
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
-from mtcommission.loop.model.discrete import discretise
-from mtcommission.loop.simulate.disturbance import simulate_disturbance
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
@@ -140,19 +137,6 @@ def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
     ).open_loop
     theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
-
-
-@pytest.mark.parametrize("seed", [1, 3, 4])
-def test_batch_on_the_same_plant_is_the_loop(seed: int) -> None:
-    """Thousands of machines would be judged with another controller than the nominal one."""
-    loop = tuned_member(seed).loops[-1]
-    A, B = discretise(loop.plant, loop.controller.velocity_cycle)
-    signals = loop.observation[2:3, : loop.own_size]
-    rows = lift_on_plants(loop, A[None], B[None], signals=signals)[0]
-    n, cycles, per_cycle = loop.own_size, loop.controller.cycles, len(loop.outputs)
-    assert_same(rows[:n], loop.lifted.A[:n, :n])
-    assert_same(rows[n : n + cycles], loop.lifted.C[2::per_cycle, :n])
-    assert_same(rows[n + cycles :], loop.lifted.C[::per_cycle, :n])
 
 
 @pytest.mark.parametrize("seed", [1, 4])

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mtcommission.loop.simulate.disturbance import simulate_disturbance
+from mtcommission.loop.analysis.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, Requirements

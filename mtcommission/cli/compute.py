@@ -30,9 +30,9 @@ from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
-    from mtcommission.commission import Recommendation
     from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import ProfileSource
+    from mtcommission.recommend import Recommendation
     from mtcommission.record.schema.values import Words
 
 
@@ -222,9 +222,9 @@ def limits(
 
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
-    from mtcommission.commission import recommend
+    from mtcommission.recommend import recommend
+    from mtcommission.record.answer import limits_answer
     from mtcommission.record.files import dump_json
-    from mtcommission.record.limits import limits_answer
 
     with show_stage() as progress:
         found = recommend(machine, with_rules=True, progress=progress)
@@ -240,8 +240,8 @@ def limits(
 
 def _write_page(machine: Machine, source: ProfileSource, page: str, *, language: str) -> int:
     """Write a page to try values on; its limits are recommended without the rest of the job."""
-    from mtcommission.commission import recommend
     from mtcommission.files import write_text
+    from mtcommission.recommend import recommend
 
     with show_stage() as progress:
         found = recommend(machine, progress=progress)
@@ -252,7 +252,7 @@ def _write_page(machine: Machine, source: ProfileSource, page: str, *, language:
 
 
 def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> str:
-    from mtcommission.record.build import machine_entry, profile_entry
+    from mtcommission.record.data import machine_entry, profile_entry
     from mtcommission.record.what_if import what_if_part
     from mtcommission.sheet import print_answers
 
@@ -300,7 +300,7 @@ def simulate(
     The loop is that of the profile, whatever is tried.
     """
     from mtcommission.files import require_writable, write_text
-    from mtcommission.limits.optima import require_force
+    from mtcommission.machine.rigid_body import require_force
     from mtcommission.options.simulate import read_limits, read_tried
     from mtcommission.setpoint.duration import require_short_moves
 
@@ -318,7 +318,6 @@ def simulate(
     require_force(machine)
     require_short_moves(tried.machine, acceleration=chosen.acceleration)
 
-    from mtcommission.cli.csv_texts import response_csv
     from mtcommission.cli.results_view import describe_simulation
     from mtcommission.cli.terminal import show
     from mtcommission.loop.tuning.tuned import close_beside
@@ -353,6 +352,8 @@ def simulate(
     if json_file:
         write_text(json_file, dump_json(part))
     if csv_file:
+        from mtcommission.cli.csv_texts import response_csv
+
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         show(describe_simulation(machine, part))

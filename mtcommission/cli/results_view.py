@@ -10,15 +10,14 @@ from mtcommission.cli.terminal import empty_table, heading, warn, words_for
 from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.limits import LimitsAnswer
+from mtcommission.record.answer import LimitsAnswer
 from mtcommission.record.schema.limits import (
     RecommendedEntry,
     RuleResult,
     TodayEntry,
 )
 from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
-from mtcommission.sheet.limits_part import ROUNDED
-from mtcommission.sheet.values import filter_rows, say_requirement
+from mtcommission.sheet.values import ROUNDED, filter_rows, say_requirement
 from mtcommission.sheet.verdict_part import share_used, verdict_on
 
 

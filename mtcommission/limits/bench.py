@@ -23,6 +23,7 @@ from mtcommission.loop.respond import (
     LoopPoles,
     extremes,
     find_poles,
+    free_motion,
     lay_grid,
     set_in_motion,
     where_signals_lead,
@@ -82,7 +83,7 @@ class Bench:
         """Return what limits with a filter and some jerk times use."""
         if item not in self.behind:
             self.behind[item] = BehindFilter(bench=self, item=item, factor=self.mean.behind(item))
-        return Use(behind=self.behind[item], t_j=np.asarray(t_j))
+        return Use(bench=self, behind=self.behind[item], t_j=np.asarray(t_j))
 
 
 def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
@@ -129,6 +130,12 @@ class BehindFilter:
     def worst_of(self, steps: JerkSteps) -> Array:
         """Return the residual of each setpoint in its worst corner, shape (n_setpoints,) [m]."""
         return self.bench.mean.residual(steps, self.factor)
+
+    def worst_exactly(self, steps: JerkSteps) -> Array:
+        """Return the same at the very phases at which the steps fall, shape (n_setpoints,) [m]."""
+        motions = set_in_motion(self.bench.poles, filter_steps(steps, self.item))
+        free = free_motion(motions, lay_grid(self.bench.poles, SAMPLES))
+        return np.asarray(free.residual.max(axis=1))
 
     def peaks(self, steps: JerkSteps) -> Array:
         """Return the largest of each signal, worst corner, shape (n_setpoints, n_signals)."""
@@ -178,6 +185,21 @@ class BehindFilter:
         return np.asarray(np.where(most > 0.0, found, 0.0))
 
 
+def lay_ages(move: Move, a: float, t_j: float, ages: Array, ramps: Array) -> Array:
+    """Return sizes of a move whose free times have some ages, and its own [m/s or m]."""
+    jerk, held = a / t_j, t_j + ages
+    pointed = ramps[ramps < t_j]
+    if isinstance(move, VelocityStep):
+        found = [jerk * pointed**2, a * held]
+    else:
+        found = [2.0 * jerk * pointed**3, a * held * (held + t_j)]
+        if isfinite(move.max_velocity):
+            own = jerk_steps(move, acceleration=np.array([a]), jerk=np.array([jerk])).times[0]
+            found.append(move.max_velocity * (own[3] + ages))
+    sizes = np.concatenate([*found, [size_of(move)]])
+    return np.asarray(sizes[sizes <= size_of(move)])
+
+
 def _up_to(times: Array, rising: Array, most: Array) -> Array:
     """The worst of all times up to some, and of the next one."""
     place = np.searchsorted(times, most * (1.0 + 1e-9))
@@ -188,13 +210,9 @@ def _up_to(times: Array, rising: Array, most: Array) -> Array:
 class Use:
     """Shares of what is allowed that limits with one filter use."""
 
+    bench: Bench  # whose requirements count
     behind: BehindFilter
     t_j: Array  # jerk times, as many as accelerations asked for, or one for all [s]
-
-    @property
-    def bench(self) -> Bench:
-        """Whose requirements count."""
-        return self.behind.bench
 
     def of_band(self, a: Array) -> Array:
         """Return the share of the band, sizes that reach ``max_velocity`` apart, shape of ``a``."""
@@ -233,6 +251,18 @@ class Use:
             worst = a / self.t_j * np.maximum(worst, mean.largest(held * (mean.since(fall) - 1.0)))
             used = np.maximum(used, np.where(cruise > 0.0, worst / bench.band, 0.0))
         return used
+
+    def of_band_exactly(self, a: float) -> float:
+        """Return the share of the band that the worst of some sizes uses at its phases [-]."""
+        bench, worst = self.bench, 0.0
+        for move in bench.machine.moves:
+            sizes = np.array([size_of(move)])
+            if bench.every_size:
+                sizes = lay_ages(move, a, float(self.t_j), bench.ages, bench.ramps)
+            full = np.full_like(sizes, a)
+            steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
+            worst = max(worst, float(self.behind.worst_exactly(steps).max()))
+        return worst / bench.band
 
     def of_rms(self, a: float) -> float:
         """Return the share of the RMS force [-]."""

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from math import inf, isfinite, log
+from math import inf, isfinite, isnan, log, nan
 
 import numpy as np
 
 from mtcommission.control_kinds.kind import Jerk
-from mtcommission.limits.bench import build_bench
+from mtcommission.limits.bench import Bench, build_bench
 from mtcommission.limits.digits import limits_about, round_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.landscape import Landscape, chart_landscape
@@ -48,8 +48,13 @@ JUST_LESS = 0.9995
 LEAST_GROWTH = 0.2
 """Power of the acceleration with which what is used grows, at least, when it is scaled [-]."""
 
-MOST_RAISED, NOTICEABLE = 2, 0.9995
-"""Faster limits that are judged last, the fastest first; and what is not worth it [-]."""
+MOST_RAISED, REACH, ALMOST, NOTICEABLE = 3, 2, 1.002, 0.9995
+"""Faster limits that are judged last, the fastest first; how far about in steps of the last digit;
+what of a bound they may seem to use; and what is not worth it [-]."""
+
+ROUNDS, WORTH_A_ROUND, CLOSE_ENOUGH, MOST_EXCESS = 3, 1.01, 1.003, 1.3
+"""Searches, where the exact verdict finds that much more than the search saw and what is typed in
+ends so much later than what was found; and by how much the next one is stricter at most [-]."""
 
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
 """Bands in turn for which limits are sought where nothing keeps the one that is required."""
@@ -155,6 +160,7 @@ class Typed:
 
     limits: MotionLimits
     sizes: tuple[SizeCheck, ...] | None
+    duration: float = inf  # t_e of the slowest listed move [s]
 
 
 def find_typed(
@@ -170,62 +176,90 @@ def find_typed(
 
     None where the search finds none; a settling time is not asked for.
     """
-    if not found:
-        bench, refined = build_bench(machine, plant, tuned), REFINED if near is None else FEW
-        found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
-    longest = longest_move(machine)
-    soonest, best = inf, None
-    for item in found[:MOST_TYPED]:
-        if item.duration >= min(soonest, longest):
+    bench = build_bench(machine, plant, tuned)
+    refined = REFINED if near is None else FEW
+    typed: list[Typed] = []
+    for _ in range(ROUNDS):
+        found = found or explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
+        best, excess = min((item.duration for item in typed), default=inf), 1.0
+        for item in found[:MOST_TYPED]:
+            if item.duration >= min(best, longest_move(machine)):
+                break
+            own = _Typing(machine=machine, plant=plant, tuned=tuned, bench=bench, latest=best)
+            nearest, used = own.type_in(item, largest_jerk)
+            excess = max(excess, used) if item is found[0] else excess
+            if nearest is not None:
+                typed.append(nearest)
+                best = nearest.duration
+        if not found or excess < WORTH_A_ROUND or best < CLOSE_ENOUGH * found[0].duration:
             break
-        typed = _type(machine, plant, tuned, item, largest_jerk, soonest)
-        if typed is not None:
-            soonest, best = _duration(machine, typed.limits), typed
-    return best
+        # Judged exactly more is left than the search saw: it looks again for less.
+        bench, found = replace(bench, band=bench.band / min(excess, MOST_EXCESS)), ()
+    return min(typed, key=lambda item: item.duration, default=None)
 
 
-def _type(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    found: Found,
-    largest_jerk: float,
-    latest: float,
-) -> Typed | None:
-    """The nearest limits that can be typed in and hold; None where none are as soon as asked."""
-    (a, jerk_time), item = _reached(machine, found), found.setpoint_filter
-    largest = largest_acceleration(machine)
-    grows, before = 1.0, (inf, inf)
-    for _ in range(MOST_SCALED):
-        limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
-        if _duration(machine, limits) >= latest:
-            return None
-        used, sizes = _use_of_bounds(machine, plant, tuned, limits)
-        if used <= 1.0:
-            break
-        now = (log(limits.acceleration), log(used))
-        if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
-            grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
-        before = now
-        a = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
-    else:
-        return None
-    best, scaled = Typed(limits=limits, sizes=sizes), min(limits.acceleration / used, largest)
-    # Rounding, and what the search saw too dark, may leave a little: the next ones up.
-    above = [
-        each
-        for each in limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
-        if each.jerk <= largest_jerk and each.acceleration <= largest
-    ]
-    soonest = _duration(machine, limits)
-    for each in sorted(above, key=partial(_duration, machine))[:MOST_RAISED]:
-        raised = replace(each, setpoint_filter=item)
-        if _duration(machine, raised) >= NOTICEABLE * soonest:
-            break
-        used, sizes = _use_of_bounds(machine, plant, tuned, raised)
-        if used <= 1.0:
-            return Typed(limits=raised, sizes=sizes)
-    return best
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Typing:
+    """Limits to be typed in, that must be soon enough."""
+
+    machine: Machine
+    plant: Plant
+    tuned: TunedLoop
+    bench: Bench
+    latest: float  # duration [s]
+
+    def type_in(self, found: Found, largest_jerk: float) -> tuple[Typed | None, float]:
+        """Return the nearest limits that can be typed in and hold, and what the found ones use.
+
+        None where none are as soon as asked for.
+        """
+        (a, jerk_time), item = _reached(self.machine, found), found.setpoint_filter
+        grows, before, first = 1.0, (inf, inf), nan
+        for _ in range(MOST_SCALED):
+            limits = round_limits(self.machine, a, jerk_time, digits=DIGITS)
+            limits = replace(limits, setpoint_filter=item)
+            if _duration(self.machine, limits) >= self.latest:
+                return None, first
+            used, sizes = _use_of_bounds(self.machine, self.plant, self.tuned, limits)
+            first = used if isnan(first) else first
+            if used <= 1.0:
+                break
+            now = (log(limits.acceleration), log(used))
+            if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
+                grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
+            before = now
+            a = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
+        else:
+            return None, first
+        best = Typed(limits=limits, sizes=sizes, duration=_duration(self.machine, limits))
+        for raised in self._above(limits, used, jerk_time, largest_jerk):
+            if _duration(self.machine, raised) >= NOTICEABLE * best.duration:
+                break
+            used, sizes = _use_of_bounds(self.machine, self.plant, self.tuned, raised)
+            if used <= 1.0:
+                duration = _duration(self.machine, raised)
+                return Typed(limits=raised, sizes=sizes, duration=duration), first
+        return best, first
+
+    def _above(
+        self, limits: MotionLimits, used: float, jerk_time: float, largest_jerk: float
+    ) -> list[MotionLimits]:
+        """Faster limits that may hold, in proportion to what quick looks tell; fastest first."""
+        largest, item = largest_acceleration(self.machine), limits.setpoint_filter
+
+        def share(each: MotionLimits) -> float:
+            use = self.bench.use(item, each.jerk_time)
+            a = np.array([each.acceleration])
+            return float(max(use.of_band(a)[0], use.of_cruise(a)[0], 1e-9))
+
+        now, scaled = share(limits), min(limits.acceleration / used, largest)
+        above = [
+            replace(each, setpoint_filter=item)
+            for each in limits_about(self.machine, scaled, jerk_time, digits=DIGITS, reach=REACH)
+            if each.jerk <= largest_jerk and each.acceleration <= largest
+        ]
+        likely = [each for each in above if used * share(each) / now <= ALMOST]
+        return sorted(likely, key=partial(_duration, self.machine))[:MOST_RAISED]
 
 
 def _reached(machine: Machine, found: Found) -> tuple[float, float]:

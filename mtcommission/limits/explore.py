@@ -302,6 +302,8 @@ class Explorer:
             rest = self._rest(use, a)
             if self.is_rough:
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)
+            else:
+                rest = max(rest, use.of_band_exactly(a))
             if rest <= 1.0 + CLOSE:
                 duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
                 best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)

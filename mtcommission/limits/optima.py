@@ -69,20 +69,6 @@ class Optima:
     remarks: tuple[Message, ...]
 
 
-def require_force(machine: Machine) -> None:
-    """Raise NO_FORCE_LEFT if the static load takes all of the force.
-
-    Parameters
-    ----------
-    machine
-        Any machine.
-    """
-    drive = machine.drive
-    if drive.motion_force <= 0.0:
-        detail = Message("static-load-of-force", load=drive.static_load, force=drive.max_force)
-        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
-
-
 def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     """Return the physical optima of one move.
 

@@ -398,17 +398,8 @@ class FreeMotion:
         """Settling time, (n_setpoints, n_corners) [s]; inf where it stays out of the band."""
         found = np.repeat(self.until[:, None], self.deviation.shape[1], axis=1)
         row, corner = np.nonzero(self.residual > band)
-        e = self.deviation[row, corner]
-        last = e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1)
-        following, place = np.minimum(last + 1, e.shape[1] - 1), np.arange(len(e))
-        here, there = e[place, last], e[place, following]
-        start = np.where(
-            last < self.begin[row], self.until[row] - self.ended[row], self.instants[last]
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = (here - band) / (here - there)
-            crossing = start + share * (self.instants[following] - start)
-        crossing = np.where(following == last, np.inf, crossing)
+        e, begin = self.deviation[row, corner], (self.until - self.ended)[row]
+        last, crossing = last_crossing(self.instants, e, band, begin=begin)
         if self.motions.poles.factors.size and len(row):
             # Late swings are looked at sparsely.
             places = np.array_split(np.arange(len(row)), ceil(len(row) / TOGETHER))
@@ -453,6 +444,22 @@ class FreeMotion:
         with np.errstate(divide="ignore", invalid="ignore"):
             found = start + (here - band) / (here - there) * (end - start)
         return np.where(is_seen & (here > band), found, -np.inf)
+
+
+def last_crossing(t: Array, e: Array, band: float, *, begin: Array) -> tuple[Cycles, Array]:
+    """Return the last instant at which each |e| is outside the band, and when it then enters it.
+
+    ``t``: shape (n,) [s]; ``e``: magnitudes that leave the band, shape (n_rows, n), the one before
+    ``begin``, shape (n_rows,) [s], standing for ``begin`` itself. Indices, and times [s]; inf where
+    it ends outside.
+    """
+    last = e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1)
+    following, row = np.minimum(last + 1, e.shape[1] - 1), np.arange(len(e))
+    here, there = e[row, last], e[row, following]
+    start = np.where(t[last] < begin - INSTANT, begin, t[last])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = start + (here - band) / (here - there) * (t[following] - start)
+    return last, np.where(following == last, np.inf, crossing)
 
 
 def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) -> FreeMotion:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.messages.message import Message
 
 
 def peak_velocity(move: Move, acceleration: float) -> float:
@@ -51,3 +53,11 @@ def least_motion_time(move: Move, acceleration: float) -> float:
     velocity = peak_velocity(move, acceleration)
     cruise = 0.0 if isinstance(move, VelocityStep) else move.distance / velocity
     return velocity / acceleration + cruise
+
+
+def require_force(machine: Machine) -> None:
+    """Raise NO_FORCE_LEFT if the static load takes all of the force."""
+    drive = machine.drive
+    if drive.motion_force <= 0.0:
+        detail = Message("static-load-of-force", load=drive.static_load, force=drive.max_force)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)

@@ -181,8 +181,8 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         DAMPING_TIME_FACTOR,
         find_damping_optimum,
         find_time_optimum,
-        require_force,
     )
+    from mtcommission.machine.rigid_body import require_force
     from mtcommission.optimal.at_once import (
         damping_optimum_on,
         least_limit,

@@ -9,13 +9,11 @@ from math import isinf
 
 from mtcommission.commission import Commissioning
 from mtcommission.errors import Fault, InputError
-from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.messages.message import Message, printable
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
-from mtcommission.profile.read import ProfileSource
 from mtcommission.record.comparisons import comparison_entry
-from mtcommission.record.data import list_assumptions, list_data
+from mtcommission.record.data import list_assumptions, list_data, machine_entry, profile_entry
 from mtcommission.record.files import find_checksum
 from mtcommission.record.identified import read_evidence
 from mtcommission.record.limits import limits_part
@@ -24,7 +22,7 @@ from mtcommission.record.moves import assessment_part, move_entry
 from mtcommission.record.optima import optima_entry
 from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
-from mtcommission.record.schema.machine import MachineEntry, ModeEntry, PlantEntry
+from mtcommission.record.schema.machine import ModeEntry, PlantEntry
 from mtcommission.record.schema.record import SCHEMA, Profile, Record, Tool
 from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, to_plain
@@ -132,22 +130,6 @@ def build_record(
         ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
-
-
-def profile_entry(source: ProfileSource) -> Profile:
-    """Return name, hash and text of a profile."""
-    return Profile(name=printable(source.path.name), sha256=source.sha256, text=source.text)
-
-
-def machine_entry(machine: Machine) -> MachineEntry:
-    """Return what a machine is called, and where its data come from."""
-    return entry_of(
-        MachineEntry,
-        machine,
-        motion=machine.motion.value,
-        kind=machine.mechanics.kind,
-        drive=machine.drive.kind.value,
-    )
 
 
 def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:

@@ -1,18 +1,25 @@
-"""Machine -> the data and assumptions that every sheet lists."""
+"""Machine, profile and time series -> the entries that several parts of a record share."""
 
 from __future__ import annotations
 
 from math import isfinite
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.record.schema.machine import Datum
-from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.profile.read import ProfileSource
+from mtcommission.record.schema.machine import Datum, MachineEntry
+from mtcommission.record.schema.record import Profile
+from mtcommission.record.schema.values import Series, SetpointFilterEntry
 from mtcommission.record.shape import entry_of
+
+Array = NDArray[np.float64]
 
 Row = tuple[str, float | str, str]
 """Key, value and SI unit."""
@@ -174,3 +181,36 @@ def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> M
 def filter_entry(item: SetpointFilter | None) -> SetpointFilterEntry | None:
     """Return a setpoint filter as the record holds it."""
     return entry_of(SetpointFilterEntry, item, item.impulses) if item else None
+
+
+def profile_entry(source: ProfileSource) -> Profile:
+    """Return name, hash and text of a profile."""
+    return Profile(name=printable(source.path.name), sha256=source.sha256, text=source.text)
+
+
+def machine_entry(machine: Machine) -> MachineEntry:
+    """Return what a machine is called, and where its data come from."""
+    return entry_of(
+        MachineEntry,
+        machine,
+        motion=machine.motion.value,
+        kind=machine.mechanics.kind,
+        drive=machine.drive.kind.value,
+    )
+
+
+def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
+    """Return signals by name, states and outputs rounded to seven digits: for plots only.
+
+    ``t``, ``states``: shapes (n_samples,) [s], (n_samples, n_states); ``extra``: further signals
+    by name, each of shape (n_samples,).
+    """
+    columns = dict(zip(plant.states, states.T, strict=True))
+    columns |= dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True))
+    return Series(
+        t=[float(f"{value:.7g}") for value in t],
+        signals={
+            name: [float(f"{value:.7g}") for value in column]
+            for name, column in {**extra, **columns}.items()
+        },
+    )

@@ -3,68 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from math import isfinite
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning, Recommendation
-from mtcommission.limits.choose import Choice
-from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.limits.commissioning_rule.rule import RuleResult as RuleOutcome
-from mtcommission.machine.machine import Machine, Reserve
+from mtcommission.commission import Commissioning
+from mtcommission.machine.machine import Machine
+from mtcommission.record.answer import (
+    ends_entry,
+    judged_entry,
+    recommended_fields,
+    rule_text,
+    sizes_entry,
+    today_entry,
+)
 from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.moves import assessment_part
 from mtcommission.record.schema.limits import (
     Alternative,
     AttainableEntry,
     ImprovementEntry,
-    JudgedLimits,
     Landscape,
     LimitsEntry,
     LimitsPart,
     ListedEntry,
     ModeLimitsEntry,
     MoveSizesEntry,
-    RecommendedEntry,
-    RuleFormulaEntry,
     RuleResult,
-    RuleStepEntry,
-    RuleText,
-    SizesEntry,
-    TodayEntry,
-    WorstSizeEntry,
 )
-from mtcommission.record.schema.moves import AssessmentPart
-from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.improvements import Improvement
-from mtcommission.study.kept_range import DampingRange, FrequencyError
-from mtcommission.study.loop_choice import describe_loop
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
-from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 
 Array = NDArray[np.float64]
-Judged = TypeVar("Judged", bound=JudgedLimits)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LimitsAnswer:
-    """What ``limits --json`` prints: all that needs no second search."""
-
-    recommended: RecommendedEntry
-    today: TodayEntry | None
-    rules: list[RuleResult]
-    rule: RuleText
-    assessment: AssessmentPart
-    warnings: list[Words]
 
 
 def limits_part(
@@ -84,18 +59,20 @@ def limits_part(
     reserve = machine.requirements.reserve
     return LimitsPart(
         recommended=LimitsEntry(
-            **_recommended(machine, choice),
-            frequency_range=_range(commissioning.robustness.frequency_error),
-            damping_range=_range(commissioning.robustness.damping_range),
+            **recommended_fields(machine, choice),
+            frequency_range=ends_entry(commissioning.robustness.frequency_error),
+            damping_range=ends_entry(commissioning.robustness.damping_range),
         ),
         listed_only=_listed_entry(machine, commissioning.listed),
-        today=_today_entry(machine, today) if today else None,
+        today=today_entry(machine, today) if today else None,
         modes=[_mode_entry(mode) for mode in commissioning.modes],
         attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
-        alternatives=[_judged(Alternative, item, reserve) for item in commissioning.alternatives],
-        rules=[_judged(RuleResult, item, reserve) for item in commissioning.rules],
-        rule=_rule_text(commissioning.rule),
+        alternatives=[
+            judged_entry(Alternative, item, reserve) for item in commissioning.alternatives
+        ],
+        rules=[judged_entry(RuleResult, item, reserve) for item in commissioning.rules],
+        rule=rule_text(commissioning.rule),
         landscape=entry_of(
             Landscape,
             seen,
@@ -111,45 +88,6 @@ def limits_part(
     )
 
 
-def limits_answer(found: Recommendation) -> LimitsAnswer:
-    """Return limits, rules and verdict, as ``limits --json`` prints them."""
-    choice, machine, today = found.choice, found.machine, found.today
-    reserve, best = machine.requirements.reserve, choice.candidate
-    assert found.rule is not None
-    return LimitsAnswer(
-        recommended=RecommendedEntry(**_recommended(machine, choice)),
-        today=_today_entry(machine, today) if today else None,
-        rules=[_judged(RuleResult, item, reserve) for item in found.rules],
-        rule=_rule_text(found.rule),
-        assessment=assessment_part(best.assessment, reserve),
-        warnings=[
-            *describe_loop(found.tuned.controller),
-            *choice.warnings,
-            *found.tuned.warnings,
-            *([today.failure] if today and today.failure else []),
-        ],
-    )
-
-
-def _recommended(machine: Machine, choice: Choice) -> dict[str, Any]:
-    """The fields of a ``RecommendedEntry``."""
-    best = choice.candidate
-    item = best.limits.setpoint_filter or machine.control.setpoint_filter
-    entry = entry_of(
-        RecommendedEntry,
-        best,
-        best.limits,
-        setpoint_filter=filter_entry(item),
-        bound_by=choice.bound_by,
-        valid_for=_sizes(machine, every=best.assessment.is_met),
-        worst_sizes=[
-            entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
-            for check in best.sizes
-        ],
-    )
-    return {field.name: getattr(entry, field.name) for field in fields(entry)}
-
-
 def _improvement_entry(item: Improvement, *, before: float) -> ImprovementEntry:
     return entry_of(
         ImprovementEntry,
@@ -158,18 +96,6 @@ def _improvement_entry(item: Improvement, *, before: float) -> ImprovementEntry:
         share=item.saved / before,
         outcome=item.outcome or "",
     )
-
-
-def _range(error: FrequencyError | DampingRange) -> list[float] | None:
-    ends = [error.kept_from, error.kept_to]
-    return ends if all(map(isfinite, ends)) else None
-
-
-def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
-    """From which size of each move to which all requirements hold, if they do at the listed one."""
-    every &= machine.requirements.every_size
-    sizes = map(size_of, machine.moves)
-    return [SizesEntry(smallest=0.0 if every else size, largest=size) for size in sizes]
 
 
 def _listed_entry(machine: Machine, found: Candidate | None) -> ListedEntry | None:
@@ -182,42 +108,7 @@ def _listed_entry(machine: Machine, found: Candidate | None) -> ListedEntry | No
         meets_requirements=found.assessment.is_met,
         keeps_reserve=found.assessment.keeps(machine.requirements.reserve),
         setpoint_filter=filter_entry(found.limits.setpoint_filter),
-        valid_for=_sizes(machine, every=False),
-    )
-
-
-def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
-    today, judged, loop = found.today, found.judged, found.controller
-    limiting = judged and judged.assessment.limiting_requirement
-    return TodayEntry(
-        acceleration=today.acceleration,
-        jerk=today.jerk,
-        jerk_time=found.limits.jerk_time,
-        setpoint_filter=filter_entry(today.setpoint_filter),
-        Kv=loop.position_gain,
-        Kp=loop.velocity_gain,
-        Tn=loop.integral_time,
-        stated=list(found.stated),
-        basis=found.basis,
-        failure=found.failure,
-        bound_by=limiting.message if limiting else None,
-        settling_time=finite_or_none(judged.settling_time) if judged else None,
-        residual_deviation=finite_or_none(judged.residual_deviation) if judged else None,
-        peak_deviation=finite_or_none(judged.peak_deviation) if judged else None,
-        meets_requirements=judged is not None and judged.assessment.is_met,
-        keeps_reserve=judged is not None and judged.assessment.keeps(machine.requirements.reserve),
-        frequency_range=_range(found.frequency_error) if found.frequency_error else None,
-        valid_for=_sizes(machine, every=judged is not None and judged.assessment.is_met),
-    )
-
-
-def _judged(form: type[Judged], item: Candidate, reserve: Reserve) -> Judged:
-    return entry_of(
-        form,
-        item,
-        item.limits,
-        meets_requirements=item.assessment.is_met,
-        keeps_reserve=item.assessment.keeps(reserve),
+        valid_for=sizes_entry(machine, every=False),
     )
 
 
@@ -228,22 +119,6 @@ def _attainable_entry(item: Attainable) -> AttainableEntry:
         item.limits,
         requirement=item.requirement.value,
         together_with=[other.value for other in item.together_with],
-    )
-
-
-def _rule_text(rule: RuleOutcome) -> RuleText:
-    return entry_of(
-        RuleText,
-        rule,
-        rule.best,
-        rule.limits,
-        text=DESCRIPTION,
-        formula=[entry_of(RuleFormulaEntry, item) for item in rule.formulas],
-        advice=ADVICE,
-        valid_for=VALIDITY,
-        chosen=rule.best.name,
-        predicted_residual=rule.best.residual_deviation,
-        steps=[entry_of(RuleStepEntry, step) for step in rule.steps],
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
+from mtcommission.loop.analysis.cross_check import check_by_blocks
 from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.controller import Controller, filter_delay
@@ -21,6 +22,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.record.schema.loop import (
     CandidateEntry,
     ClosedLoop,
+    CrossCheckEntry,
     DelayEntry,
     EncoderNoiseEntry,
     FeatureEntry,
@@ -106,6 +108,7 @@ NOT_WITHOUT_LOOP = (
     "dynamic_stiffness",
     "weakest_frequency_hz",
     "worst_corner",
+    "cross_check",
 )
 """What is null where the motor follows its setpoint."""
 
@@ -132,10 +135,20 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         "poles": [[float(pole.real), float(pole.imag)] for pole in nominal.poles],
         "mode_damping": _by_mode(plant, nominal.mode_damping),
         "worst_corner": _worst_corner(tuned),
+        "cross_check": _cross_check(tuned),
         "worst_mode_damping": _by_mode(plant, tuned.least_damping),
         "bode": _bode(tuned.responses[0]),
         "remarks": [*tuned.remarks, *explain_mixing(mixed)],
     }
+
+
+def _cross_check(tuned: TunedLoop) -> CrossCheckEntry:
+    found = check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz)
+    return CrossCheckEntry(
+        pole_difference=found.pole_difference,
+        gain_margin_db=finite_or_none(found.gain_margin_db),
+        phase_margin_deg=finite_or_none(found.phase_margin_deg),
+    )
 
 
 def _noise_entry(tuned: TunedLoop, resolution: float) -> EncoderNoiseEntry | None:

@@ -11,8 +11,7 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, longest_period
-from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.optima import series_entry
+from mtcommission.record.data import describe_move, filter_entry, series_entry
 from mtcommission.record.schema.moves import (
     AssessmentPart,
     Check,

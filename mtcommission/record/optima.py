@@ -1,4 +1,4 @@
-"""An optimal control -> its entry in the record, and sampled motions for the plots."""
+"""An optimal control -> its entry in the record."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mtcommission.optimal.solution import (
     side_text,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.record.data import describe_move
+from mtcommission.record.data import describe_move, series_entry
 from mtcommission.record.schema.optima import (
     ArcEntry,
     BandEntry,
@@ -30,7 +30,6 @@ from mtcommission.record.schema.optima import (
     RobustEntry,
     TouchPointEntry,
 )
-from mtcommission.record.schema.values import Series
 from mtcommission.record.shape import entry_of
 from mtcommission.study.within_band import WithinBand
 
@@ -151,31 +150,3 @@ def _adjoint(plant: Plant, values: Array) -> dict[str, float]:
     """Return what is known of an adjoint by state."""
     known = zip(plant.states, values.tolist(), strict=True)
     return {state: value for state, value in known if isfinite(value)}
-
-
-def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
-    """Return signals rounded to seven digits: for plots only, and a third of the bytes.
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    t, states
-        Shapes (n_samples,) [s] and (n_samples, n_states) [SI].
-    extra
-        Further signals by name, each of shape (n_samples,) [SI].
-
-    Returns
-    -------
-    Series
-        The extra signals, the states and the outputs.
-    """
-    columns = dict(zip(plant.states, states.T, strict=True))
-    columns |= dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True))
-    return Series(
-        t=[float(f"{value:.7g}") for value in t],
-        signals={
-            name: [float(f"{value:.7g}") for value in column]
-            for name, column in {**extra, **columns}.items()
-        },
-    )

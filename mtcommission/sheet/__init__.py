@@ -22,7 +22,6 @@ from mtcommission.record.schema.machine import MachineEntry
 from mtcommission.record.schema.record import Profile, Record
 from mtcommission.record.schema.what_if import WhatIfPart
 from mtcommission.record.verified import Verified
-from mtcommission.sheet.content import compose
 from mtcommission.sheet.entry_part import type_in
 
 if TYPE_CHECKING:
@@ -61,6 +60,7 @@ def print_html(
         If there is no such language, or if the two records cannot be compared.
     """
     from mtcommission.messages.catalogue import Catalogue
+    from mtcommission.sheet.content import compose
     from mtcommission.sheet.html import set_html
     from mtcommission.sheet.what_if_part import what_if
 
@@ -101,9 +101,8 @@ def print_answers(
         If there is no such language.
     """
     from mtcommission.messages.catalogue import Catalogue
-    from mtcommission.sheet.content import HASH_DIGITS
     from mtcommission.sheet.html import set_html
-    from mtcommission.sheet.model import Document
+    from mtcommission.sheet.model import HASH_DIGITS, Document
     from mtcommission.sheet.what_if_part import what_if
 
     _require(language)
@@ -163,6 +162,7 @@ def print_pdf(
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
+    from mtcommission.sheet.content import compose
     from mtcommission.sheet.pdf import set_pdf
 
     _require(language)

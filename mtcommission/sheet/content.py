@@ -23,7 +23,16 @@ from mtcommission.sheet.limits_part import (
 from mtcommission.sheet.loop_part import loop_blocks, loop_details
 from mtcommission.sheet.machine_part import machine_data, requirements
 from mtcommission.sheet.measure_part import measurement_blocks
-from mtcommission.sheet.model import Column, Document, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.model import (
+    HASH_DIGITS,
+    Column,
+    Document,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
 from mtcommission.sheet.motion_part import motions
 from mtcommission.sheet.responses_part import response_blocks
 from mtcommission.sheet.robustness_part import held_range, robustness
@@ -37,9 +46,6 @@ from mtcommission.sheet.verdict_part import (
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
-
-HASH_DIGITS = 12
-"""Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
 
 
 def compose(

@@ -28,7 +28,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
-from mtcommission.sheet.values import residual, say_limiting, settling
+from mtcommission.sheet.values import ROUNDED, residual, say_limiting, settling
 from mtcommission.sheet.verdict_part import (
     acceleration,
     band,
@@ -43,9 +43,6 @@ RESIDUAL_BORDER, USAGE_BORDER = 1, 4
 
 UNSEEN = 0.1
 """Share of a velocity cycle below which a ramp is a step to the drive."""
-
-ROUNDED = 1.001
-"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
 
 SMALLEST = 1e-12
 """Stands for zero in a logarithm; far below any share of a limit that matters."""

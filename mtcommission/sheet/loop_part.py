@@ -57,6 +57,7 @@ def loop_details(record: Record, words: Catalogue) -> Section:
     if part.worst_corner is not None:
         details = (
             structure(record, words),
+            *_cross_check(part, words),
             *_trade_off(record, words),
             *_variants(record, words),
             *loop_study(record, words),
@@ -67,6 +68,20 @@ def loop_details(record: Record, words: Catalogue) -> Section:
         blocks=(*details, *remarks, *control_has(record, words)),
         is_appendix=True,
     )
+
+
+def _cross_check(part: LoopPart, words: Catalogue) -> tuple[Block, ...]:
+    """Return what python-control says of the same blocks."""
+    found = part.cross_check
+    if found is None:
+        return ()
+    sentence = words.text(
+        "loop-cross-check",
+        gain=decibel(found.gain_margin_db, words),
+        phase=degree(found.phase_margin_deg, words),
+        poles=words.format.number(found.pole_difference, digits=1),
+    )
+    return (Paragraph(text=sentence, tone=Tone.NOTE),)
 
 
 def _sensors(record: Record, words: Catalogue) -> str:

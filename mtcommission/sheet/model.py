@@ -12,6 +12,9 @@ from enum import Enum
 from mtcommission.messages.formula import Expression
 from mtcommission.sheet.plot_model import Diagram, Plot
 
+HASH_DIGITS = 12
+"""Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
+
 
 class Tone(Enum):
     """How a paragraph is meant."""

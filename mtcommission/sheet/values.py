@@ -9,6 +9,9 @@ from mtcommission.messages.message import Message, join_by_and
 from mtcommission.record.schema.limits import Alternative, AttainableEntry, RuleResult
 from mtcommission.record.schema.values import SetpointFilterEntry
 
+ROUNDED = 1.001
+"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
+
 
 def settling(value: float | None, words: Catalogue) -> str:
     """Return a settling time [s]; None is "not settled"."""

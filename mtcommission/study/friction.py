@@ -9,8 +9,7 @@ from math import ceil, inf
 import numpy as np
 
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.model.friction import find_friction
-from mtcommission.loop.simulate.driven import drive_loop
+from mtcommission.loop.nonlinear import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
+from mtcommission.loop.analysis.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller, feedforward_delay
-from mtcommission.loop.simulate.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message

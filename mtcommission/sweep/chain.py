@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.optima import Optima, find_optima, require_force
+from mtcommission.limits.optima import Optima, find_optima
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from mtcommission.limits.optima import find_time_optimum, require_force
+from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.rigid_body import require_force
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import build_plant
 from mtcommission.sweep.cases import PEAKS_KEY, Plan, Settings

@@ -12,8 +12,7 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.analysis import mode_poles, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.loop.model.friction import find_friction
-from mtcommission.loop.simulate.driven import drive_loop
+from mtcommission.loop.nonlinear import drive_loop, find_friction
 from mtcommission.loop.tuning.following import follow
 from mtcommission.loop.tuning.tuned import corner_plants
 from mtcommission.machine.machine import Machine

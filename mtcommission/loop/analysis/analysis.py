@@ -8,7 +8,6 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
-from scipy.optimize import linear_sum_assignment
 
 from mtcommission.loop.analysis.frequency import SQRT_HALF, FrequencyResponse
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
@@ -20,45 +19,21 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopAnalysis:
-    """How good a loop is, whatever its setpoint.
+    """How good a loop is, whatever its setpoint; margins with the loop cut at F_set."""
 
-    Parameters
-    ----------
-    is_stable
-        Whether all poles of the lifted loop lie inside the unit circle.
-    poles
-        Poles of the lifted loop mapped to the s plane, ln(z)/T_p [1/s]; dead-time poles at
-        z = 0 are left out.
-    gain_margin_up_db, gain_margin_down_db
-        By how much the gain may rise, and may fall, before the loop becomes unstable, cut at
-        F_set; inf where no gain does it.
-    phase_margin_deg
-        Least over all crossings of the unit circle; inf without one.
-    sensitivity_peak
-        max |1/(1 + L)| [-].
-    bandwidth_hz
-        -3 dB of the closed velocity loop [Hz].
-    dynamic_stiffness, weakest_frequency_hz
-        Least disturbance force per tool displacement over all frequencies [N/m], and where [Hz].
-    own_damping
-        Damping ratio of the closed-loop pole that each plant mode has turned into, shape
-        (n_modes,) [-].
-    mode_damping
-        The least damping ratio of that pole and of all pairs that hold at least
-        ``NOTABLE_SHARE`` of the mode: what of it rings longest, shape (n_modes,) [-].
-    """
-
-    is_stable: bool
-    poles: ComplexArray
-    gain_margin_up_db: float
-    gain_margin_down_db: float
-    phase_margin_deg: float
-    sensitivity_peak: float
-    bandwidth_hz: float
-    dynamic_stiffness: float
-    weakest_frequency_hz: float
-    own_damping: Array
+    is_stable: bool  # all poles of the lifted loop lie inside the unit circle
+    poles: ComplexArray  # of the lifted loop, ln(z)/T_p [1/s], without dead times (z = 0)
+    gain_margin_up_db: float  # by how much the gain may rise; inf if by any amount
+    gain_margin_down_db: float  # by how much it may fall
+    phase_margin_deg: float  # least over all crossings of the unit circle; inf without one
+    sensitivity_peak: float  # max |1/(1 + L)| [-]
+    bandwidth_hz: float  # -3 dB of the closed velocity loop [Hz]
+    dynamic_stiffness: float  # least disturbance force per tool displacement [N/m] ...
+    weakest_frequency_hz: float  # ... and where [Hz]
+    own_damping: Array  # of the closed-loop pole that each mode has turned into, (n_modes,) [-]
     mode_damping: Array
+    """The least damping ratio of that pole and of all pairs that hold at least ``NOTABLE_SHARE``
+    of the mode: what of it rings longest, (n_modes,) [-]."""
 
     @property
     def gain_margin_db(self) -> float:
@@ -67,14 +42,7 @@ class LoopAnalysis:
 
 
 def analyse_loop(loop: SampledLoop, response: FrequencyResponse) -> LoopAnalysis:
-    """Return poles, margins and bandwidth.
-
-    Parameters
-    ----------
-    loop
-        A plant under its controller.
-    response
-        From ``frequency_response`` with the same.
+    """Return poles, margins and bandwidth of a loop with its ``frequency_response``.
 
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
     """
@@ -109,31 +77,15 @@ STEADY = 1e-10
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoleShares:
-    """Closed-loop poles, and how much of each is each mode.
+    """Closed-loop poles, and how much of each is each mode."""
 
-    Parameters
-    ----------
-    radius
-        Largest magnitude of a pole in the z plane [-].
-    poles
-        In the s plane, dead times left out, shape (n_poles,) [1/s].
-    shares
-        Participation of each mode in each pole, shape (n_modes, n_poles) [-].
-    """
-
-    radius: float
-    poles: ComplexArray
-    shares: Array
+    radius: float  # largest magnitude of a pole in the z plane [-]
+    poles: ComplexArray  # in the s plane, dead times left out, (n_poles,) [1/s]
+    shares: Array  # participation of each mode in each pole, (n_modes, n_poles) [-]
 
 
 def share_out(loop: SampledLoop) -> PoleShares:
-    """Return the closed-loop poles and the participation of the plant's modes in them.
-
-    Parameters
-    ----------
-    loop
-        A plant under its controller.
-    """
+    """Return the closed-loop poles and the participation of the plant's modes in them."""
     lifted = loop.lifted
     # Not ``model.poles()``: the participation of the modes needs the vectors, too.
     parts = tuple(eig(lifted.A, left=True, right=True))
@@ -184,18 +136,7 @@ def _mode_damping(
 
 
 def mode_poles(loop: SampledLoop) -> ComplexArray:
-    """Return the closed-loop pole that each mode of the plant has turned into.
-
-    Parameters
-    ----------
-    loop
-        A plant under its controller.
-
-    Returns
-    -------
-    ndarray, shape (n_modes,)
-        [1/s].
-    """
+    """Return the closed-loop pole that each mode of the plant has turned into, (n_modes,) [1/s]."""
     found = share_out(loop)
     _, near, chosen = _assign(loop.plant, found.poles, found.shares, loop.lifted.dt)
     return np.asarray(np.take_along_axis(near, chosen[:, None], axis=1)[:, 0])
@@ -218,8 +159,13 @@ def _assign(
     own = np.array([[mode.pole] for mode in plant.modes])
     distance = np.abs(near - own) / np.abs(own)
     claim = np.maximum(shares[:, upper], LEAST_SHARE) / np.maximum(distance, LEAST_SHARE)
-    _, chosen = linear_sum_assignment(-np.log(claim))
-    return upper, near, chosen
+    chosen = np.argmax(claim, axis=1)
+    if len(np.unique(chosen)) < len(chosen):
+        # Loads as long as a loop is tuned; where each mode claims another pole it finds the same.
+        from scipy.optimize import linear_sum_assignment
+
+        _, chosen = linear_sum_assignment(-np.log(claim))
+    return upper, near, np.asarray(chosen)
 
 
 LEAST_SHARE = 1e-9
@@ -229,16 +175,7 @@ LEAST_SHARE = 1e-9
 def unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
     """Return the pole with the frequency nearest to the mode's that looks alike every ``dt``.
 
-    Sampling at the position cycle folds frequencies above 1/(2 T_p).
-
-    Parameters
-    ----------
-    pole
-        Of the lifted loop [1/s].
-    mode
-        The mode it is looked at for.
-    dt
-        Position cycle [s].
+    Sampling at the position cycle ``dt`` [s] folds frequencies above 1/(2 T_p).
     """
     wanted = mode.pole.imag
     turn = 2 * pi / dt

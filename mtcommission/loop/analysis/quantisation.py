@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.analysis.disturbance import step_response
 from mtcommission.loop.model.assembly import SampledLoop
 
 Array = NDArray[np.float64]
@@ -33,39 +34,21 @@ DOUBLINGS = 30
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EncoderNoise:
-    """What the steps of an encoder add to the motion, either way.
+    """What the steps of an encoder add to the motion, either way."""
 
-    Parameters
-    ----------
-    tool
-        Of the tool's position [m].
-    force
-        Of the set force [N].
-    """
-
-    tool: float
-    force: float
+    tool: float  # position [m]
+    force: float  # set force [N]
 
 
 @lru_cache(maxsize=128)
 def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
     """Return within what tool and set force stay of where they would be with a perfect encoder.
 
-    Parameters
-    ----------
-    loop
-        A stable loop.
-    resolution
-        Step q of the encoder [m]; 0: none.
-
-    Returns
-    -------
-    EncoderNoise
-        The larger of: three sigmas of white noise in the velocity cycle in which they are most, at
-        the tool beside half a step for where the axis stands; and what one change of the count
-        does, at the tool the peak after it (half a step for where the axis stands, the rest for
-        how it swings about that), in the force from peak to peak, because the count may change
-        back at the worst moment.
+    Of a stable loop whose encoder has steps q = ``resolution`` [m] (0: none), the larger of: three
+    sigmas of white noise in the velocity cycle in which they are most, at the tool beside half a
+    step for where the axis stands; and what one change of the count does, at the tool the peak
+    after it (half a step for where the axis stands, the rest for how it swings about that), in the
+    force from peak to peak, because the count may change back at the worst moment.
 
     Source: variance of rounding q²/12 (Widrow & Kollár, Quantization Noise, 2008); the rest is
     derived here, and held to simulations that round every sample (docs/feedback-loop.md).
@@ -118,17 +101,11 @@ def _standard_deviations(loop: SampledLoop) -> Array:
 
 def _swings(loop: SampledLoop) -> tuple[Array, Array]:
     """Least and largest values of tool and set force after the encoder jumps by 1, shape (2,)."""
-    size, rows, held = loop.own_size, _seen(loop), loop.held
-    cycle, (sample, handed_down) = loop.cycle[:size, :size], loop.sensed[:, :size]
-    X, low, high = np.zeros(size), np.zeros(2), np.zeros(2)
-    for _ in range(ceil(SWING / loop.controller.position_cycle)):
-        following = loop.handed_down[:, :size] @ X + handed_down[held:]
-        for _ in range(loop.controller.cycles):
-            values = rows @ X
-            low, high = np.minimum(low, values), np.maximum(high, values)
-            X = cycle @ X + sample
-        X[held:] = following
-    return low, high
+    sample, handed_down = loop.sensed[:, : loop.own_size]
+    found = step_response(
+        loop, _seen(loop), entry=sample, handed_down=handed_down[loop.held :], duration=SWING
+    )
+    return found.min(axis=0), found.max(axis=0)
 
 
 def _seen(loop: SampledLoop) -> Array:

@@ -1,4 +1,4 @@
-"""The matrices of the loop, quickly: one assembly for every engine, held to ``diagram`` by a test.
+"""The matrices of the loop: one assembly for every engine, held to ``diagram`` by a test.
 
 Which path carries which dead time:
 
@@ -10,28 +10,20 @@ Which path carries which dead time:
   later and is held. It knows the velocity from the difference of two positions of the encoder,
   which is half a velocity cycle late.
 
-The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
-of the linear loop), so the two cannot differ. It takes half a millisecond, the diagram some
-thirty: tuning assembles hundreds of loops, a batch thousands.
+It takes half a millisecond, the diagram some thirty: tuning assembles hundreds of loops, a batch
+thousands.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from math import exp, inf
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.discrete import (
-    Stage,
-    discretise,
-    discretise_filter,
-)
-from mtcommission.loop.model.friction import Friction
+from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
 from mtcommission.loop.model.handed_down import HandedDown, hand_down
 from mtcommission.plant.plant import Plant
 
@@ -42,71 +34,35 @@ INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftedLoop:
-    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r.
+    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r."""
 
-    Parameters
-    ----------
-    A, B, C, D
-        Shapes (n, n), (n, 4), (cycles n_outputs, n), (cycles n_outputs, 4); the outputs of the
-        first velocity cycle come first.
-    dt
-        Position cycle [s].
-    states, inputs, outputs
-        Names; an output is ``tcp[0]``, ..., with the velocity cycle in brackets.
-    """
-
-    A: Array
-    B: Array
-    C: Array
+    A: Array  # (n, n)
+    B: Array  # (n, 4)
+    C: Array  # (cycles n_outputs, n), the outputs of the first velocity cycle first
     D: Array
-    dt: float
+    dt: float  # position cycle [s]
     states: tuple[str, ...]
     inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...]  # ``tcp[0]``, ..., with the velocity cycle in brackets
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SampledLoop:
-    """A plant under a controller, ready to be advanced by position cycles.
+    """A plant under a controller, one velocity cycle as matrices over its n states."""
 
-    Parameters
-    ----------
-    plant, controller
-        What it was built from; the plant may differ from the one the controller was tuned for.
-    step
-        State one velocity cycle later, before the new force and the integrator, shape (n, n).
-    demand
-        Force asked for, as a row over the state, shape (n,).
-    integration
-        What the integrator adds in a velocity cycle, shape (n,).
-    observation
-        Outputs at a velocity cycle, shape (n_outputs, n).
-    handed_down
-        What the position cycle computes, over (state, references), shape (n_held, n + 4).
-    sensed
-        What an error of the encoder adds to the state one velocity cycle later, and what, where a
-        position cycle begins, to the state one position cycle later, shape (2, n) [1/m].
-    held
-        Index of the first state that holds it; the kept setpoint samples follow them.
-    states
-        Names of the loop's states.
-    outputs
-        Names per velocity cycle: tcp, encoder, force, then the plant's states.
-    lifted
-        The same loop, linear, at the position cycle.
-    """
-
-    plant: Plant
+    plant: Plant  # perhaps in a corner: another than the controller was tuned for
     controller: Controller
-    step: Array
-    demand: Array
-    integration: Array
-    observation: Array
-    handed_down: Array
+    step: Array  # state one cycle later, before the new force and the integrator, (n, n)
+    demand: Array  # force asked for, (n,)
+    integration: Array  # what the integrator adds, (n,)
+    observation: Array  # outputs, (n_outputs, n)
+    handed_down: Array  # what the position cycle computes, over (state, references), (n_held, n+4)
     sensed: Array
-    held: int
+    """What an error of the encoder adds to the state one velocity cycle later, and what, where a
+    position cycle begins, to the state one position cycle later, shape (2, n) [1/m]."""
+    held: int  # first state that holds what is handed down; the kept setpoint samples follow
     states: tuple[str, ...]
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...]  # tcp, encoder, force, then the plant's states
     lifted: LiftedLoop = field(init=False)
 
     def __post_init__(self) -> None:
@@ -121,6 +77,11 @@ class SampledLoop:
         return cycle
 
     @property
+    def rows(self) -> Array:
+        """Outputs, demand, integration and step, one product a velocity cycle, over the state."""
+        return np.vstack([self.observation, self.demand, self.integration, self.step])
+
+    @property
     def integrator(self) -> int:
         """Index of the integrator; the pending force follows it."""
         return self.plant.order
@@ -132,20 +93,9 @@ class SampledLoop:
 
 
 def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
-    """Return the loop of a plant under a controller.
+    """Return the loop of a plant, perhaps in a corner, under a controller with all its gains.
 
-    Parameters
-    ----------
-    plant
-        The machine as it is (perhaps in a corner).
-    controller
-        All gains.
-    model
-        The machine as the controller believes it to be, for its reference state.
-
-    Returns
-    -------
-    SampledLoop
+    ``model``: the machine as the controller believes it to be, for its reference state.
     """
     handed_down = hand_down(controller, model)
     delays = handed_down.by_setpoint.shape[1] // len(INPUTS) - 1
@@ -254,7 +204,7 @@ def _followed_cycle(
     step, own = np.eye(size, size + 1), slice(n + 3, n + 3 + len(handed_down.names))
     followed = discretise(plant, controller.velocity_cycle)
     step[:n] = 0.0
-    step[:n, :size] = drive_by_motion(*followed, plant, held=own.start, size=size)
+    step[:n, :size] = _drive_by_motion(*followed, plant, held=own.start, size=size)
     step[own] = handed_down.advance @ step[own]
     demand = handed_down.force @ step[own]
     # The setpoint's own acceleration is shown; what excites the modes has its mean and its slope
@@ -264,30 +214,14 @@ def _followed_cycle(
     return step, demand, np.zeros(size + 1)
 
 
-def drive_by_motion(A: Array, B: Array, plant: Plant, *, held: int, size: int) -> Array:
-    """Return the rows of a plant's states where the motion is handed down to it.
-
-    Parameters
-    ----------
-    A, B
-        Of one plant or many, from ``discretise``, shapes (..., n, n), (..., n).
-    plant
-        The nominal one.
-    held
-        Index of the position that is handed down; velocity, acceleration and jerk follow it.
-    size
-        Number of the loop's states.
-
-    Returns
-    -------
-    ndarray, shape (..., n, size)
-    """
+def _drive_by_motion(A: Array, B: Array, plant: Plant, *, held: int, size: int) -> Array:
+    """Rows of the plant's states; position to jerk are handed down to it from ``held`` on."""
     n, slaves = plant.order, [plant.position, plant.velocity, plant.force]
-    rows = np.zeros((*A.shape[:-1], size))
-    rows[..., :n] = A
-    rows[..., slaves] = 0.0
-    rows[..., held : held + 3] = A[..., slaves]
-    rows[..., held + 3] = B
+    rows = np.zeros((n, size))
+    rows[:, :n] = A
+    rows[:, slaves] = 0.0
+    rows[:, held : held + 3] = A[:, slaves]
+    rows[:, held + 3] = B
     return rows
 
 
@@ -301,98 +235,20 @@ def _position_cycle(plant: Plant, handed_down: HandedDown, *, size: int) -> Arra
     return rows
 
 
-def advance_cycle(
-    loop: SampledLoop,
-    X: Array,
-    references: Array,
-    *,
-    force_limit: float = inf,
-    friction: Friction | None = None,
-) -> tuple[Array, Array]:
-    """Return the loop one position cycle later, and its outputs at each velocity cycle.
-
-    Parameters
-    ----------
-    loop
-        The loop.
-    X
-        States, shape (n, m): m independent columns.
-    references
-        x_ref, v_ref, a_ref, j_ref now, shape (4, m).
-    force_limit
-        Saturation of the set force [N]; the integrator stands still while it acts.
-    friction
-        Of the loop's plant, if any.
-
-    Returns
-    -------
-    X_next
-        Shape (n, m).
-    outputs
-        Shape (cycles, n_outputs, m).
-    """
-    z, held, own = loop.integrator, loop.held, loop.own_size
-    handed_down = loop.handed_down @ np.vstack([X, references])
-    outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
-    # One product a velocity cycle: a saturated simulation spends its time here.
-    rows = np.vstack([loop.observation, loop.demand, loop.integration, loop.step])
-    seen, cycles = len(loop.observation), loop.controller.cycles
-    for i in range(cycles):
-        Y = rows @ X
-        outputs[i] = Y[:seen]
-        demand, increment, X = Y[seen], Y[seen + 1], Y[seen + 2 :]
-        force = np.minimum(np.maximum(demand, -force_limit), force_limit)
-        X[z] += np.where(force == demand, increment, 0.0)
-        X[z + 1] = force
-        if friction:
-            rubbed = X[: loop.plant.order]
-            rubbed += np.outer(friction.push, friction.force(rubbed))
-    kept = np.vstack([references, X[own:]])[: len(X) - own]
-    return np.vstack([X[:held], handed_down, kept]), outputs
-
-
-def advance_together(
-    loops: Sequence[SampledLoop], X: Array, references: Array, *, force_limit: float
-) -> tuple[Array, Array]:
-    """Return the same controller on several machines one position cycle later, and its outputs.
-
-    ``X``: states, shape (n_loops, n); ``references``: x_ref, v_ref, a_ref, j_ref now, shape (4,).
-    Results: (n_loops, n), (n_loops, cycles, n_outputs). As ``advance_cycle``, without friction.
-    """
-    first = loops[0]
-    z, held, own = first.integrator, first.held, first.own_size
-    # What is handed down by the encoder differs from machine to machine.
-    known = np.hstack([X, np.tile(references, (len(loops), 1))])
-    handed_down = np.array([one.handed_down @ row for one, row in zip(loops, known, strict=True)])
-    rows, seen = _stacked(tuple(loops)), len(first.observation)
-    outputs = np.empty((len(loops), first.controller.cycles, seen))
-    following = X
-    for i in range(first.controller.cycles):
-        Y = (rows @ following[:, :, None])[:, :, 0]
-        outputs[:, i] = Y[:, :seen]
-        demand, increment, following = Y[:, seen], Y[:, seen + 1], Y[:, seen + 2 :]
-        force = np.minimum(np.maximum(demand, -force_limit), force_limit)
-        following[:, z] += np.where(force == demand, increment, 0.0)
-        following[:, z + 1] = force
-    kept = np.hstack([np.tile(references, (len(loops), 1)), following[:, own:]])
-    kept = kept[:, : X.shape[1] - own]
-    return np.hstack([following[:, :held], handed_down, kept]), outputs
-
-
-@lru_cache(maxsize=8)
-def _stacked(loops: tuple[SampledLoop, ...]) -> Array:
-    """Outputs, demand, integration and step of several loops, one product a velocity cycle."""
-    return np.array(
-        [np.vstack([one.observation, one.demand, one.integration, one.step]) for one in loops]
-    )
-
-
 def _lift(loop: SampledLoop) -> LiftedLoop:
     """The linear loop at the position cycle, by advancing unit states and unit references."""
-    n = len(loop.states)
-    unit = np.eye(n + 4)
-    following, outputs = advance_cycle(loop, unit[:n], unit[n:])
-    Y = outputs.reshape(-1, n + 4)
+    n, z, own = len(loop.states), loop.integrator, loop.own_size
+    unit = np.eye(n + len(INPUTS))
+    handed_down = loop.handed_down @ unit
+    X, rows, seen, outputs = unit[:n], loop.rows, len(loop.outputs), []
+    for _ in range(loop.controller.cycles):
+        Y = rows @ X
+        outputs.append(Y[:seen])
+        X = Y[seen + 2 :]
+        X[z] += Y[seen + 1]
+        X[z + 1] = Y[seen]
+    following = np.vstack([X[: loop.held], handed_down, unit[n:], X[own:]])[:n]
+    Y = np.vstack(outputs)
     names = [f"{name}[{i}]" for i in range(loop.controller.cycles) for name in loop.outputs]
     return LiftedLoop(
         A=following[:, :n],
@@ -404,41 +260,3 @@ def _lift(loop: SampledLoop) -> LiftedLoop:
         inputs=INPUTS,
         outputs=tuple(names),
     )
-
-
-def lift_on_plants(loop: SampledLoop, A: Array, B: Array, *, signals: Array) -> Array:
-    """Return the loop on many plants at the position cycle, without the kept setpoint samples.
-
-    Parameters
-    ----------
-    loop
-        The same controller on one of them.
-    A, B
-        The plants over a velocity cycle, shapes (n_plants, n, n), (n_plants, n); followed ones
-        where the motor follows.
-    signals
-        Rows over the loop's state (``own_size`` columns), shape (n_signals, n).
-
-    Returns
-    -------
-    ndarray
-        Shape (n_plants, n + (n_signals + 1) cycles, n). The first n rows are A in X⁺ = A X plus
-        what the setpoint hands down; then each signal at each velocity cycle, as rows over X;
-        then the tool position. One product is faster than three.
-    """
-    n, size = loop.plant.order, loop.own_size
-    cycle = np.repeat(loop.cycle[None, :size, :size], len(A), axis=0)
-    if loop.controller.follows:
-        modal = [i for mode in loop.plant.modes for i in (mode.deflection, mode.rate)]
-        rows = drive_by_motion(A, B, loop.plant, held=loop.held, size=size)
-        cycle[:, modal] = rows[:, modal]
-    else:
-        cycle[:, :n, :n], cycle[:, :n, loop.integrator + 1] = A, B
-    rows = np.repeat(np.vstack([signals, loop.observation[:1, :size]])[None], len(A), axis=0)
-    pieces = []
-    for _ in range(loop.controller.cycles):
-        pieces.append(rows)
-        rows = rows @ cycle
-    lifted = np.linalg.matrix_power(cycle, loop.controller.cycles)
-    lifted[:, loop.held :] = loop.handed_down[:, :size]
-    return np.concatenate([lifted, np.stack(pieces, axis=2).reshape(len(A), -1, size)], axis=1)

@@ -16,76 +16,39 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Observer:
-    """Predicting observer at the velocity cycle, x̂⁺ = A x̂ + B F_set + L (y - C x̂).
+    """Predicting observer at the velocity cycle, x̂⁺ = A x̂ + B F_set + L (y - C x̂)."""
 
-    Parameters
-    ----------
-    states
-        Indices of the observed plant states.
-    A, B, C, L
-        Shapes (n, n), (n,), (n_sensors, n), (n, n_sensors).
-    """
-
-    states: tuple[int, ...]
-    A: Array
-    B: Array
-    C: Array
-    L: Array
+    states: tuple[int, ...]  # indices of the n observed plant states
+    A: Array  # (n, n)
+    B: Array  # (n,)
+    C: Array  # (n_sensors, n)
+    L: Array  # (n, n_sensors)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Controller:
-    """All that the loop needs beside the plant.
+    """All that the loop needs beside the plant."""
 
-    Parameters
-    ----------
-    position_loop
-        Where the position loop closes, and how the setpoint gets from cycle to cycle.
-    position_gain, velocity_gain, integral_time
-        Kv [1/s], Kp [N s/m], Tn [s].
-    reference_model_time
-        Time constant of the first-order reference model through which the integral branch sees
-        the position controller's output [s]; 0 = none.
-    velocity_feedforward, acceleration_feedforward, jerk_feedforward
-        Weights [-]; the jerk part is feedforward_mass x force_lag x j_ref.
-    feedforward_mass, force_lag
-        [kg], [s].
-    reference_delay
-        τ [s]; at least ``handing_down_delay`` where the position loop closes in the drive.
-    velocity_cycle
-        T_v [s].
-    cycles
-        Velocity cycles in one position cycle.
-    force_filters
-        In the set-force path, in order.
-    sensors
-        Outputs of the plant that are measured: ``encoder``, perhaps ``tcp``.
-    state_gains
-        K, set force per deviation of each plant state, shape (n_plant,) [N per unit].
-    observer
-        Where K gets its states from; without states if K is zero.
-    follows
-        Whether there is no loop at all: the motor follows its setpoint, interpolated.
-    """
-
-    position_loop: PositionLoop
-    position_gain: float
-    velocity_gain: float
-    integral_time: float
+    position_loop: PositionLoop  # where it closes, and how the setpoint gets from cycle to cycle
+    position_gain: float  # Kv [1/s]
+    velocity_gain: float  # Kp [N s/m]
+    integral_time: float  # Tn [s]
     reference_model_time: float
-    velocity_feedforward: float
+    """Time constant of the first-order reference model through which the integral branch sees the
+    position controller's output [s]; 0: none."""
+    velocity_feedforward: float  # weights [-]
     acceleration_feedforward: float
-    jerk_feedforward: float
-    feedforward_mass: float
-    force_lag: float
-    reference_delay: float
-    velocity_cycle: float
-    cycles: int
-    force_filters: tuple[ForceFilter, ...]
-    sensors: tuple[str, ...]
-    state_gains: Array
-    observer: Observer
-    follows: bool = False
+    jerk_feedforward: float  # of feedforward_mass x force_lag x j_ref
+    feedforward_mass: float  # [kg]
+    force_lag: float  # [s]
+    reference_delay: float  # τ [s]; at least ``handing_down_delay`` with the loop in the drive
+    velocity_cycle: float  # T_v [s]
+    cycles: int  # velocity cycles in one position cycle
+    force_filters: tuple[ForceFilter, ...]  # in the set-force path, in order
+    sensors: tuple[str, ...]  # measured outputs of the plant: ``encoder``, perhaps ``tcp``
+    state_gains: Array  # K, set force per deviation of each plant state, (n_plant,) [N per unit]
+    observer: Observer  # where K gets its states from; without states if K is zero
+    follows: bool = False  # no loop at all: the motor follows its setpoint, interpolated
 
     @property
     def position_cycle(self) -> float:
@@ -124,18 +87,8 @@ def handing_down_delay(
 ) -> float:
     """Return how old what the position cycle computes is, on average, when it is used [s].
 
-    Parameters
-    ----------
-    position_loop
-        How it is handed down.
-    position_cycle, velocity_cycle
-        T_p, T_v [s].
-
-    Returns
-    -------
-    float
-        One position cycle of dead time, and then: held, T_p + (T_p - T_v)/2 as the velocity cycle
-        samples it; interpolated, 2 T_p, since between two setpoints both must be known.
+    One position cycle of dead time, and then: held, T_p + (T_p - T_v)/2 as the velocity cycle
+    samples it; interpolated, 2 T_p, since between two setpoints both must be known.
     """
     if position_loop is PositionLoop.CONTROL:
         return 0.5 * (3.0 * position_cycle - velocity_cycle)
@@ -161,24 +114,10 @@ def feedforward_delay(
     jerk_feedforward: float,
     force_filters: tuple[ForceFilter, ...],
 ) -> float:
-    """Return the time after which the fed-forward force moves the axis: τ for "auto".
+    """Return the time after which the fed-forward force moves the axis: τ for "auto" [s].
 
-    Parameters
-    ----------
-    handing_down
-        From ``handing_down_delay`` [s].
-    velocity_cycle, force_lag
-        [s].
-    jerk_feedforward
-        Weight [-]; 1 cancels the lag.
-    force_filters
-        In the set-force path.
-
-    Returns
-    -------
-    float
-        Handing down + 1.5 T_v (dead time and hold of the force) + (1 - jerk_feedforward) T + the
-        low-frequency delay of the filters [s].
+    Handing down + 1.5 T_v (dead time and hold of the force) + (1 - jerk_feedforward) T + the
+    low-frequency delay of the filters.
 
     Source: first-order (low-frequency) delay of each block.
 
@@ -201,18 +140,10 @@ def filter_delay(item: ForceFilter) -> float:
 
 
 def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
-    """Return numerator and denominator of a set-force filter in s, highest power first.
+    """Return numerator and denominator of a set-force filter in s, highest power first, (3,).
 
-    Parameters
-    ----------
-    item
-        Notch (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), d its width, or low-pass
-        ω² / (s² + 2 ζ ω s + ω²).
-
-    Returns
-    -------
-    (numerator, denominator)
-        Shapes (3,).
+    Notch (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), d its width, or low-pass
+    ω² / (s² + 2 ζ ω s + ω²).
     """
     zeta, omega = item.damping, item.natural_frequency
     if item.kind is FilterKind.LOW_PASS:
@@ -227,17 +158,8 @@ def reference_state(plant: Plant, controller: Controller) -> Array:
     """Return the plant state that belongs to a setpoint: rigid motion, modes at rest on it.
 
     A mode follows slowly as q = F/ω² with F = m a_ref, so its deflection follows a_ref and
-    its rate j_ref; the state feedback acts on the deviation from this state.
-
-    Parameters
-    ----------
-    plant, controller
-        The nominal plant and the controller, whose mass is used.
-
-    Returns
-    -------
-    ndarray, shape (n_plant, 4)
-        State = result @ (x_ref, v_ref, a_ref, j_ref).
+    its rate j_ref; the state feedback acts on the deviation from this state. Result @ (x_ref,
+    v_ref, a_ref, j_ref), shape (n_plant, 4), of the nominal plant.
     """
     m = controller.feedforward_mass
     result = np.zeros((plant.order, 4))

@@ -32,22 +32,11 @@ the drive has that controller; velocity and force fed forward; a force on the li
 
 
 def build_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
-    """Return the loop as the position controller samples it.
+    """Return the loop as the position controller samples it, from setpoint to tool and force.
 
-    Parameters
-    ----------
-    plant
-        The machine as it is (perhaps in a corner).
-    controller
-        All gains.
-    model
-        The machine as the controller believes it to be, for its reference state.
-
-    Returns
-    -------
-    control.StateSpace
-        From the setpoint ``x_ref``, ``v_ref``, ``a_ref``, ``j_ref`` and ``disturbance``, a force on
-        the line of the drive, to ``tcp``, ``encoder`` and ``force`` (F_set), at the position cycle.
+    From ``x_ref``, ``v_ref``, ``a_ref``, ``j_ref`` and ``disturbance``, a force on the line of the
+    drive, to ``tcp``, ``encoder`` and ``force`` (F_set), at the position cycle. The plant may be in
+    a corner; ``model`` is what the controller believes it to be, for its reference state.
 
     Examples
     --------
@@ -69,12 +58,7 @@ def as_followed_model(
 ) -> control.StateSpace:
     """Return a motor that follows, with the outputs of ``build_model``: there is no loop to draw.
 
-    Parameters
-    ----------
-    A, B, C, D
-        Of the lifted motion; tool, encoder and acceleration come first among the outputs.
-    dt
-        Position cycle [s].
+    Of the lifted motion; tool, encoder and acceleration come first among its outputs.
     """
     inputs, outputs = ["x_ref", "v_ref", "a_ref", "j_ref"], ["tcp", "encoder", "force"]
     C, D = np.asarray(C)[:3], np.asarray(D)[:3]
@@ -82,18 +66,10 @@ def as_followed_model(
 
 
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
-    """Return the loop at the position cycle, with its outputs at every velocity cycle.
+    """Return the loop of ``build_model`` with its outputs at every velocity cycle.
 
-    Parameters
-    ----------
-    plant, controller, model
-        As for ``build_model``.
-
-    Returns
-    -------
-    control.StateSpace
-        From the same inputs to ``tcp[0]``, ``encoder[0]``, ``force[0]``, the plant's states
-        ``state_0[0]``, ..., then the same one velocity cycle later, ``tcp[1]``, ...
+    ``tcp[0]``, ``encoder[0]``, ``force[0]``, the plant's states ``state_0[0]``, ..., then the same
+    one velocity cycle later, ``tcp[1]``, ...
     """
     outputs = ["tcp", "encoder", "force", *(f"state_{k}" for k in range(plant.order))]
     drive = _connect(
@@ -109,16 +85,8 @@ def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) ->
 def build_open_loop(plant: Plant, controller: Controller) -> control.StateSpace:
     """Return the loop cut at F_set, at the velocity cycle: L, unstable where 1 + L = 0.
 
-    Parameters
-    ----------
-    plant, controller
-        The loop. A position loop that closes in the control is taken in the base band: what is
-        handed down is the mean of the last N samples, N velocity cycles late.
-
-    Returns
-    -------
-    control.StateSpace
-        From ``force`` to ``-force``.
+    A position loop that closes in the control is taken in the base band: what is handed down is
+    the mean of the last N samples, N velocity cycles late.
     """
     N, T_v = controller.cycles, controller.velocity_cycle
     blocks = _blocks_of_the_velocity_cycle(plant, controller, acting="acting")

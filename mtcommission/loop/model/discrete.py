@@ -59,19 +59,10 @@ def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
 
 
 def discretise_disturbance(plant: Plant, step: float) -> Array:
-    """Return what a constant force of 1 N beside the motor adds to the plant state in one step.
+    """Return what a constant force of 1 N beside the motor adds to the plant state over a step [s].
 
-    Parameters
-    ----------
-    plant
-        The machine.
-    step
-        [s].
-
-    Returns
-    -------
-    ndarray, shape (n_plant,)
-        A disturbance on the line of the drive force enters like the force state, without its lag.
+    A disturbance on the line of the drive force enters like the force state, without its lag.
+    Shape (n_plant,).
     """
     n = plant.order
     joint = np.zeros((n + 1, n + 1))

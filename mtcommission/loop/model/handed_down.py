@@ -31,34 +31,18 @@ MOST_KEPT = 500
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HandedDown:
-    """What is handed down, how it is computed, and how the velocity cycle reads it.
+    """What is handed down, how it is computed, and how the velocity cycle reads it."""
 
-    Parameters
-    ----------
-    names
-        States that hold it.
-    by_setpoint
-        From the setpoint now, then the kept samples, newest first, shape (n, 4 (kept + 1)).
-    by_encoder
-        From the encoder's position now, shape (n,).
-    advance
-        What is held one velocity cycle later, shape (n, n).
-    correction, velocity, force
-        Output of the position controller, velocity and force fed forward, as rows over what is
-        held, shape (n,). The encoder's share of the correction is already in what is held, or
-        ``drive_gain`` times its position now.
-    drive_gain
-        Kv where the position loop closes at the velocity cycle, else 0 [1/s].
-    """
-
-    names: tuple[str, ...]
-    by_setpoint: Array
-    by_encoder: Array
-    advance: Array
+    names: tuple[str, ...]  # n states that hold it
+    by_setpoint: Array  # the setpoint now, then the kept samples, newest first, (n, 4 (kept + 1))
+    by_encoder: Array  # the encoder's position now, (n,)
+    advance: Array  # what is held one velocity cycle later, (n, n)
     correction: Array
-    velocity: Array
-    force: Array
-    drive_gain: float
+    """Output of the position controller, as a row over what is held, (n,); the encoder's share is
+    already in what is held, or ``drive_gain`` times its position now."""
+    velocity: Array  # fed forward, (n,)
+    force: Array  # fed forward, (n,)
+    drive_gain: float  # Kv where the position loop closes at the velocity cycle, else 0 [1/s]
 
 
 def hand_down(controller: Controller, model: Plant) -> HandedDown:

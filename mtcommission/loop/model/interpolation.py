@@ -24,25 +24,13 @@ def kept_samples(controller: Controller) -> int:
 
 
 def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
-    """Return the weights of setpoint samples that give the setpoint some time ago.
+    """Return the weights of setpoint samples that give the setpoint a delay [s] ago.
 
     Position by quintic Hermite interpolation (exact while the jerk is constant; a jerk step
     of Δj inside the cycle costs at most some Δj T³/400), the velocity by its derivative,
-    acceleration and jerk linearly.
-
-    Parameters
-    ----------
-    delay
-        [s].
-    cycle
-        Position cycle [s].
-    delays
-        Kept samples; at least delay/cycle.
-
-    Returns
-    -------
-    ndarray, shape (4, 4 (delays + 1))
-        Rows x, v, a, j; columns (x, v, a, j) of the current sample, then of the one before, ...
+    acceleration and jerk linearly. Rows x, v, a, j; columns (x, v, a, j) of the current sample,
+    then of those kept before it (``delays`` of them, at least delay/cycle), shape
+    (4, 4 (delays + 1)).
     """
     back = ceil(delay / cycle - 1e-9)
     s = min(max(back - delay / cycle, 0.0), 1.0)
@@ -66,17 +54,9 @@ def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
 def motion_between(start: Array, end: Array, *, cycle: float) -> Array:
     """Return the motion over a position cycle that has position and velocity at both ends.
 
-    Parameters
-    ----------
-    start, end
-        x, v, a, j at the ends, shape (4, n); of these x and v count.
-    cycle
-        Position cycle [s].
-
-    Returns
-    -------
-    ndarray, shape (4, n)
-        Position and its derivatives at the start, of a cubic; exact while the jerk is constant.
+    ``start``, ``end``: x, v, a, j at the ends, shape (4, n); of these x and v count. Result:
+    position and its derivatives at the start, of a cubic, shape (4, n); exact while the jerk is
+    constant.
     """
     x, v = end[0] - start[0] - cycle * start[1], end[1] - start[1]
     acceleration = 6.0 * x / cycle**2 - 2.0 * v / cycle

@@ -20,13 +20,15 @@ from math import ceil, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import SampledLoop, advance_together
+from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.loop.nonlinear import step_linear, step_through
 from mtcommission.loop.respond import (
     Cycles,
     LoopPoles,
     Motions,
     find_poles,
     free_motion,
+    last_crossing,
     lay_grid,
     outputs_at,
     set_in_motion,
@@ -232,12 +234,13 @@ def _step_saturated(
     last = stop + min(ceil(HORIZON / T), STEPPED // loops[0].controller.cycles)
     found: dict[int, tuple[Array, bool]] = {}
     while k < last and len(found) < len(loops):
-        for r in sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T):
-            X, Y = advance_together(loops, X, r, force_limit=limit)
-            pieces.append(Y)
+        references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T)
+        X, Y = step_through(loops, X, references, force_limit=limit)
+        pieces.append(Y)
         moved = np.concatenate(pieces, axis=1)
+        later = np.arange(stop, stop + ceil(FOLLOWED / T), dtype=np.float64) * T
         for i, loop in enumerate(loops):
-            free = _advance_linear(loop, X[i], setpoint, stop, stop + ceil(FOLLOWED / T))
+            free = step_linear(loop, X[i], sample_setpoint(setpoint, later))
             if i in found or np.max(np.abs(free[:, 2])) > limit:
                 continue
             t = np.asarray(stop * T + np.arange(len(free)) * loop.controller.velocity_cycle)
@@ -246,19 +249,6 @@ def _step_saturated(
             found[i] = np.vstack([moved[i], free]), rests
         k, stop = stop, min(2 * stop, last)
     return [found.get(i, (moved[i], False)) for i in range(len(loops))]
-
-
-def _advance_linear(
-    loop: SampledLoop, X: Array, setpoint: Setpoint, start: int, stop: int
-) -> Array:
-    """Outputs of some position cycles without saturation, from a state on."""
-    lifted = loop.lifted
-    references = sample_setpoint(setpoint, np.arange(start, stop, dtype=np.float64) * lifted.dt)
-    history = np.empty((len(references), len(X)))
-    for k, pushed in enumerate(references @ lifted.B.T):
-        history[k] = X
-        X = lifted.A @ X + pushed
-    return np.asarray((history @ lifted.C.T).reshape(-1, len(loop.outputs)))
 
 
 def _judge(
@@ -285,8 +275,11 @@ def _judge(
     before = outputs[begin - 1, 0] - end - speed * (t[begin - 1] - until)
     share = (until - t[begin - 1]) / (t[begin] - t[begin - 1])
     at_end = before + share * (deviation[begin] - before)
-    judged_t = np.concatenate([[until], t[begin:]])
     judged = np.abs(np.concatenate([[at_end], deviation[begin:]]))
+    settling = until
+    if settles and np.max(judged) > band:
+        at = np.concatenate([[until], t[begin:]])
+        settling = float(last_crossing(at, judged[None], band, begin=at[:1])[1][0])
     peak, window = float(np.max(np.abs(deviation))), setpoint.duration + setpoint.move.dwell
     stands_for = np.repeat(np.gradient(n.astype(np.float64)), cycles)  # cycles for each one
     shares, motor = stands_for * window_shares(t, window, step=T_v), outputs[:, -1]
@@ -302,7 +295,7 @@ def _judge(
         force=outputs[:, 2].copy(),  # a view would keep all outputs
         states=states,
         t_end=until,
-        settling_time=_settling_time(judged_t, judged, band) if settles else inf,
+        settling_time=settling if settles else inf,
         residual_deviation=float(np.max(judged)) if settles else inf,
         peak_deviation=peak,
         contour_deviation=peak,
@@ -312,18 +305,6 @@ def _judge(
         rms_force=float(rms),
         saturated=False,
     )
-
-
-def _settling_time(t: Array, deviation: Array, band: float) -> float:
-    """Last crossing into the band, of samples that begin at t_e + τ."""
-    outside = np.flatnonzero(deviation > band)
-    if not outside.size:
-        return float(t[0])
-    last = int(outside[-1])
-    if last == len(t) - 1:
-        return inf
-    here, following = deviation[last], deviation[last + 1]
-    return float(t[last] + (t[last + 1] - t[last]) * (here - band) / (here - following))
 
 
 def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:

@@ -15,8 +15,12 @@ from math import inf, pi, radians, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.block_responses import BlockResponses, scan_blocks_on_grid
-from mtcommission.loop.analysis.frequency import open_loop, scan
+from mtcommission.loop.analysis.frequency import (
+    BlockResponses,
+    open_loop,
+    scan,
+    scan_blocks_on_grid,
+)
 from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.loop.tuning.tuned import CornerPlants, TuningSettings
 from mtcommission.machine.control import ForceFilter

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.block_responses import BlockResponses, scan_blocks_on_grid
 from mtcommission.loop.analysis.frequency import (
+    BlockResponses,
     FrequencyResponse,
     complete_response,
     frequency_response,
+    scan_blocks_on_grid,
 )
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller

@@ -155,6 +155,18 @@ class FeatureEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CrossCheckEntry:
+    """What python-control says of the nominal loop, put together from the same blocks.
+
+    ``pole_difference`` is the largest distance of a pole in the z plane [-].
+    """
+
+    pole_difference: float
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopPart:
     """The controller and how good its loop is; margins with the loop cut at F_set.
 
@@ -173,6 +185,8 @@ class LoopPart:
     drive, by the name of the loop. ``candidates`` are the loops that were tried, soonest first,
     and ``reasons`` say why one of them is used. ``remarks`` say which rule chose what;
     ``warnings`` say what is poor about the loop, and are part of the record's warnings, too.
+
+    ``cross_check`` holds margins and poles against python-control's.
 
     Where the motor follows its setpoint there is no loop: gains, margins and stiffness are null,
     what is told of them is empty, and ``closed_loop`` still moves the axis.
@@ -217,6 +231,7 @@ class LoopPart:
     worst_corner: Margins | None
     worst_mode_damping: dict[str, float]
     corners: list[LoopCornerEntry]
+    cross_check: CrossCheckEntry | None
     delays: list[DelayEntry]
     disturbance: Series
     jerk_feedforward: list[JerkFeedforwardEntry]

@@ -1,0 +1,76 @@
+"""Loop and limits without the rest of the chain: what ``limits`` and its page need.
+
+A module of its own, since the optima and studies of ``commission`` load as long as this computes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.rigid_body import require_force
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.duration import require_short_moves
+from mtcommission.study.known_rules import evaluate_rules
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
+from mtcommission.study.today import TodaysValues, judge_today
+from mtcommission.verdict.evaluate import Candidate
+
+Progress = Callable[[Message], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recommendation:
+    """Loop and limits alone, for whoever goes on trying from there."""
+
+    machine: Machine
+    plant: Plant  # nominal
+    tuned: TunedLoop  # the loop that is used, in every corner
+    choice: Choice
+    today: TodaysValues | None  # None where the profile states none
+    rule: RuleResult | None  # where asked for
+    rules: tuple[Candidate, ...]
+
+
+def recommend(
+    machine: Machine,
+    *,
+    with_rules: bool = False,
+    settings: Settings | None = None,
+    progress: Progress = lambda _: None,
+) -> Recommendation:
+    """Return loop and limits, and with them the rules of makers and textbooks if asked for.
+
+    The search knows nothing of the optima, so the limits may be others than in a record, never
+    ones that are judged otherwise.
+
+    Raises
+    ------
+    ComputationError
+        As ``commission``.
+    """
+    settings = settings or Settings()
+    require_force(machine)
+    require_short_moves(machine)
+    plant = build_plant(machine)
+    progress(Message("stage-feedback-loop"))
+    loop = settle_on_loop(machine, plant, settings)
+    tuned = loop.tuned
+    progress(Message("stage-limits"))
+    choice = loop.choice or choose_limits(machine, plant, tuned)
+    rule = apply_commissioning_rule(machine, plant, tuned) if with_rules else None
+    return Recommendation(
+        machine=machine,
+        plant=plant,
+        tuned=tuned,
+        choice=choice,
+        today=judge_today(machine, plant, tuned, settings.robustness),
+        rule=rule,
+        rules=evaluate_rules(machine, plant, tuned, rule) if rule else (),
+    )
