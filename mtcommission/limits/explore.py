@@ -8,6 +8,7 @@ accelerations at once; what is dearer is looked at where the motion could still 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -89,13 +90,15 @@ def explore(
     *,
     largest_jerk: float = inf,
     near: MotionLimits | None = None,
+    beside: Sequence[SetpointFilter | None] = (),
     refined: int = REFINED,
 ) -> tuple[Found, ...]:
     """Return limits with the shortest motion that keep all bounds, behind each filter, best first.
 
     Of those equally soon the one with the least jerk. ``near``: what is known
-    of a loop much like this one; then only its neighbourhood is looked at. ``refined``: how many
-    places are; 0 for a first look. Empty where nothing keeps the bounds.
+    of a loop much like this one; then only its neighbourhood is looked at, and ``beside`` its
+    filter others. ``refined``: how many places are; 0 for a first look. Empty where nothing keeps
+    the bounds.
     """
     explorer = Explorer.about(bench, largest_jerk=largest_jerk, is_rough=not refined)
     control, machine = bench.machine.control, bench.machine
@@ -107,7 +110,7 @@ def explore(
             jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
     else:
         own = near.setpoint_filter
-        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY)]))
+        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY), *beside]))
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
@@ -300,10 +303,9 @@ class Explorer:
                 continue
             a = float(kept[0])
             rest = self._rest(use, a)
+            rest = max(rest, use.of_band_exactly(a))
             if self.is_rough:
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)
-            else:
-                rest = max(rest, use.of_band_exactly(a))
             if rest <= 1.0 + CLOSE:
                 duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
                 best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
