@@ -12,7 +12,6 @@ import pytest
 
 from benchmarks.fuzz import LONGEST, call, fault_of, in_place
 from benchmarks.mutations import dice_of, extreme_machine
-from mtcommission.commission import recommend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.loop.simulate.response import simulate_corners
@@ -28,6 +27,7 @@ from mtcommission.optimal.solution import joint_system
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.recommend import recommend
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
