@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from multiprocessing import get_context
 from pathlib import Path
@@ -21,6 +21,7 @@ from time import process_time
 import numpy as np
 
 from benchmarks.population import random_machine
+from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
@@ -31,7 +32,7 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.shapers import compare_shapers
+from mtcommission.study.rules import compare_shapers
 from mtcommission.study.varied import respond_varied
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
@@ -107,7 +108,8 @@ def score_machine(seed: int) -> list[Score]:
         name = Catalogue().say(rule.name).split(" (")[0]
         note(name, evaluate(machine, plant, tuned, rule.limits), 0.0)
     start = process_time()
-    shaped = compare_shapers(machine, plant, tuned)
+    free = replace(machine, control=replace(machine.control, kind=STATE_SPACE))  # has all shapers
+    shaped = compare_shapers(free, tuned, near=searched)
     taken = (process_time() - start) / len(shaped)
     for candidate in shaped:
         note(Catalogue().say(candidate.name or "").split(" (")[0], candidate, taken)

@@ -282,7 +282,7 @@ def _quality(scores: Sequence[Score]) -> Iterator[str]:
         f"and on {possible} some source meets all requirements: those count. Same loop, corners "
         "and judgement "
         f"for all. The brute force is a {GRID} × {GRID} grid over acceleration and ramp time, "
-        "coarser than the search. The shapers choose the best of several accelerations by trial, "
+        "coarser than the search. The shapers get the limits that suit each best, "
         "so that they get more than a user would give them."
     )
     yield ""

@@ -16,8 +16,8 @@ from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.duration import require_short_moves
-from mtcommission.study.known_rules import evaluate_rules
 from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.rules import evaluate_rules
 from mtcommission.study.settings import Settings
 from mtcommission.study.today import TodaysValues, judge_today
 from mtcommission.verdict.evaluate import Candidate
@@ -78,5 +78,5 @@ def recommend(
         choice=choice,
         today=judge_today(machine, plant, tuned, settings.robustness),
         rule=rule,
-        rules=evaluate_rules(machine, plant, tuned, rule) if rule else (),
+        rules=evaluate_rules(machine, tuned, rule) if rule else (),
     )

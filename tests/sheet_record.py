@@ -185,7 +185,7 @@ def unsettled_record() -> Json:
             response["settling_time"] = response["residual_deviation"] = None
             response["saturated"] = True
     record["optima"][0]["damping"] = None
-    for item in (*record["loop"]["variants"], record["comparisons"][0]["continuous"]):
+    for item in record["loop"]["variants"]:
         item["settling_time"] = None
     for comparison in record["comparisons"][0]["controls"]:
         comparison["transfer_time"] = None
@@ -835,25 +835,6 @@ def _robustness() -> Any:
             "kept_to": kept[-1],
         },
         "damping_error": {"factor": [0.3, 0.61, 1.0, 1.37, 1.7], "kept_from": 0.61, "kept_to": 1.7},
-        "sensitivities": [
-            {
-                "change": change,
-                "settling_time": 0.1162 * (1.0 + settling),
-                "residual_deviation": 4.582e-6 * (1.0 + residual_change),
-                "settling_change": settling,
-                "residual_change": residual_change,
-                "meets_requirements": is_met,
-            }
-            for change, settling, residual_change, is_met in (
-                (said("change-jerk", change=0.1), 0.159, 0.253, False),
-                (said("change-jerk", change=-0.1), 0.0499, -0.073, True),
-                (said("change-acceleration", change=0.1), 0.179, 0.176, False),
-                (said("change-acceleration", change=-0.1), 0.194, 0.102, False),
-                (said("change-frequencies", change=0.01), 0.0, -0.029, True),
-                (said("change-frequencies", change=-0.01), 0.16, 0.035, False),
-                (said("change-damping", change=-0.1), 0.0, -0.001, True),
-            )
-        ],
         "warnings": [],
     }
 
@@ -865,10 +846,6 @@ def _unsettled_robustness() -> Any:
     error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
     error["kept_from"] = error["kept_to"] = None
     found["damping_error"] |= {"kept_from": None, "kept_to": None}
-    for item in found["sensitivities"]:
-        item.update(dict.fromkeys(("settling_time", "residual_deviation")))
-        item.update(dict.fromkeys(("settling_change", "residual_change")))
-        item["meets_requirements"] = False
     return {**found, "monte_carlo": None}
 
 
@@ -897,12 +874,6 @@ def _comparison() -> Any:
         "peak_deviation": 4.71e-5,
         "saturated_share": 0.471,
     }
-    continuous = {
-        "settling_time": 0.1042,
-        "residual_deviation": 4.55e-6,
-        "settling_difference": 0.003,
-        "residual_difference": -0.012,
-    }
     claims = [
         said(
             "claim-rectangular",
@@ -928,7 +899,6 @@ def _comparison() -> Any:
     return {
         "controls": [control],
         "fed_forward": [fed],
-        "continuous": continuous,
         "claims": claims,
         "why_not_the_optimum": why_not,
     }

@@ -24,9 +24,9 @@ from mtcommission.identify.states import identify
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.shapers import shape
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile
-from mtcommission.study.shapers import compare_shapers
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.rules import compare_shapers
 from tests.test_wizard import from_answers
 
 Result = tuple[int, str, str]
@@ -279,8 +279,8 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
         axis="X",
     )
     machine = parse_profile(write_profile(found, how), where="x.toml")
-    tuned, plant = tune_loop(machine), build_plant(machine)
-    first, *others = compare_shapers(machine, plant, tuned)
+    near = MotionLimits(acceleration=1.0, jerk=100.0)
+    first, *others = compare_shapers(machine, tune_loop(machine), near=near)
     assert first.name is not None
     assert first.name.kind == "shaper-of-calibration"
     assert "shaper-of-calibration" not in {one.name.kind for one in others if one.name}

@@ -203,9 +203,6 @@ def test_recommendation_beats_every_rule_that_keeps_the_reserve(record: Record) 
     assert best is not None
     for rule in record.limits.rules:
         # Shapers are another function: beside a loop that leaves the mode alone they may be sooner.
-        if rule.keeps_reserve and rule.name.kind not in (
-            "shaper-for-mode",
-            "moving-average-for-mode",
-        ):
+        if rule.keeps_reserve and rule.name.kind not in ("shaper-for-mode",):
             assert rule.settling_time is not None
             assert rule.settling_time >= 0.99 * best

@@ -9,20 +9,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mtcommission.loop.simulate.continuous import simulate_continuous
-from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
-from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.machine.machine import Machine
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.study.comparison import ComparedControl, compare_controls
 from mtcommission.study.feedforward import feed_forward
-from tests.machines import paper_machine, random_modal_machine
+from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 LIMITS = MotionLimits(acceleration=1.94, jerk=41.2)
@@ -112,50 +108,3 @@ def test_fed_forward_optimum_rests_on_the_nominal_machine_only(
     for off in (low, high):
         assert off.residual_deviation > machine.requirements.tcp_deviation
         assert off.saturated_share > 0.2
-
-
-@pytest.mark.parametrize("seed", [1, 8])
-def test_continuous_loop_is_near_the_sampled_one(seed: int) -> None:
-    """Holding for T_p moves the axis by up to a T_p²/2; a forgotten dead time by several times."""
-    made = random_modal_machine(seed, n_modes=1)
-    made = replace(made, drive=replace(made.drive, max_force=1e9))
-    tuned = tune_loop(made)
-    plant = build_plant(made)
-    move = Positioning(distance=0.02)
-    setpoint = plan_setpoint(move, MotionLimits(acceleration=1.0, jerk=30.0))
-    sampled = simulate(tuned.loops[0], setpoint, drive=made.drive, band=5e-6)
-    until = sampled.t_end + 0.2
-    found = simulate_continuous(
-        plant, tuned.controller, setpoint, model=plant, band=5e-6, until=until
-    )
-    inside = sampled.t <= until
-    other = np.interp(sampled.t[inside], found.t, found.deviation)
-    gap = np.max(np.abs(other - sampled.deviation[inside]))
-    held = 1.0 * tuned.controller.position_cycle**2 / 2.0
-    assert 1e-3 * held < gap < held
-
-
-def test_continuous_loop_with_stiff_delays_does_not_grow() -> None:
-    """Without states of one size the sheet said 1e28 m of a loop whose poles are all stable."""
-    machine = read_profile(PROFILES / "modal-two-modes.toml")
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=2.0, jerk=40.0))
-    band = machine.requirements.tcp_deviation
-    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=band)
-    found = simulate_continuous(
-        plant, tuned.controller, setpoint, model=plant, band=band, until=sampled.t_end + 0.5
-    )
-    assert np.max(np.abs(found.deviation)) < 2.0 * np.max(np.abs(sampled.deviation))
-
-
-def test_continuous_difference_on_the_paper_machine_is_as_documented(
-    machine: Machine, plant: Plant, tuned: TunedLoop
-) -> None:
-    """docs/feedback-loop.md states 1.5 % for the settling time."""
-    setpoint = plan_setpoint(machine.moves[0], LIMITS)
-    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=5e-6)
-    found = simulate_continuous(
-        plant, tuned.controller, setpoint, model=plant, band=5e-6, until=0.5
-    )
-    assert found.settling_time == pytest.approx(sampled.settling_time, rel=0.015)
-    assert found.residual_deviation == pytest.approx(sampled.residual_deviation, rel=0.2)

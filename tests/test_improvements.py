@@ -9,15 +9,15 @@ import pytest
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
+from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.settings import Settings
 
-SETTINGS = Settings()
+SETTINGS = TuningSettings()
 
 
 def improvements_of(machine: Machine) -> tuple[float, dict[str, Improvement]]:

@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode, longest_period
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.variations import Row, judge
+from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import Vibration, profile_of
 from tests.machines import paper_machine, random_modal_machine
 
@@ -52,6 +57,21 @@ def test_slower_ramps_take_two_and_three_periods() -> None:
     for k, limits in zip((2, 3), found.values(), strict=True):
         assert limits.acceleration == pytest.approx(a)
         assert limits.jerk_time == pytest.approx(k * period, rel=1e-3)
+
+
+@pytest.mark.parametrize(("acceleration", "jerk"), [(1.0, 25.0), (1.5, 50.0), (2.5, 1300.0)])
+def test_a_row_is_judged_like_the_recommendation(acceleration: float, jerk: float) -> None:
+    """If it failed, a rule would be called good that smaller moves, or the verdict, refuse."""
+    machine = paper_machine()
+    needs = replace(machine.requirements, every_size=True)
+    machine = replace(machine, requirements=needs)
+    tuned, limits = tune_loop(machine), MotionLimits(acceleration=acceleration, jerk=jerk)
+    found = judge(Row(label=Message("x"), machine=machine, tuned=tuned, limits=limits))
+    own = evaluate(machine, build_plant(machine), tuned, limits)
+    assert found.settling_time == own.settling_time
+    assert found.residual_deviation == own.residual_deviation
+    assert found.assessment.is_met == own.assessment.is_met
+    assert found.assessment.keeps(needs.reserve) == own.assessment.keeps(needs.reserve)
 
 
 def test_dominant_mode_bends_the_tool_most_per_newton() -> None:

@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.model.interpolation import delay_weights
-from mtcommission.loop.simulate.continuous import simulate_continuous
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
@@ -23,7 +22,7 @@ from mtcommission.machine.variations import vary
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
+from mtcommission.setpoint.setpoint import plan_within
 from tests.independent_loop import Run, axis_of, behind, delayed, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
@@ -176,25 +175,6 @@ def test_interpolated_setpoint_costs_less_than_stated() -> None:
         assert steps or error < 1e-14
         worst = max(worst, error)
     assert 0.0 < worst <= 200.0 * T**3 / 400
-
-
-@pytest.mark.parametrize("position_loop", PositionLoop)
-def test_loop_without_sampling_is_nearly_the_same(position_loop: PositionLoop) -> None:
-    """A dead time counted twice, or forgotten, in one of the two would show here."""
-    machine = quiet_copy(
-        paper_machine(), position_loop=position_loop, state_feedback=StateFeedback.OFF
-    )
-    tuned, plant = tune_loop(machine), build_plant(machine)
-    setpoint = plan_setpoint(STEP, MotionLimits(acceleration=1.0, jerk=40.0))
-    band = machine.requirements.tcp_deviation
-    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=band)
-    found = simulate_continuous(
-        plant, tuned.controller, setpoint, model=plant, band=band, until=0.5
-    )
-    assert found.settling_time == pytest.approx(sampled.settling_time, rel=0.015)
-    t = sampled.t[sampled.t <= 0.5]
-    gap = np.abs(np.interp(t, found.t, found.deviation) - sampled.deviation[: len(t)])
-    assert np.max(gap) < 0.2 * sampled.peak_deviation
 
 
 def test_force_balances_at_rest_and_while_coasting() -> None:

@@ -30,7 +30,6 @@ from mtcommission.cli.results_view import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule.by_hand import RuleFormula, formulas_for
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
@@ -41,7 +40,6 @@ from mtcommission.messages.quantities import THIN_SPACE, Formatter, motion_unit
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
-from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.schema.moves import AssessmentPart, Check
 from mtcommission.record.schema.record import Record
@@ -394,35 +392,6 @@ def test_a_frequency_error_that_nothing_survives_is_a_sentence_and_no_empty_axes
     (plot,), told = shown()
     assert len(plot.panels) == 2
     assert not told
-
-
-def test_a_cross_check_that_does_not_settle_has_no_numbers():
-    """An approximation that blew up was printed as a residual deviation of 10²⁸ m."""
-    record = unsettled_record()
-    record["comparisons"][0]["continuous"]["residual_deviation"] = 3.57e28
-    told = [
-        block.text
-        for section in compose(record).sections
-        for block in section.blocks
-        if isinstance(block, Paragraph) and block.text.startswith("Cross-check")
-    ]
-    assert any("does not settle (sampled loop: not settled)" in words for words in told)
-    assert not any("10²⁸" in words for words in told)
-
-
-@pytest.mark.parametrize(("last", "settles"), [(0.9e-6, True), (1.1e-6, False), (1e28, False)])
-def test_an_approximation_outside_the_band_at_its_end_has_not_settled(last, settles):
-    """The last sample outside was taken for the settling time even where it was the very last."""
-    continuous = ContinuousResponse(
-        t=np.array([0.0, 0.1, 0.2]),
-        deviation=np.array([0.0, 5e-6, last]),
-        settling_time=0.2,
-        residual_deviation=last,
-    )
-    sampled = SimpleNamespace(settling_time=0.1, residual_deviation=1e-6)
-    found = continuous_entry(continuous, sampled, band=1e-6)
-    assert found.settling_time == (0.2 if settles else None)
-    assert found.settling_difference == (pytest.approx(1.0) if settles else None)
 
 
 def test_a_map_without_any_value_still_spans_its_axes():

@@ -70,8 +70,8 @@ def run(
         found = commission(
             machine, profile=source, progress=progress, announce=announce_limits(machine)
         )
-    record = record_run(found, created=now())
-    with show_stage() as progress:
+        progress(Message("stage-improvements"))
+        record = record_run(found, created=now())
         progress(Message("stage-sheet"))
         typed = type_in(record)
         notes = (Message("entry-none", why=typed),) if isinstance(typed, Message) else typed.doubts

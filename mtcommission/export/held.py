@@ -27,6 +27,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
+from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
@@ -289,10 +290,12 @@ def hold(subject: Subject, values: Values) -> Held:
             seeks_setpoint_filter=False,
         )
         machine = replace(subject.machine, control=control)
-        return Held(machine=machine, tuned=tune_loop(machine), values=values)
+        return Held(machine=machine, tuned=close_as_held(machine), values=values)
     machine = replace(subject.machine, control=_control(values, subject))
     try:
-        tuned = tune_loop(machine)
+        tuned = close_as_held(machine)
+        if not all(analysis.is_stable for analysis in tuned.analyses):
+            tune_loop(machine)  # names the corner, and the gains to lower
     except ComputationError as error:
         message = Message(
             "export-unstable",

@@ -15,7 +15,7 @@ from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.loop.model.controller import Controller, handing_down_delay
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.rigid_body import peak_velocity
@@ -23,7 +23,12 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
-from mtcommission.record.read_back import read_force_filters, read_limits, read_machine
+from mtcommission.record.read_back import (
+    close_as_held,
+    read_force_filters,
+    read_limits,
+    read_machine,
+)
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -173,7 +178,7 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
     """
     _require_own_profile(record)
     machine = _as_recorded(record)
-    tuned = tune_loop(machine)
+    tuned = close_as_held(machine)
     _require_same_loop(record, tuned)
     return Subject(
         record=record,

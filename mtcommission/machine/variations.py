@@ -148,14 +148,3 @@ def as_variations(places: Sequence[Corner]) -> Variations:
         frequency_factor=np.array([corner.frequency_factor for corner in places]),
         damping_factor=np.array([corner.damping_factor for corner in places]),
     )
-
-
-def scale_variations(
-    variations: Variations, *, frequency: float = 1.0, damping: float = 1.0
-) -> Variations:
-    """Return the same machines with all frequencies or damping ratios times a factor [-]."""
-    return replace(
-        variations,
-        frequency_factor=variations.frequency_factor * frequency,
-        damping_factor=variations.damping_factor * damping,
-    )

@@ -28,8 +28,8 @@ from mtcommission.record.schema.moves import AssessmentPart
 from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.kept_range import DampingRange, FrequencyError
 from mtcommission.study.loop_choice import describe_loop
+from mtcommission.study.robustness import KeptRange
 from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 
@@ -87,7 +87,7 @@ def recommended_fields(machine: Machine, choice: Choice) -> dict[str, Any]:
     return {field.name: getattr(entry, field.name) for field in fields(entry)}
 
 
-def ends_entry(error: FrequencyError | DampingRange) -> list[float] | None:
+def ends_entry(error: KeptRange) -> list[float] | None:
     """Return both ends of a range that was found; None where an end was not."""
     ends = [error.kept_from, error.kept_to]
     return ends if all(map(isfinite, ends)) else None

@@ -80,10 +80,7 @@ def limits_part(
             residual_deviation=_plotted(seen.residual_deviation),
             usage=_plotted(seen.usage),
         ),
-        warnings=[
-            *choice.warnings,
-            *([today.failure] if today and today.failure else []),
-        ],
+        warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
         would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )
 

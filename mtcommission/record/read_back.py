@@ -6,7 +6,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from mtcommission.control_kinds.kind import FIR
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.loop.tuning.cascade import build_cascade
+from mtcommission.loop.tuning.following import follow
+from mtcommission.loop.tuning.judgement import warn_of_modes
+from mtcommission.loop.tuning.state_feedback import given_state_feedback
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.profile.read import parse_profile
@@ -23,6 +28,26 @@ def read_machine(record: Record) -> Machine:
     data = {row.key: row.value for row in record.data}
     force = data[FORCE_LIMITS[machine.drive.follows]]
     return replace(machine, drive=replace(machine.drive, max_force=float(force)))
+
+
+def close_as_held(machine: Machine) -> TunedLoop:
+    """Return the loop of a control whose gains are all given, in every corner: nothing is tuned.
+
+    Raises
+    ------
+    ComputationError
+        NOT_OBSERVABLE or FEEDBACK_DESIGN_FAILED, for state gains.
+    """
+    bench = corner_plants(machine)
+    if machine.drive.follows:
+        return follow(machine, bench)
+    controller = build_cascade(machine, bench.model, fraction=1.0)
+    if machine.control.state_feedback is StateFeedback.GIVEN:
+        controller = given_state_feedback(
+            machine, bench.model, controller, settings=TuningSettings()
+        )
+    tuned = close_loop(bench, controller)
+    return replace(tuned, warnings=tuple(warn_of_modes(bench, tuned)))
 
 
 def read_limits(entry: LimitsEntry) -> MotionLimits:

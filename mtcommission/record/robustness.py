@@ -17,11 +17,9 @@ from mtcommission.record.schema.robustness import (
     Quantile,
     RobustnessPart,
     SampleEntry,
-    SensitivityEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.kept_range import DAMPING_FACTORS
-from mtcommission.study.robustness import MonteCarlo, Robustness
+from mtcommission.study.robustness import DAMPING_FACTORS, MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 
@@ -53,10 +51,6 @@ def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
         damping_error=entry_of(
             DampingErrorEntry, robustness.damping_range, factor=DAMPING_FACTORS.tolist()
         ),
-        sensitivities=[
-            entry_of(SensitivityEntry, item, meets_requirements=item.is_met)
-            for item in robustness.sensitivities
-        ],
         warnings=list(robustness.warnings),
     )
 

@@ -6,7 +6,7 @@ from collections import Counter
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema.comparisons import ComparedEntry, ContinuousEntry, FedForwardEntry
+from mtcommission.record.schema.comparisons import ComparedEntry, FedForwardEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import Words
 from mtcommission.sheet.model import (
@@ -37,9 +37,6 @@ def comparisons(record: Record, words: Catalogue) -> Section:
         blocks += _told(text("claims"), entry.claims, words)
         blocks += _fed_forward(entry.fed_forward, short, words)
         blocks += _told(text("why-not"), entry.why_not_the_optimum, words)
-        sampled = settling(move.response.settling_time, words)
-        check = _continuous_check(entry.continuous, sampled, words)
-        blocks.append(Paragraph(text=check, tone=Tone.NOTE))
     heading = text("comparison-heading")
     return Section(key="comparisons", heading=heading, blocks=tuple(blocks), is_appendix=True)
 
@@ -50,25 +47,6 @@ def _told(lead: str, sentences: list[Words], words: Catalogue) -> tuple[Block, .
         return ()
     told = tuple(words.say(sentence) for sentence in sentences)
     return Paragraph(text=lead), Bullets(items=told)
-
-
-def _continuous_check(found: ContinuousEntry, sampled: str, words: Catalogue) -> str:
-    """Return what the continuous approximation says; one that does not settle has no numbers."""
-    text, f = words.text, words.format
-    if found.settling_time is None:
-        return text("continuous-unsettled", sampled=sampled)
-    return text(
-        "continuous-check",
-        settling=settling(found.settling_time, words),
-        residual=f.axis(found.residual_deviation, "m"),
-        sampled=sampled,
-        settling_difference=_difference(found.settling_difference, words),
-        residual_difference=_difference(found.residual_difference, words),
-    )
-
-
-def _difference(share: float | None, words: Catalogue) -> str:
-    return "–" if share is None else words.format.signed_percent(share)
 
 
 def _controls(record: Record, controls: list[ComparedEntry], move: str, words: Catalogue) -> Table:

@@ -31,7 +31,7 @@ CURVE = 4
 
 
 def robustness(record: Record, words: Catalogue) -> Section:
-    """Return corners, frequency error, drawn machines, and what small changes cost."""
+    """Return corners, frequency error and drawn machines."""
     text, drawn = words.text, record.robustness.monte_carlo
     found: tuple[Block, ...] = (Paragraph(text=text("nothing-drawn"), tone=Tone.NOTE),)
     if drawn is not None:
@@ -42,7 +42,6 @@ def robustness(record: Record, words: Catalogue) -> Section:
         blocks=(
             *([] if record.machine.follows else held_range(record, words)),
             *found,
-            _sensitivities(record, words),
         ),
         is_appendix=True,
     )
@@ -270,33 +269,5 @@ def _extremes(drawn: MonteCarloEntry, words: Catalogue) -> Table:
                 residual(sample.residual_deviation, words),
             )
             for name, sample in named
-        ),
-    )
-
-
-def _sensitivities(record: Record, words: Catalogue) -> Table:
-    text, f = words.text, words.format
-
-    def share(change: float | None) -> str:
-        return "–" if change is None else f.signed_percent(change)
-
-    heads = (text("settling-time"), text("change"), text("residual"), text("change"))
-    return Table(
-        caption=text("sensitivities-caption"),
-        columns=(
-            Column(head=text("what-changes"), width=1.8),
-            *(Column(head=head, is_number=True) for head in heads),
-            Column(head=text("meets"), width=0.8),
-        ),
-        rows=tuple(
-            (
-                words.say(item.change),
-                settling(item.settling_time, words),
-                share(item.settling_change),
-                residual(item.residual_deviation, words),
-                share(item.residual_change),
-                text("yes") if item.meets_requirements else text("no"),
-            )
-            for item in record.robustness.sensitivities
         ),
     )

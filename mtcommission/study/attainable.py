@@ -1,16 +1,14 @@
-"""Where no limits meet the requirements: which requirement is in the way, and what could be met.
+"""Where no limits meet the requirements: what could be asked for instead.
 
-Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
-a limiting one, and the value that those limits reach is what could be asked for instead. Where none
-helps alone, several hold the limits back together: as few as possible are then relaxed by one
-common factor, the least that is found to help.
+Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is a
+limiting one, and the value that those limits reach is what could be asked for. Where none helps
+alone, as few as possible are relaxed together by one common factor, the least found to help.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import inf, isfinite, sqrt
 from typing import TypeVar
 
@@ -22,6 +20,7 @@ from mtcommission.machine.requirement import (
     RESIDUAL_DEVIATION,
     RMS_FORCE,
     SETTLING_TIME,
+    Kind,
     Requirement,
     peak_of,
 )
@@ -29,10 +28,14 @@ from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
-T = TypeVar("T")
+Found = TypeVar("Found")
 
 HALVINGS = 5
 """Of the range between the bound asked for and the one that is surely met, logarithmic."""
+
+LARGEST_FACTOR, COMMON_HALVINGS = 1e3, 6
+"""By which requirements are relaxed together at most (what needs more is no requirement), and
+halvings of its range: the common factor is found to within 12 %."""
 
 EASED = 1.0 + 1e-6
 """The band with which least residuals are judged, over the residual itself."""
@@ -40,61 +43,63 @@ EASED = 1.0 + 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attainable:
-    """What could be met in place of one requirement, all others kept.
-
-    Parameters
-    ----------
-    requirement
-        As in the verdict.
-    limit
-        What is asked for.
-    value
-        What was reached (the least that was found).
-    unit
-        SI unit of both.
-    limits
-        Acceleration and jerk that reach it.
-    together_with
-        Requirements that must give way, too (own entries); empty if it helps alone.
-    """
+    """What could be met in place of one requirement, all others kept."""
 
     requirement: Requirement
-    limit: float
-    value: float
-    unit: str
-    limits: MotionLimits
-    together_with: tuple[Requirement, ...] = ()
+    limit: float  # what is asked for
+    value: float  # the least that was found
+    unit: str  # SI, of both
+    limits: MotionLimits  # that reach it
+    together_with: tuple[Requirement, ...] = ()  # must give way, too; empty: it helps alone
+
+
+def relax(machine: Machine, requirement: Requirement, bound: float) -> Machine:
+    """Return the machine with another bound for one requirement; the drive's own force stays."""
+    needs = machine.requirements
+    match requirement.kind:
+        case Kind.RMS_FORCE:
+            return replace(machine, drive=replace(machine.drive, continuous_force=bound))
+        case Kind.RESIDUAL_DEVIATION:
+            needs = replace(needs, tcp_deviation=bound)
+        case Kind.SETTLING_TIME:
+            needs = replace(needs, max_settling_time=bound)
+        case Kind.CONTOUR_DEVIATION:
+            needs = replace(needs, contour_deviation=bound)
+        case Kind.PEAK:
+            peaks = tuple(
+                replace(peak, bound=bound) if peak_of(peak.name) == requirement else peak
+                for peak in needs.peaks
+            )
+            needs = replace(needs, peaks=peaks)
+    return replace(machine, requirements=needs)
+
+
+def _relaxable(machine: Machine) -> list[Requirement]:
+    """What may give way beside the band: all that is asked for but the drive's own limit."""
+    peaks = (peak_of(peak.name) for peak in machine.requirements.peaks)
+    every = (SETTLING_TIME, CONTOUR_DEVIATION, *peaks, RMS_FORCE)
+    return [item for item in every if isfinite(item.bound(machine))]
 
 
 def find_attainable(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    choice: Choice,
+    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
 ) -> tuple[Attainable, ...]:
     """Return what could be met in place of each requirement that stands in the way.
 
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    choice
-        The search that met not all requirements.
-
-    Returns
-    -------
-    tuple of Attainable
-        Each one helps alone, with no reserve in the others; where none does, those that must
-        give way together. Empty if not even that helps: then the force itself does not suffice.
+    Each one helps alone, with no reserve in the others; where none does, those that must give way
+    together. Empty if not even that helps: then the force itself does not suffice.
     """
-    machine = _without_reserve(machine)
-    residual = find_least_residual(machine, plant, tuned)
-    found = [] if residual is None else [residual]
-    for relaxation in _relaxations(machine):
-        attained = _relax(machine, plant, tuned, relaxation, known=choice.limits)
-        if attained is not None:
-            found.append(attained)
-    return tuple(found) or _find_together(machine, plant, tuned)
+    needs = replace(machine.requirements, reserve=NO_RESERVE)
+    machine = replace(machine, requirements=needs)
+    found = [
+        find_least_residual(machine, plant, tuned),
+        *(
+            _relax_alone(machine, plant, tuned, item, known=choice.limits)
+            for item in _relaxable(machine)
+        ),
+    ]
+    alone = tuple(item for item in found if item is not None)
+    return alone or _relax_together(machine, plant, tuned)
 
 
 def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Attainable | None:
@@ -102,23 +107,22 @@ def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Att
 
     The wider the band, the sooner the search's limits settle: the least is found by halving.
     """
-    band = _band_relaxation(machine)
+    band = RESIDUAL_DEVIATION.bound(machine)
 
     def search(factor: float) -> Attainable | None:
-        eased = _eased(machine, [band], factor)
-        candidate = evaluate(eased, plant, tuned, choose_limits(eased, plant, tuned).limits)
-        if not candidate.assessment.is_met:
+        candidate = _choose(relax(machine, RESIDUAL_DEVIATION, factor * band), plant, tuned)
+        if candidate is None:
             return None
-        found = replace(_attained(candidate, RESIDUAL_DEVIATION), limit=band.bound)
+        found = _attained(candidate, RESIDUAL_DEVIATION, limit=band)
         # In a narrower band the same motion settles later: perhaps too late.
-        left = evaluate(_with_band(machine, EASED * found.value), plant, tuned, found.limits)
-        wide = candidate.assessment.check_of(RESIDUAL_DEVIATION).limit
-        return found if left.assessment.is_met else replace(found, value=wide)
+        narrow = relax(machine, RESIDUAL_DEVIATION, EASED * found.value)
+        is_met = evaluate(narrow, plant, tuned, found.limits).assessment.is_met
+        return found if is_met else replace(found, value=factor * band)
 
     return _least(search)
 
 
-def _least(search: Callable[[float], T | None]) -> T | None:
+def _least(search: Callable[[float], Found | None]) -> Found | None:
     """What is found with the least factor that helps, to within 12 %; None if none does."""
     low, high, best = 1.0, LARGEST_FACTOR, search(LARGEST_FACTOR)
     for _ in range(COMMON_HALVINGS if best is not None else 0):
@@ -131,101 +135,31 @@ def _least(search: Callable[[float], T | None]) -> T | None:
     return best
 
 
-def _without_reserve(machine: Machine) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, reserve=NO_RESERVE))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Relaxation:
-    """A requirement, and the machine with another bound for it.
-
-    The search itself finds the least settling time; of peaks and forces it takes what it may.
-    """
-
-    requirement: Requirement
-    bound: float
-    with_bound: Callable[[Machine, float], Machine]
-    is_searched: bool
-
-
-def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
-    needs, drive = machine.requirements, machine.drive
-    if isfinite(needs.max_settling_time):
-        yield _Relaxation(
-            requirement=SETTLING_TIME,
-            bound=needs.max_settling_time,
-            with_bound=_with_settling_time,
-            is_searched=True,
-        )
-    if isfinite(needs.contour_deviation):
-        yield _Relaxation(
-            requirement=CONTOUR_DEVIATION,
-            bound=needs.contour_deviation,
-            with_bound=_with_contour,
-            is_searched=False,
-        )
-    for peak in needs.peaks:
-        yield _Relaxation(
-            requirement=peak_of(peak.name),
-            bound=peak.bound,
-            with_bound=partial(_with_peak, peak.name),
-            is_searched=False,
-        )
-    if isfinite(drive.continuous_force):
-        yield _Relaxation(
-            requirement=RMS_FORCE,
-            bound=drive.continuous_force,
-            with_bound=_with_continuous_force,
-            is_searched=False,
-        )
-
-
-def _with_band(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=bound))
-
-
-def _with_contour(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, contour_deviation=bound))
-
-
-def _with_settling_time(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, max_settling_time=bound))
-
-
-def _with_continuous_force(machine: Machine, bound: float) -> Machine:
-    return replace(machine, drive=replace(machine.drive, continuous_force=bound))
-
-
-def _with_peak(name: str, machine: Machine, bound: float) -> Machine:
-    needs = machine.requirements
-    peaks = tuple(replace(item, bound=bound) if item.name == name else item for item in needs.peaks)
-    return replace(machine, requirements=replace(needs, peaks=peaks))
-
-
-def _relax(
+def _relax_alone(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
-    relaxation: _Relaxation,
+    requirement: Requirement,
     *,
     known: MotionLimits,
 ) -> Attainable | None:
     """The least value found for one requirement; None if dropping it does not help."""
 
     def search(bound: float) -> Attainable | None:
-        eased = relaxation.with_bound(machine, bound)
-        found = choose_limits(eased, plant, tuned).limits
+        eased = relax(machine, requirement, bound)
+        chosen = choose_limits(eased, plant, tuned).limits
         attained = [
-            _attained(evaluate(machine, plant, tuned, limits), relaxation.requirement)
-            for limits in (found, known)
+            _attained(evaluate(machine, plant, tuned, limits), requirement)
+            for limits in (chosen, known)
             if evaluate(eased, plant, tuned, limits).assessment.is_met
         ]
         return min(attained, key=lambda item: item.value, default=None)
 
     best = search(inf)
-    if best is None or relaxation.is_searched:
+    # The search itself finds the least settling time; of all else it takes what it may.
+    if best is None or requirement == SETTLING_TIME:
         return best
-    low = relaxation.bound
+    low = requirement.bound(machine)
     for _ in range(HALVINGS):
         middle = sqrt(low * best.value)
         found = search(middle)
@@ -236,26 +170,16 @@ def _relax(
     return best
 
 
-LARGEST_FACTOR = 1e3
-"""By which requirements are relaxed together at most: what needs more is no requirement."""
-
-COMMON_HALVINGS = 6
-"""Of the range of the common factor, logarithmic: it is found to within 12 %."""
-
-
-def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Attainable, ...]:
+def _relax_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Attainable, ...]:
     """What could be met if several requirements give way by one factor; empty if nothing helps."""
-    relaxations = (_band_relaxation(machine), *_relaxations(machine))
 
     def search(wanted: Sequence[Requirement], factor: float) -> Candidate | None:
-        eased = _eased(
-            machine, [item for item in relaxations if item.requirement in wanted], factor
-        )
-        limits = choose_limits(eased, plant, tuned).limits
-        candidate = evaluate(eased, plant, tuned, limits)
-        return candidate if candidate.assessment.is_met else None
+        eased = machine
+        for item in wanted:
+            eased = relax(eased, item, factor * item.bound(machine))
+        return _choose(eased, plant, tuned)
 
-    wanted = tuple(item.requirement for item in relaxations)
+    wanted = (RESIDUAL_DEVIATION, *_relaxable(machine))
     best = search(wanted, LARGEST_FACTOR)
     if best is None:
         return ()
@@ -264,39 +188,29 @@ def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[At
         candidate = search(fewer, LARGEST_FACTOR) if fewer else None
         if candidate is not None:
             wanted, best = fewer, candidate
-    best = _least(partial(search, wanted)) or best
+    best = _least(lambda factor: search(wanted, factor)) or best
     return tuple(
         replace(
-            _attained(best, item.requirement),
-            limit=item.bound,
-            together_with=tuple(other for other in wanted if other != item.requirement),
+            _attained(best, item, limit=item.bound(machine)),
+            together_with=tuple(other for other in wanted if other != item),
         )
-        for item in relaxations
-        if item.requirement in wanted
+        for item in wanted
     )
 
 
-def _band_relaxation(machine: Machine) -> _Relaxation:
-    return _Relaxation(
-        requirement=RESIDUAL_DEVIATION,
-        bound=machine.requirements.tcp_deviation,
-        with_bound=_with_band,
-        is_searched=False,
-    )
+def _choose(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate | None:
+    """The search's limits, judged; None where they do not meet what is asked for."""
+    candidate = choose_limits(machine, plant, tuned).candidate
+    return candidate if candidate.assessment.is_met else None
 
 
-def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) -> Machine:
-    """The machine with some bounds relaxed by a factor."""
-    for item in relaxations:
-        machine = item.with_bound(machine, factor * item.bound)
-    return machine
-
-
-def _attained(candidate: Candidate, requirement: Requirement) -> Attainable:
+def _attained(
+    candidate: Candidate, requirement: Requirement, *, limit: float | None = None
+) -> Attainable:
     check = candidate.assessment.check_of(requirement)
     return Attainable(
         requirement=requirement,
-        limit=check.limit,
+        limit=check.limit if limit is None else limit,
         value=check.value,
         unit=check.unit,
         limits=candidate.limits,

@@ -2,7 +2,8 @@
 
 Sec. 3 claims that a feedback-controlled setpoint overshoots at the end and takes much longer
 than the least time; Sec. 5 and 6 show what optimal controls do. Here all of them do the same
-move on the same plant, measured alike.
+move on the same plant, measured alike: whether a faster setpoint than the recommended one can
+exist at all, and why the optimum itself is not fed to the drive.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.optima import Optima
-from mtcommission.loop.simulate.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
@@ -45,60 +45,25 @@ ROBUST = Message("control-robust")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ComparedControl:
-    """One way of doing the move.
+    """One way of doing the move."""
 
-    Parameters
-    ----------
-    name
-        What drives the axis.
-    transfer_time
-        t_f of an optimal control (exact rest); settling time in the loop [s].
-    overshoot
-        How far the tool's velocity (velocity step) or position (positioning) exceeds its
-        target, relative to it [-].
-    peaks
-        Largest magnitude of each of ``Plant.signals``.
-    max_force
-        Largest |F_set| [N].
-    heat
-        Integral of the squared motor force, the measure of motor heating [N² s].
-    work
-        Integral of |motor force x rigid velocity| [J].
-    """
-
-    name: Message
-    transfer_time: float
-    overshoot: float
-    peaks: Array
-    max_force: float
-    heat: float
-    work: float
+    name: Message  # what drives the axis
+    transfer_time: float  # t_f of an optimal control (exact rest); settling time in the loop [s]
+    overshoot: float  # of the tool's velocity or position over its target, relative to it [-]
+    peaks: Array  # largest magnitude of each of ``Plant.signals``
+    max_force: float  # largest |F_set| [N]
+    heat: float  # integral of the squared motor force, the measure of motor heating [N² s]
+    work: float  # integral of |motor force x rigid velocity| [J]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveComparison:
-    """A move done in the loop and by optimal controls.
+    """A move done in the loop and by optimal controls."""
 
-    Parameters
-    ----------
-    controls
-        The paper's comparison.
-    fed_forward
-        Names of the optimal controls, and what each does when it is fed forward; then the
-        recommended limits on the same machines.
-    continuous
-        The recommended setpoint through the continuous approximation of the loop.
-    claims
-        Overshoot and transfer time of the setpoints in the loop against the least time.
-    why_not_the_optimum
-        What the fed-forward optimum does on the nominal machine and beside it.
-    """
-
-    controls: tuple[ComparedControl, ...]
-    fed_forward: tuple[tuple[Message, tuple[FedForward, ...]], ...]
-    continuous: ContinuousResponse
-    claims: tuple[Message, ...]
-    why_not_the_optimum: tuple[Message, ...]
+    controls: tuple[ComparedControl, ...]  # the paper's comparison
+    fed_forward: tuple[tuple[Message, tuple[FedForward, ...]], ...]  # and the recommended limits
+    claims: tuple[Message, ...]  # overshoot and transfer time against the least time
+    why_not_the_optimum: tuple[Message, ...]  # what it does fed forward, and beside its machine
 
 
 def compare_move(
@@ -112,14 +77,7 @@ def compare_move(
 ) -> MoveComparison:
     """Return what the optimal controls of a move do, on the plant and fed forward in the loop.
 
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    optima, result
-        Of the same move.
-    robust
-        The force that keeps the band on all machines of the spread; None where there is none.
+    ``robust``: the force that keeps the band on all machines of the spread, where there is one.
     """
     solutions = {
         "control-time-optimal": optima.time,
@@ -135,29 +93,17 @@ def compare_move(
         limits=result.setpoint.limits,
         optima=tuple(found.values()),
     )
-    robust_rows = (
-        () if robust is None else ((ROBUST, feed_forward(machine, plant, tuned, robust.force)),)
-    )
+    fed = (*found.items(), *([(ROBUST, robust.force)] if robust else []))
     fed_forward = (
-        *((name, feed_forward(machine, plant, tuned, item)) for name, item in found.items()),
-        *robust_rows,
+        *((name, feed_forward(machine, plant, tuned, item)) for name, item in fed),
         (
             Message("recommended-limits"),
             follow_setpoint(machine, plant, tuned, result.setpoint),
         ),
     )
-    nominal = result.responses[0]
     return MoveComparison(
         controls=controls,
         fed_forward=fed_forward,
-        continuous=simulate_continuous(
-            plant,
-            tuned.controller,
-            result.setpoint,
-            model=plant,
-            band=machine.requirements.tcp_deviation,
-            until=min(float(nominal.t[-1]), nominal.t_end + 0.5),
-        ),
         claims=state_claims(controls),
         why_not_the_optimum=explain_why_not(machine, fed_forward),
     )
@@ -172,25 +118,7 @@ def compare_controls(
     limits: MotionLimits,
     optima: Sequence[TimeOptimum | DampingOptimum],
 ) -> tuple[ComparedControl, ...]:
-    """Return rectangular and trapezoidal acceleration in the loop, beside the optima.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    move
-        What is to be done.
-    limits
-        Of the trapezoidal acceleration setpoint.
-    optima
-        Optimal controls of the same move.
-
-    Returns
-    -------
-    tuple of ComparedControl
-        First the rectangular acceleration setpoint (F_max/m, no jerk limit), then the
-        trapezoidal one, then the optima in their order.
-    """
+    """Return rectangular (F_max/m, no jerk limit) and trapezoidal acceleration, then the optima."""
     a = machine.drive.motion_force / plant.moving_mass
     rectangular = without_jerk_limit(machine, a)
     rows = [
@@ -268,17 +196,9 @@ OVERSHOOT_SEEN = 5e-4
 
 
 def state_claims(controls: Sequence[ComparedControl]) -> tuple[Message, ...]:
-    """Return overshoot and transfer time of the setpoints in the loop against the least time.
+    """Return overshoot and transfer time of the setpoints in the loop, as sentences.
 
-    Parameters
-    ----------
-    controls
-        Rectangular and trapezoidal acceleration in the loop, then the time-optimal control.
-
-    Returns
-    -------
-    tuple of Message
-        One sentence for each setpoint.
+    ``controls``: rectangular and trapezoidal acceleration in the loop, then the time-optimal one.
     """
     rectangular, trapezoidal, optimal = controls[:3]
     least = optimal.transfer_time
@@ -307,20 +227,9 @@ def _transfer_claim(control: ComparedControl, least: float) -> Message:
 def explain_why_not(
     machine: Machine, fed_forward: Sequence[tuple[Message, Sequence[FedForward]]]
 ) -> tuple[Message, ...]:
-    """Return what the fed-forward optimum does on the nominal machine and beside it.
+    """Return what the fed-forward optimum does on the nominal machine and beside it, as sentences.
 
-    Parameters
-    ----------
-    machine
-        Nominal; its band counts.
-    fed_forward
-        Names of optimal controls, and what each does, the nominal machine first; the last one
-        is the setpoint with the recommended limits.
-
-    Returns
-    -------
-    tuple of Message
-        One sentence for each way.
+    ``fed_forward``: the nominal machine first; last the setpoint with the recommended limits.
     """
     *optima, (_, ours) = fed_forward
     return (

@@ -40,26 +40,13 @@ TAIL = 0.4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FedForward:
-    """One optimal control fed forward, or a setpoint, on one machine.
+    """One optimal control fed forward, or a setpoint, on one machine."""
 
-    Parameters
-    ----------
-    corner
-        The machine.
-    settling_time
-        Last time with the tool outside the band about the delayed motion wanted [s]; at least
-        the end of the motion.
-    residual_deviation, peak_deviation
-        Of the tool from the delayed motion wanted, after its end and ever [m].
-    saturated_share
-        Share of the move during which the correction found no force left [-].
-    """
-
-    corner: Corner
-    settling_time: float
-    residual_deviation: float
-    peak_deviation: float
-    saturated_share: float
+    corner: Corner  # the machine
+    settling_time: float  # with the tool outside the band about the delayed motion wanted [s]
+    residual_deviation: float  # of the tool from that, after its end [m]
+    peak_deviation: float  # and ever [m]
+    saturated_share: float  # of the move during which the correction found no force left [-]
 
 
 def feed_forward(
@@ -72,18 +59,7 @@ def feed_forward(
 
     While it moves, the tool is compared with the optimal motion, and after its end with where
     that comes to rest; what leaves modes ringing within the band lets the reference lie beside.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    solution
-        A control of the nominal machine.
-
-    Returns
-    -------
-    tuple of FedForward
-        The nominal machine first; corners with ``USUAL_SPREAD`` where the profile states none.
+    The nominal machine first; corners with ``USUAL_SPREAD`` where the profile states none.
     """
     places = _places(machine)
     cycle = tuned.controller.velocity_cycle
@@ -129,20 +105,7 @@ def feed_forward(
 def follow_setpoint(
     machine: Machine, plant: Plant, tuned: TunedLoop, setpoint: Setpoint
 ) -> tuple[FedForward, ...]:
-    """Return what a setpoint does on the same machines, beside the fed-forward optima.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    setpoint
-        Of the recommended limits.
-
-    Returns
-    -------
-    tuple of FedForward
-        The nominal machine first.
-    """
+    """Return what a setpoint does on the same machines, beside the fed-forward optima."""
     found = []
     for corner in _places(machine):
         loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)

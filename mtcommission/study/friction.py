@@ -1,4 +1,4 @@
-"""What stated friction does to the recommended limits: the search and its verdict are linear."""
+"""Whether the stated friction breaks what the linear search and its verdict promise."""
 
 from __future__ import annotations
 
@@ -22,44 +22,20 @@ creeps for longer, an engineer calls standing off)."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrictionEffect:
-    """One move with the recommended limits and friction, worst over the corners.
+    """One move with the recommended limits and friction, worst over the corners."""
 
-    Parameters
-    ----------
-    number
-        Of the move, from 1.
-    settling_time, without_friction
-        [s]; inf: not settled within ``FOLLOWED`` after the setpoint.
-    residual_deviation
-        [m].
-    max_force
-        Largest set force, friction included [N].
-    is_kept
-        Whether band, settling time and force are kept.
-    """
-
-    number: int
-    settling_time: float
-    without_friction: float
-    residual_deviation: float
-    max_force: float
-    is_kept: bool
+    number: int  # of the move, from 1
+    settling_time: float  # [s]; inf: not settled within ``FOLLOWED`` after the setpoint
+    without_friction: float  # [s]
+    residual_deviation: float  # [m]
+    max_force: float  # set force, friction included [N]
+    is_kept: bool  # band, settling time and force
 
 
 def examine_friction(
     machine: Machine, tuned: TunedLoop, moves: Sequence[MoveResult]
 ) -> tuple[FrictionEffect, ...]:
-    """Return what friction does to each move; nothing where none was stated.
-
-    Parameters
-    ----------
-    machine
-        Nominal.
-    tuned
-        The loop in every corner.
-    moves
-        With the recommended limits.
-    """
+    """Return what friction does to each move with the recommended limits; nothing if unstated."""
     if not machine.drive.has_friction:
         return ()
     needs, drive = machine.requirements, machine.drive
@@ -83,12 +59,13 @@ def examine_friction(
 
 def _follow(machine: Machine, loop: SampledLoop, setpoint: Setpoint) -> tuple[float, float, float]:
     """Settling time, residual deviation and largest set force of one move."""
-    drive, band, tau = (
-        machine.drive,
-        machine.requirements.tcp_deviation,
-        loop.controller.reference_delay,
+    drive, band = machine.drive, machine.requirements.tcp_deviation
+    controller = loop.controller
+    tau, step, cycle = (
+        controller.reference_delay,
+        controller.velocity_cycle,
+        controller.position_cycle,
     )
-    step, cycle = loop.controller.velocity_cycle, loop.controller.position_cycle
     friction = find_friction(
         loop.plant, coulomb=drive.coulomb_friction, viscous=drive.viscous_friction, step=step
     )

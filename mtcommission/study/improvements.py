@@ -1,38 +1,37 @@
-"""What would bring more: the settling time with one thing of the machine or its control changed.
+"""Potential improvements: what to order or rebuild, by the settling time that each change saves.
 
-Each change gets the loop that is used, tuned again with the same ratios of Kv and Tn to Kp, and
-limits chosen for it, both freely and near the recommended ones. Nothing is estimated: what cannot
-be computed is said.
+Each change is a row: the machine with one thing changed, the loop that is used tuned again on it
+with the same ratios of Kv and Tn to Kp, and limits chosen near the recommended ones. Nothing is
+estimated: what cannot be computed is said.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import ceil, floor, inf, log10, sqrt
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
-from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.choose import Choice
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
 from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family, tune_shape
 from mtcommission.loop.tuning.force_filters import find_filters
-from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import Control
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import RMS_FORCE
 from mtcommission.messages.message import Message, parts_of
-from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.comparison import ROBUST, MoveComparison
 from mtcommission.study.loop_choice import WITH, with_filters
 from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.settings import Settings
-from mtcommission.verdict.evaluate import MoveResult, evaluate
+from mtcommission.study.variations import Row, choose, judge
+from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 KNOWN_SPREAD = 0.02
 """Frequency spread of a machine whose modes were measured [-] (empirical)."""
+
 PART = 0.1
 """Share by which the machine is made stiffer or lighter: what a redesign may reach."""
 
@@ -47,27 +46,13 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Improvement:
-    """One change, and what it would bring.
-
-    Parameters
-    ----------
-    change
-        What is changed.
-    settling_time
-        Of the slowest move in the worst corner, with limits chosen for it [s]; inf: not settled.
-    saved
-        Less than with the recommendation [s]; negative: it takes longer.
-    meets_requirements
-        Whether all requirements are met then.
-    outcome
-        Why there is no number, or what was not judged; None where all was.
-    """
+    """One change, and what it would bring."""
 
     change: Message
-    settling_time: float
-    saved: float
+    settling_time: float  # slowest move, worst corner, limits chosen for it [s]; inf: not settled
+    saved: float  # less than with the recommendation [s]; negative: it takes longer
     meets_requirements: bool
-    outcome: Message | None = None
+    outcome: Message | None = None  # why there is no number, or what was not judged
 
 
 def find_improvements(
@@ -75,48 +60,28 @@ def find_improvements(
     loop: LoopChoice,
     choice: Choice,
     comparisons: Sequence[MoveComparison],
-    settings: Settings,
+    settings: TuningSettings,
 ) -> tuple[Improvement, ...]:
-    """Return what each single change would bring, the most first.
-
-    Parameters
-    ----------
-    machine
-        Nominal.
-    loop, choice
-        The loop that is used, and the recommendation.
-    comparisons
-        One for each move; they know the robust force fed forward.
-    settings
-        Numerical settings; limits are chosen by the coarser search.
-
-    Returns
-    -------
-    tuple of Improvement
-        What has no number comes last.
-    """
+    """Return what each single change would bring, the most first; what has no number comes last."""
     before = choice.candidate.settling_time
     trial = next((item for item in loop.trials if item.is_used and not item.is_classic), None)
-    shape = trial.shape if trial else CLASSIC
-    # The classic rule begins with the symmetrical optimum, all other loops with more.
-    largest = settings.tuning.largest_fraction if trial else 1.0
+    again = _Retuned(
+        shape=trial.shape if trial else CLASSIC,
+        # The classic rule begins with the symmetrical optimum, all other loops with more.
+        largest=settings.largest_fraction if trial else 1.0,
+        settings=settings,
+    )
+    changed = _changes(with_filters(machine, loop.tuned))
+    found = [_improve(item, again, choice) for item in changed]
+    found += _rested(machine, loop.tuned, choice)
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
-    changes = _changes(with_filters(machine, loop.tuned))
-    found = _rested(machine, loop.tuned, choice)
-    found += [_computed(item, shape, largest, choice, settings) for item in changes]
     if has_filters and not machine.control.seeks_force_filters:
-        found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
-    for variant in loop.variants:
-        if variant.name == WITH and not variant.is_used:
-            candidate = variant.candidate
-            found.append(
-                Improvement(
-                    change=Message("change-state-feedback"),
-                    settling_time=candidate.settling_time,
-                    saved=before - candidate.settling_time,
-                    meets_requirements=candidate.assessment.is_met,
-                )
-            )
+        found.append(_with_force_filters(machine, again, choice))
+    found += [
+        _compared(Message("change-state-feedback"), variant.candidate, before)
+        for variant in loop.variants
+        if variant.name == WITH and not variant.is_used
+    ]
     fed = _robust_times(comparisons)
     if fed:
         found.append(
@@ -133,11 +98,11 @@ def find_improvements(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Change:
-    """A change, the machine with it, and whether another control makes it another job."""
+    """A change, the machine with it, and about which limits its own are looked for."""
 
     change: Message
     machine: Machine
-    is_of_control: bool = False
+    is_near: bool = True
 
 
 def _changes(machine: Machine) -> Iterator[_Change]:
@@ -145,27 +110,32 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     control, drive = machine.control, machine.drive
     kind = control.kind
 
-    def controlled(name: str, changed: Control) -> _Change:
-        changed_machine = replace(machine, control=changed)
-        return _Change(change=Message(name), machine=changed_machine, is_of_control=True)
+    def of_control(name: str, *, is_near: bool = True, **changed: object) -> _Change:
+        other = replace(control, **changed)  # type: ignore[arg-type]
+        return _Change(
+            change=Message(name), machine=replace(machine, control=other), is_near=is_near
+        )
 
     if control.position_loop is not PositionLoop.DRIVE:
         if PositionLoop.DRIVE in kind.position_loops:
-            yield controlled("change-dsc", replace(control, position_loop=PositionLoop.DRIVE))
+            yield of_control("change-dsc", position_loop=PositionLoop.DRIVE)
         finer = PositionLoop.INTERPOLATED
         if control.position_loop is not finer and finer in kind.position_loops:
-            yield controlled("change-interpolation", replace(control, position_loop=finer))
+            yield of_control("change-interpolation", position_loop=finer)
     if kind.acceleration_feedforward and control.acceleration_feedforward == 0.0:
-        yield controlled("change-feedforward", replace(control, acceleration_feedforward=1.0))
+        yield of_control("change-feedforward", acceleration_feedforward=1.0, is_near=False)
     if kind.setpoint_filters and not control.seeks_setpoint_filter:
-        filtered = replace(control, setpoint_filter=None, seeks_setpoint_filter=True)
-        yield controlled("change-setpoint-filter", filtered)
+        yield of_control(
+            "change-setpoint-filter",
+            setpoint_filter=None,
+            seeks_setpoint_filter=True,
+            is_near=False,
+        )
+    yield from _of_structure(machine)
     if drive.follows:
-        yield from _of_structure(machine)
         return
     faster = replace(drive, force_lag=0.5 * drive.force_lag)
     yield _Change(change=Message("change-lag"), machine=replace(machine, drive=faster))
-    yield from _of_structure(machine)
     less = PART * machine.mechanics.moving_mass
     lighter = machine.mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
     fed = control.feedforward_mass
@@ -185,8 +155,7 @@ def _of_structure(machine: Machine) -> Iterator[_Change]:
             change=Message("change-spread", spread=KNOWN_SPREAD),
             machine=replace(machine, requirements=known),
         )
-    mechanics = machine.mechanics
-    stiffer = mechanics.vary(
+    stiffer = machine.mechanics.vary(
         payload=0.0, payload_radius=0.0, frequency=sqrt(1.0 + PART), damping=1.0
     )
     yield _Change(
@@ -194,43 +163,69 @@ def _of_structure(machine: Machine) -> Iterator[_Change]:
     )
 
 
-def _computed(
-    change: _Change, shape: Shape, largest: float, choice: Choice, settings: Settings
-) -> Improvement:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Retuned:
+    """How the loop that is used is tuned on another machine."""
+
+    shape: Shape
+    largest: float  # where Kp begins, over the symmetrical optimum [-]
+    settings: TuningSettings
+
+    def family(self, machine: Machine) -> LoopFamily:
+        """The family that the shape is of: state feedback where it has a weight for the modes."""
+        cascades = cascade_family(machine, self.settings)
+        return (feedback_family(cascades) if self.shape.mode_weight else None) or cascades
+
+    def loop(self, machine: Machine) -> TunedLoop | None:
+        """The loop; None where no Kp keeps the margins."""
+        if machine.drive.follows:
+            return tune_loop(machine)
+        return tune_shape(self.family(machine), self.shape, largest=self.largest)
+
+
+def _improve(item: _Change, again: _Retuned, choice: Choice) -> Improvement:
     """What a change brings; named where it cannot be computed."""
     try:
-        if change.machine.drive.follows:
-            return _judged(change, tune_loop(change.machine), choice, settings)
-        family = _family(change.machine, shape, settings)
-        tuned = tune_shape(family, shape, largest=largest)
+        tuned = again.loop(item.machine)
         if tuned is None:
-            return _without_number(change.change, Message("change-without-margins"))
-        return _judged(change, tuned, choice, settings)
+            return _without_number(item.change, Message("change-without-margins"))
+        near = choice.limits if item.is_near else None
+        return _judged(item.change, item.machine, tuned, near, choice)
     except ComputationError as error:
-        return _without_number(change.change, error.message)
+        return _without_number(item.change, error.message)
 
 
-def _family(machine: Machine, shape: Shape, settings: Settings) -> LoopFamily:
-    """The family that a shape is of: with state feedback where it has a weight for the modes."""
-    cascades = cascade_family(machine, settings.tuning)
-    return (feedback_family(cascades) if shape.mode_weight else None) or cascades
+def _with_force_filters(machine: Machine, again: _Retuned, choice: Choice) -> Improvement:
+    """What filters of the set force that let Kp rise bring."""
+    change = Message("change-force-filters")
+    try:
+        found = find_filters(again.family(machine), again.shape)
+        if found is None:
+            return _without_number(change, Message("change-no-filters"))
+        return _judged(change, machine, found.tuned, choice.limits, choice)
+    except ComputationError as error:
+        return _without_number(change, error.message)
 
 
-def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Settings) -> Improvement:
-    changed, plant = change.machine, build_plant(change.machine)
-    search = partial(choose_limits, changed, plant, tuned)
-    # A machine that is a little better has its best limits nearby; another loop may not.
-    found = [search(near=choice.limits).candidate]
-    is_likely = found[0].assessment.is_met and not change.is_of_control
-    if changed.requirements.every_size and not is_likely:
-        found.append(search().candidate)
-    met = [candidate for candidate in found if candidate.assessment.is_met] or found
-    candidate = min(met, key=lambda candidate: candidate.settling_time)
+def _judged(
+    change: Message, machine: Machine, tuned: TunedLoop, near: MotionLimits | None, choice: Choice
+) -> Improvement:
+    found = judge(Row(label=change, machine=machine, tuned=tuned, near=near))
+    return _compared(change, found, choice.candidate.settling_time)
+
+
+def _compared(change: Message, found: Candidate, before: float) -> Improvement:
     return Improvement(
-        change=change.change,
-        settling_time=candidate.settling_time,
-        saved=choice.candidate.settling_time - candidate.settling_time,
-        meets_requirements=candidate.assessment.is_met,
+        change=change,
+        settling_time=found.settling_time,
+        saved=before - found.settling_time,
+        meets_requirements=found.assessment.is_met,
+    )
+
+
+def _without_number(change: Message, outcome: Message) -> Improvement:
+    return Improvement(
+        change=change, settling_time=inf, saved=-inf, meets_requirements=False, outcome=outcome
     )
 
 
@@ -243,39 +238,33 @@ def _rested(machine: Machine, tuned: TunedLoop, choice: Choice) -> list[Improvem
     assumed = [machine.is_assumed(f"moves[{n}].dwell") for n in range(1, 1 + len(machine.moves))]
     if not any(assumed) or RMS_FORCE.message not in parts_of(choice.bound_by):
         return []
-    plant = build_plant(machine)
 
-    def with_rest(dwell: float) -> Machine:
+    def with_rest(dwell: float) -> Row:
         pairs = zip(machine.moves, assumed, strict=True)
-        return replace(
-            machine,
-            moves=tuple(replace(move, dwell=dwell) if free else move for move, free in pairs),
+        moves = tuple(replace(move, dwell=dwell) if free else move for move, free in pairs)
+        return Row(
+            label=Message("change-rest"),
+            machine=replace(machine, moves=moves),
+            tuned=tuned,
+            near=choice.limits,
         )
 
     try:
-        rested = choose_limits(with_rest(LONG_REST), plant, tuned, near=choice.limits)
+        rested = choose(with_rest(LONG_REST))
         dwell = _least_rest(machine, rested.moves, assumed)
         for _ in range(REST_TRIES):
             if not 0.0 < dwell < LONG_REST:
                 break
             # Up to two digits, since an engineer compares it with his cycle; judged as it stands.
             dwell = _rounded_up(dwell)
-            candidate = evaluate(with_rest(dwell), plant, tuned, rested.limits)
-            saved = choice.candidate.settling_time - candidate.settling_time
-            if candidate.assessment.keeps(machine.requirements.reserve) and saved > 0.0:
+            candidate = judge(replace(with_rest(dwell), limits=rested.limits))
+            before = choice.candidate.settling_time
+            is_sooner = candidate.settling_time < before
+            if candidate.assessment.keeps(machine.requirements.reserve) and is_sooner:
                 change = Message(
-                    "change-dwell",
-                    dwell=dwell,
-                    acceleration=rested.limits.acceleration,
+                    "change-dwell", dwell=dwell, acceleration=rested.limits.acceleration
                 )
-                return [
-                    Improvement(
-                        change=change,
-                        settling_time=candidate.settling_time,
-                        saved=saved,
-                        meets_requirements=True,
-                    )
-                ]
+                return [_compared(change, candidate, before)]
             dwell *= REST_FACTOR  # some smaller move, or another corner, heats more
     except ComputationError as error:
         return [_without_number(Message("change-rest"), error.message)]
@@ -304,26 +293,6 @@ def _least_rest(machine: Machine, moves: Sequence[MoveResult], assumed: Sequence
 def _rounded_up(value: float) -> float:
     step = 10.0 ** (floor(log10(value)) - 1)
     return float(f"{ceil(value / step - ROUNDING) * step:.2g}")
-
-
-def _with_force_filters(
-    machine: Machine, shape: Shape, tuned: TunedLoop, choice: Choice, settings: Settings
-) -> Improvement:
-    """What filters of the set force that let Kp rise bring."""
-    change = _Change(change=Message("change-force-filters"), machine=machine)
-    try:
-        found = find_filters(_family(machine, shape, settings), shape, tuned)
-        if found is None:
-            return _without_number(change.change, Message("change-no-filters"))
-        return _judged(change, found.tuned, choice, settings)
-    except ComputationError as error:
-        return _without_number(change.change, error.message)
-
-
-def _without_number(change: Message, outcome: Message) -> Improvement:
-    return Improvement(
-        change=change, settling_time=inf, saved=-inf, meets_requirements=False, outcome=outcome
-    )
 
 
 def _robust_times(comparisons: Sequence[MoveComparison]) -> list[float]:

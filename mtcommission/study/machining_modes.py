@@ -1,4 +1,4 @@
-"""Limits for the machining modes surface, accuracy and speed, each from a band of its own.
+"""Limits for the machining modes surface, accuracy and speed: what each column of G-code gets.
 
 The loop is linear: limits n times as large leave n times the deviation. So a mode with n times the
 band gets at most n times the jerk of the recommendation; more would live on ramps so short that
@@ -9,7 +9,6 @@ a wider one, unless nothing else meets it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from math import inf, isfinite
 
 from mtcommission.limits.choose import Choice, choose_limits
@@ -28,28 +27,13 @@ MODES = ("surface", "accuracy", "speed")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ModeLimits:
-    """Limits for one machining mode, from a band of its own.
+    """Limits for one machining mode, from a band of its own."""
 
-    Parameters
-    ----------
-    name
-        One of ``MODES``.
-    band
-        Allowed residual deviation [m].
-    choice
-        The search with this band, and its result judged with it.
-    bound_by
-        What forbids faster limits.
-    attainable
-        Where that result does not meet all requirements, it is no recommendation: the least
-        residual deviation that was found with the others kept; None if met, or if there is none.
-    """
-
-    name: str
-    band: float
-    choice: Choice
-    bound_by: Message
-    attainable: Attainable | None
+    name: str  # one of ``MODES``
+    band: float  # allowed residual deviation [m]
+    choice: Choice  # the search with this band, judged with it
+    bound_by: Message  # what forbids faster limits
+    attainable: Attainable | None  # the least residual found where no limits meet all requirements
 
     @property
     def candidate(self) -> Candidate:
@@ -58,20 +42,9 @@ class ModeLimits:
 
 
 def find_limits_by_mode(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    choice: Choice,
+    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
 ) -> tuple[ModeLimits, ...]:
-    """Return limits for each machining mode.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    choice
-        The recommendation; reused where a mode has the same band.
-    """
+    """Return limits for each machining mode; the recommendation where a mode has its band."""
     needs, own = machine.requirements, choice.limits.setpoint_filter
     # Controls switch limits with the mode, but have one setpoint filter for all of them.
     control = replace(
@@ -91,15 +64,8 @@ def find_limits_by_mode(
     for name in (*tighter, *wider):
         if name in wider:
             largest = choice.limits.jerk * bands[name] / needs.tcp_deviation
-        mode = _find_mode(
-            machine,
-            plant,
-            tuned,
-            choice,
-            name=name,
-            band=bands[name],
-            largest_jerk=largest if choice.meets_requirements else inf,
-        )
+        most = largest if choice.meets_requirements else inf
+        mode = _find_mode(machine, plant, tuned, choice, name, bands[name], most)
         if mode.candidate.assessment.is_met:
             largest = min(largest, mode.candidate.limits.jerk)
         found[name] = mode
@@ -111,20 +77,17 @@ def _find_mode(
     plant: Plant,
     tuned: TunedLoop,
     choice: Choice,
-    *,
     name: str,
     band: float,
     largest_jerk: float,
 ) -> ModeLimits:
-    if band == machine.requirements.tcp_deviation:
-        chosen, bound_by = choice, choice.bound_by
-    else:
+    chosen, bound_by = choice, choice.bound_by
+    if band != machine.requirements.tcp_deviation:
         machine = replace(machine, requirements=replace(machine.requirements, tcp_deviation=band))
-        search = partial(choose_limits, machine, plant, tuned)
-        chosen = search(largest_jerk=largest_jerk)
+        chosen = choose_limits(machine, plant, tuned, largest_jerk=largest_jerk)
         bound_by = chosen.bound_by
         if not chosen.meets_requirements and isfinite(largest_jerk):
-            chosen = search()
+            chosen = choose_limits(machine, plant, tuned)
             bound_by = Message("bound-by-less-jerk-meets-nothing", jerk=largest_jerk)
     attainable = None
     if not chosen.meets_requirements:

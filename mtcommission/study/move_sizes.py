@@ -1,4 +1,4 @@
-"""From which step on limits hold: the same limits on smaller and larger moves.
+"""From which size on limits hold: whether a rule, or listed sizes alone, suffice for small moves.
 
 A velocity step below a²/j ends before a is reached. Its ramps are then shorter than a/j, so a
 ramp that was made to cancel a vibration no longer does; a larger move keeps the ramps but not
@@ -20,7 +20,6 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import JerkSteps
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
 
 Array = NDArray[np.float64]
@@ -37,17 +36,9 @@ SIZES = 96
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetpointWay:
-    """Limits, perhaps with a setpoint filter, as the control takes them.
+    """Limits, perhaps with a setpoint filter, as the control takes them."""
 
-    Parameters
-    ----------
-    name
-        Who gives them.
-    limits
-        Acceleration, jerk and filter.
-    """
-
-    name: Message
+    name: Message  # who gives them
     limits: MotionLimits
 
     @property
@@ -59,65 +50,28 @@ class SetpointWay:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MoveSizes:
-    """One way of moving, on one move in many sizes.
-
-    Parameters
-    ----------
-    way
-        Limits and filter.
-    move
-        The profile's move.
-    size
-        Velocity step or distance, rising, shape (n,) [m/s or m].
-    settling_time, residual_deviation
-        Worst over the corners, shape (n,) [s, m].
-    full_from
-        Size from which the acceleration is reached at all [m/s or m]; inf if ``max_velocity``
-        forbids it at any distance.
-    kept_from, kept_to
-        Ends of the unbroken range about the profile's own size in which the band is kept
-        [m/s or m]; both nan if it is not kept at that size.
-    """
+    """One way of moving, on one move in many sizes."""
 
     way: SetpointWay
-    move: Move
-    size: Array
-    settling_time: Array
-    residual_deviation: Array
-    full_from: float
-    kept_from: float
-    kept_to: float
+    move: Move  # the profile's
+    size: Array  # velocity step or distance, rising, shape (n,) [m/s or m]
+    settling_time: Array  # worst over the corners, shape (n,) [s]
+    residual_deviation: Array  # likewise [m]
+    full_from: float  # size from which a is reached at all; inf: ``max_velocity`` forbids it
+    kept_from: float  # ends of the unbroken range about the profile's own size in which the band
+    kept_to: float  # is kept [m/s or m]; both nan if not at that size
 
 
 def vary_move_sizes(
     machine: Machine, tuned: TunedLoop, ways: Sequence[SetpointWay]
 ) -> tuple[MoveSizes, ...]:
-    """Return what limits do on smaller and larger moves than the profile's.
-
-    Parameters
-    ----------
-    machine
-        Nominal; its moves and band count.
-    tuned
-        The loop in every corner.
-    ways
-        Limits and filters to be tried.
-
-    Returns
-    -------
-    tuple of MoveSizes
-        For each way, each move.
-    """
+    """Return what each way does with each move, smaller and larger than the profile's."""
     shares = np.geomspace(SMALLEST, LARGEST, SIZES)
     shares[int(np.argmin(np.abs(shares - 1.0)))] = 1.0
-    found = []
-    for way in ways:
-        each = [plan_sizes(move, size_of(move) * shares, way.limits) for move in machine.moves]
-        poles = find_poles(tuned.loops)
-        for move, steps in zip(machine.moves, each, strict=True):
-            band = machine.requirements.tcp_deviation
-            found.append(_judge_sizes(way, move, shares, steps, poles, band=band))
-    return tuple(found)
+    poles, band = find_poles(tuned.loops), machine.requirements.tcp_deviation
+    return tuple(
+        _judge_sizes(way, move, shares, poles, band=band) for way in ways for move in machine.moves
+    )
 
 
 def compare_move_sizes(
@@ -127,16 +81,7 @@ def compare_move_sizes(
     listed: MotionLimits | None,
     by_rule: MotionLimits,
 ) -> tuple[MoveSizes, ...]:
-    """Return what recommendation and rule do on smaller and larger moves.
-
-    Parameters
-    ----------
-    machine, tuned
-        The nominal machine, and its loop in every corner.
-    recommended, listed, by_rule
-        Limits of the search, those that serve the listed sizes alone (None: the same), and those
-        of the commissioning rule.
-    """
+    """Return what recommendation, limits for the listed sizes alone, and rule do in every size."""
     own = machine.control.setpoint_filter
     named = {"way-recommended": recommended, "way-listed": listed, "commissioning-rule": by_rule}
     ways = [
@@ -156,13 +101,6 @@ def full_size(way: SetpointWay, move: Move) -> float:
     v = a (t_j + T) for a velocity step, L = v (2 t_j + T) for a move from rest to rest, with
     t_j = a/j and the length T of the setpoint filter.
 
-    Parameters
-    ----------
-    way
-        Limits and filter.
-    move
-        Its kind counts, and its ``max_velocity``.
-
     Examples
     --------
     >>> limits = MotionLimits(acceleration=2.0, jerk=100.0)
@@ -178,18 +116,13 @@ def full_size(way: SetpointWay, move: Move) -> float:
 
 
 def _judge_sizes(
-    way: SetpointWay,
-    move: Move,
-    shares: Array,
-    steps: JerkSteps,
-    poles: LoopPoles,
-    *,
-    band: float,
+    way: SetpointWay, move: Move, shares: Array, poles: LoopPoles, *, band: float
 ) -> MoveSizes:
+    size = size_of(move) * shares
+    steps = plan_sizes(move, size, way.limits)
     free = free_motion(set_in_motion(poles, steps), lay_grid(poles, SAMPLES))
     residual = free.residual.max(axis=1)
     own = int(np.flatnonzero(shares == 1.0)[0])
-    size = size_of(move) * shares
     kept = residual <= band
     broken = np.flatnonzero(~kept)
     low = int(np.max(broken[broken < own], initial=-1)) + 1

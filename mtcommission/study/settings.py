@@ -10,40 +10,17 @@ from mtcommission.optimal.band.settings import BandSettings
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobustnessSettings:
-    """How closely to look where the machine or the limits differ a little.
+    """How closely to look where the machine or the limits differ a little."""
 
-    Parameters
-    ----------
-    samples
-        Machines drawn from the stated spread (200: a share to within three per cent).
-    seed
-        Of the generator.
-    frequency_range
-        Least range of the frequency error looked at, to either side [-]; the stated spread,
-        doubled, where that is more.
-    frequency_points
-        To either side.
-    """
-
-    samples: int = 200
-    seed: int = 0
-    frequency_range: float = 0.1
-    frequency_points: int = 15
+    samples: int = 200  # drawn from the stated spread: a share to within three per cent
+    seed: int = 0  # of the generator
+    frequency_range: float = 0.1  # of the error, to either side; twice the spread if that is more
+    frequency_points: int = 15  # to either side
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """Numerical settings, all printed on the sheet.
-
-    Parameters
-    ----------
-    tuning
-        Of the loop's tuning.
-    robustness
-        How closely the recommendation is looked at where machine or limits differ.
-    band
-        Of the optimum with the band and of the robust force.
-    """
+    """Numerical settings, all printed on the sheet."""
 
     tuning: TuningSettings = field(default_factory=TuningSettings)
     robustness: RobustnessSettings = field(default_factory=RobustnessSettings)

@@ -1,4 +1,4 @@
-"""What the values now in the control do: the same machine, moves and judgement."""
+"""What the values now in the control do, judged alike: whether typing in new ones pays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.study.kept_range import FrequencyError, find_frequency_error
+from mtcommission.study.robustness import FrequencyError, find_frequency_error
 from mtcommission.study.settings import RobustnessSettings
 from mtcommission.verdict.assess import describe_place
 from mtcommission.verdict.evaluate import Candidate, evaluate
@@ -23,33 +23,15 @@ SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TodaysValues:
-    """The values now in the control, judged like the recommended ones.
+    """The values now in the control, judged like the recommended ones."""
 
-    Parameters
-    ----------
-    today
-        As stated.
-    limits
-        What the setpoint is planned with; without a jerk limit, the shortest ramp.
-    controller
-        The loop that they are judged in.
-    judged
-        What they do; None where ``failure`` says why that cannot be told.
-    frequency_error
-        Between which frequency errors they keep every requirement; None likewise.
-    stated
-        Those of Kv, Kp and Tn that are today's; the others are those of the recommendation.
-    failure
-        The loop is unstable, or the moves take too long; None otherwise.
-    """
-
-    today: Today
-    limits: MotionLimits
-    controller: Controller
-    judged: Candidate | None
-    frequency_error: FrequencyError | None
-    stated: tuple[str, ...]
-    failure: Message | None
+    today: Today  # as stated
+    limits: MotionLimits  # of the setpoint; without a jerk limit, the shortest ramp
+    controller: Controller  # the loop that they are judged in
+    judged: Candidate | None  # None where ``failure`` says why that cannot be told
+    frequency_error: FrequencyError | None  # likewise: where they keep every requirement
+    stated: tuple[str, ...]  # those of Kv, Kp and Tn that are today's, the others the recommended
+    failure: Message | None  # the loop is unstable, or the moves take too long
 
     @property
     def basis(self) -> Message:
@@ -67,15 +49,8 @@ def judge_today(
 ) -> TodaysValues | None:
     """Return what today's values do, or None where the profile states none.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    tuned
-        The recommended loop: whatever is not known of today's is taken from it. With one gain of
-        today's it is a cascade without state feedback, which was made for other gains.
-    settings
-        How closely the range of frequencies is looked at.
+    Whatever is not known of today's loop is taken from the recommended one. With one gain of
+    today's it is a cascade without state feedback, which was made for other gains.
     """
     today = machine.today
     if today is None:
@@ -92,7 +67,7 @@ def judge_today(
     candidate, error, failure = None, None, None
     try:
         loop = close_loop(corner_plants(machine), controller) if gains else tuned
-        failure = _find_instability(loop) if loop.analyses else None
+        failure = _find_instability(loop)
         if failure is None:
             candidate = evaluate(filtered, plant, loop, limits)
             error = find_frequency_error(filtered, plant, loop, limits, settings=settings)
@@ -121,7 +96,8 @@ def _with_gains(controller: Controller, gains: dict[str, float]) -> Controller:
 
 
 def _find_instability(loop: TunedLoop) -> Message | None:
-    for corner, analysis in zip(loop.corners, loop.analyses, strict=True):
+    corners = zip(loop.corners, loop.analyses, strict=True) if loop.analyses else ()
+    for corner, analysis in corners:
         if not analysis.is_stable:
             return Message(
                 "today-unstable",

@@ -30,22 +30,11 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WithinBand:
-    """The fastest controls of one move to a state from which the tool keeps the band by itself.
+    """The fastest controls of one move to a state from which the tool keeps the band by itself."""
 
-    Parameters
-    ----------
-    optimum
-        On the nominal machine; None where it was not found (see ``remarks``).
-    robust
-        On all machines of the frequency and damping spread, without payload; None where there is
-        no spread or it was not found.
-    remarks
-        What was left out, and why.
-    """
-
-    optimum: BandOptimum | None
-    robust: RobustForce | None
-    remarks: tuple[Message, ...]
+    optimum: BandOptimum | None  # on the nominal machine; None where it was not found
+    robust: RobustForce | None  # on all machines of the spread, without payload; None: no spread
+    remarks: tuple[Message, ...]  # what was left out, and why
 
 
 def find_within_band(
@@ -53,76 +42,55 @@ def find_within_band(
 ) -> WithinBand:
     """Return the fastest controls of one move that leave the tool within the permitted deviation.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal; ``tcp_deviation`` as stated is the band, without reserve.
-    optima
-        Of the same move.
-    settings
-        Of the search.
+    ``tcp_deviation`` as stated is the band, without reserve.
     """
     size, needs = size_of(optima.move), machine.requirements
     if isinstance(optima.move, Positioning) and size <= needs.tcp_deviation:
         remark = Message("band-wider-than-move", distance=size, band=needs.tcp_deviation)
         return WithinBand(optimum=None, robust=None, remarks=(remark,))
-    rigid = least_motion_time(optima.move, machine.drive.motion_force / moving_mass(machine))
+    force, band = machine.drive.motion_force, needs.tcp_deviation
+    rigid = least_motion_time(optima.move, force / moving_mass(machine))
     left = 1.0 - rigid / optima.time.t_f
     is_long = optima.time.t_f > settings.many_periods * longest_period(plant)
     if is_long and left < settings.worthwhile:
         remark = Message("band-saves-nothing", rigid=rigid, share=left)
         return WithinBand(optimum=None, robust=None, remarks=(remark,))
     remarks: list[Message] = []
-    force, band = machine.drive.motion_force, needs.tcp_deviation
-
-    def optimum() -> BandOptimum:
-        return find_band_optimum(
+    found = _tried(
+        lambda: find_band_optimum(
             driven_at_once(plant),
             optima.move,
             force_limit=force,
             band=band,
             at_rest=optima.time.t_f,
             settings=settings,
-        )
-
-    found = _tried(optimum, "band-optimum-failed", remarks)
+        ),
+        "band-optimum-failed",
+        remarks,
+    )
     if found is None or not (needs.frequency_spread or needs.damping_spread):
         return WithinBand(optimum=found, robust=None, remarks=tuple(remarks))
     places = spread_places(machine, settings)
-    every = max((len(places) - 1) // (settings.frequencies - 1), 1)
-
-    def robust() -> RobustForce:
-        return find_robust_force(
+    robust = _tried(
+        lambda: find_robust_force(
             [driven_at_once(build_plant(vary(machine, place))) for place in places],
             optima.move,
             force_limit=force,
             band=band,
-            first=range(0, len(places), every),
+            first=range(0, len(places), max((len(places) - 1) // (settings.frequencies - 1), 1)),
             guess=found.force.t_f,
             settings=settings,
-        )
-
-    return WithinBand(
-        optimum=found,
-        robust=_tried(robust, "robust-force-failed", remarks),
-        remarks=tuple(remarks),
+        ),
+        "robust-force-failed",
+        remarks,
     )
+    return WithinBand(optimum=found, robust=robust, remarks=tuple(remarks))
 
 
 def spread_places(machine: Machine, settings: BandSettings) -> list[Corner]:
-    """Return machines evenly over the frequency spread, at both ends and the middle of damping.
+    """Return machines over the frequency spread, at both ends and the middle of damping.
 
-    Parameters
-    ----------
-    machine
-        Its requirements state the spreads.
-    settings
-        Knows how many frequencies.
-
-    Returns
-    -------
-    list of Corner
-        Without payload, each once.
+    Without payload, each once.
     """
     needs = machine.requirements
     frequency = np.linspace(-1.0, 1.0, settings.checked_frequencies) * needs.frequency_spread

@@ -35,20 +35,6 @@ class FedForwardEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ContinuousEntry:
-    """The recommended setpoint through the continuous approximation of the loop.
-
-    The differences are relative to the sampled loop on the nominal machine, by which all is
-    judged [-]; null where a loop does not settle.
-    """
-
-    settling_time: float | None
-    residual_deviation: float
-    settling_difference: float | None
-    residual_difference: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ComparisonEntry:
     """One move in the loop and by its optima.
 
@@ -61,4 +47,3 @@ class ComparisonEntry:
     fed_forward: list[FedForwardEntry]
     claims: list[Words]
     why_not_the_optimum: list[Words]
-    continuous: ContinuousEntry

@@ -100,22 +100,6 @@ class DampingErrorEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SensitivityEntry:
-    """What a small change of limits or machine costs, worst over moves and corners.
-
-    ``change`` is e.g. "jerk +10 %"; values after it [s, m] and relative to before [-]; null:
-    not settled.
-    """
-
-    change: Words
-    settling_time: float | None
-    residual_deviation: float | None
-    settling_change: float | None
-    residual_change: float | None
-    meets_requirements: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RobustnessPart:
     """How the recommended limits fare where machine or limits differ a little.
 
@@ -127,5 +111,4 @@ class RobustnessPart:
     monte_carlo: MonteCarloEntry | None
     frequency_error: FrequencyErrorEntry
     damping_error: DampingErrorEntry
-    sensitivities: list[SensitivityEntry]
     warnings: list[Words]

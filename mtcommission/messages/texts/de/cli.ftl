@@ -57,6 +57,7 @@ stage-attainable = was einzuhalten wäre
 stage-machining-modes = Bearbeitungsarten
 stage-comparison = Vergleich mit den Optima
 stage-robustness = Robustheit
+stage-improvements = mögliche Verbesserungen
 stage-sheet = Blatt
 stage-time-optimal = zeitoptimale Steuerung
 stage-damping-optimal = dämpfungsoptimale Steuerung

@@ -326,8 +326,6 @@ saturated-share = { $axis ->
     [rotary] Zeitanteil ohne Momentenreserve
    *[linear] Zeitanteil ohne Kraftreserve
 }
-continuous-check = Gegenprobe: derselbe Sollwert schwingt in einer kontinuierlichen Näherung des Regelkreises nach { $settling } ein (abgetastet: { $sampled }; { $settling_difference }), Restabweichung { $residual } ({ $residual_difference }).
-continuous-unsettled = Gegenprobe: in einer kontinuierlichen Näherung des Regelkreises schwingt derselbe Sollwert nicht ein (abgetastet: { $sampled }); sie taugt hier nicht zur Probe, und nichts wird nach ihr beurteilt.
 claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
 why-not = Warum das Optimum nicht einfach eingegeben wird:
 
@@ -487,8 +485,6 @@ histogram-alt = Histogramm: Werte von { $low } bis { $high }; die meisten Maschi
 worst-machine = größte Restabweichung
 slowest-machine = längste Einschwingzeit
 extremes-caption = Die ungünstigsten der ausgelosten Maschinen
-sensitivities-caption = Was eine kleine Änderung kostet, ungünstigste Bewegung, ungünstigster Eckfall
-what-changes = Was sich ändert
 
 ## Other sizes of move
 

@@ -4,11 +4,9 @@ recommended-limits = empfohlene Grenzwerte
 way-listed = nur angegebene Größen
 shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
-moving-average-for-mode = gleitender Mittelwert 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
 source-klipper = Klipper, Resonance Compensation
 source-calibrate-shaper = Klipper, calibrate_shaper, Stand 84104bbb, sein Kriterium hier berechnet
-source-jerk-filter = Ruckfilter der Steuerungen, Biagiotti & Melchiorri 2008
 
 # where a worst value was found; $parts: some of the others
 place = { $parts }
@@ -41,10 +39,6 @@ loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes
-change-jerk = Ruck { CHANGE($change) }
-change-acceleration = Beschleunigung { CHANGE($change) }
-change-frequencies = Frequenzen { CHANGE($change) }
-change-damping = Dämpfung { CHANGE($change) }
 
 # robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
 frequency-spread-not-stated = Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, solange die Eigenfrequenzen um { $low } bis { $high } abweichen. Außerhalb davon verletzt: { $lost }. requirements.frequency_spread angeben, mindestens { SHARE($least) }, und neu rechnen.

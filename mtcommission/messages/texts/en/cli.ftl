@@ -61,6 +61,7 @@ stage-attainable = what could be met
 stage-machining-modes = machining modes
 stage-comparison = comparison with the optima
 stage-robustness = robustness
+stage-improvements = potential improvements
 stage-sheet = sheet
 stage-time-optimal = time-optimal control
 stage-damping-optimal = damping-optimal control

@@ -323,8 +323,6 @@ saturated-share = { $axis ->
     [rotary] Time without torque left
    *[linear] Time without force left
 }
-continuous-check = Cross-check: the same setpoint through a continuous approximation of the loop settles after { $settling } (sampled loop: { $sampled }; { $settling_difference }), residual deviation { $residual } ({ $residual_difference }).
-continuous-unsettled = Cross-check: in a continuous approximation of the loop the same setpoint does not settle (sampled loop: { $sampled }); here it is no check, and nothing is judged by it.
 claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
 why-not = Why the optimum is not simply entered:
 
@@ -484,8 +482,6 @@ histogram-alt = Histogram: values from { $low } to { $high }; most machines, { $
 worst-machine = largest residual deviation
 slowest-machine = longest settling time
 extremes-caption = The worst of the machines drawn
-sensitivities-caption = What a small change costs, worst move and worst corner
-what-changes = What changes
 
 ## Other sizes of move
 

@@ -6,11 +6,9 @@ recommended-limits = recommended limits
 way-listed = listed sizes only
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
-moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
 source-klipper = Klipper, Resonance Compensation
 source-calibrate-shaper = Klipper, calibrate_shaper at 84104bbb, its criterion computed here
-source-jerk-filter = jerk filter of the controls, Biagiotti & Melchiorri 2008
 
 # where a worst value was found; $parts: some of the others
 place = { $parts }
@@ -45,10 +43,6 @@ loop-no-filters = No notch or low-pass in the { $axis ->
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
 
 # small changes
-change-jerk = jerk { CHANGE($change) }
-change-acceleration = acceleration { CHANGE($change) }
-change-frequencies = frequencies { CHANGE($change) }
-change-damping = damping { CHANGE($change) }
 
 # robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
 frequency-spread-not-stated = The profile states no spread of the frequencies; all requirements are kept only while the eigenfrequencies are off by { $low } to { $high }. Missed outside this range: { $lost }. State requirements.frequency_spread, at least { SHARE($least) }, and run again.
