@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.optima import Optima
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.variations import NOMINAL

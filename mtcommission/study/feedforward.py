@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.simulate.response import simulate_corners
+from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
