@@ -264,25 +264,24 @@ class Use:
             worst = max(worst, float(self.behind.worst_exactly(steps).max()))
         return worst / bench.band
 
-    def of_rms(self, a: float) -> float:
-        """Return the share of the RMS force [-]."""
-        share = rms_share(self.bench.machine, self.behind.item, a, float(self.t_j))
-        return share * self._excess(a) if share > NEAR else share
-
-    def _excess(self, a: float) -> float:
-        """RMS force in the loop over that of the rigid axis: much the same for all limits [-]."""
+    def of_rms(self, a: Array) -> Array:
+        """Return the share of the RMS force, shape of ``a`` [-]."""
+        t_j = np.broadcast_to(self.t_j, a.shape)
+        share = rms_share(self.bench.machine, self.behind.item, a, t_j)
+        if share.max(initial=0.0) <= NEAR:
+            return share
         if not self.bench.excess:
-            machine, item = self.bench.machine, self.behind.item
-            move = machine.moves[0]
-            full = np.array([a])
-            steps = filter_steps(jerk_steps(move, acceleration=full, jerk=full / self.t_j), item)
-            load = machine.drive.static_load
-            force = rms_forces(
-                self.bench.poles, steps, move.dwell, static_load=load, most=RMS_CYCLES
-            )
-            rigid = rigid_rms(machine, move, steps)
-            self.bench.excess.append(max(float(force.max() / rigid[0]), 1.0))
-        return self.bench.excess[0]
+            place = int(share.argmax())
+            self.bench.excess.append(self._excess(float(a[place]), float(t_j[place])))
+        return np.asarray(share * np.where(share > NEAR, self.bench.excess[0], 1.0))
+
+    def _excess(self, a: float, t_j: float) -> float:
+        """RMS force in the loop over that of the rigid axis: much the same for all limits [-]."""
+        machine, item, full = self.bench.machine, self.behind.item, np.array([a])
+        move, load = machine.moves[0], machine.drive.static_load
+        steps = filter_steps(jerk_steps(move, acceleration=full, jerk=full / t_j), item)
+        force = rms_forces(self.bench.poles, steps, move.dwell, static_load=load, most=RMS_CYCLES)
+        return max(float(force.max() / rigid_rms(machine, move, steps)[0]), 1.0)
 
     def of_rest(self, a: float) -> float:
         """Return the largest share of force, peaks and contour in some sizes [-]."""
@@ -329,14 +328,19 @@ def heaviest(machine: Machine) -> float:
     return moving_mass(machine) + max(machine.requirements.payload)
 
 
-def rms_share(machine: Machine, item: SetpointFilter | None, a: float, t_j: float) -> float:
-    """Return the share of the RMS force that the rigid axis uses, heaviest payload [-]."""
-    drive, needs, worst = machine.drive, machine.requirements, 0.0
-    if float(np.hypot(heaviest(machine) * a, drive.static_load)) < drive.continuous_force:
-        return 0.0
+def rms_share(machine: Machine, item: SetpointFilter | None, a: Array, t_j: Array) -> Array:
+    """Return the share of the RMS force that the rigid axis uses, heaviest payload, (n_a,) [-]."""
+    drive, needs, worst = machine.drive, machine.requirements, np.zeros_like(a)
+    most = np.hypot(heaviest(machine) * a.max(initial=0.0), drive.static_load)
+    if most < drive.continuous_force:
+        return worst
+    shares = np.array(RMS_SIZES if needs.every_size else (1.0,))
+    full, ramps = np.repeat(a, len(shares)), np.repeat(t_j, len(shares))
     for move in machine.moves:
-        sizes = size_of(move) * np.array(RMS_SIZES if needs.every_size else (1.0,))
-        full = np.full_like(sizes, a)
-        steps = filter_steps(jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes), item)
-        worst = max(worst, float(rigid_rms(machine, move, steps).max()))
-    return worst / drive.continuous_force
+        sizes = np.tile(size_of(move) * shares, len(a))
+        steps = filter_steps(
+            jerk_steps(move, acceleration=full, jerk=full / ramps, size=sizes), item
+        )
+        force = rigid_rms(machine, move, steps).reshape(len(a), -1).max(axis=1)
+        worst = np.maximum(worst, force)
+    return np.asarray(worst / drive.continuous_force)

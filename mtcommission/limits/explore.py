@@ -228,36 +228,46 @@ class Explorer:
         used = np.full(a.shape, inf)
         if possible.any():
             used[possible] = self.bench.use(item, t_j[possible]).of_band(a[possible])
-        for k, t in enumerate(times.tolist()):
+        rows, found = [], []
+        for k in range(len(times)):
             allowed = np.flatnonzero(used[k] <= 1.0)
             if not len(allowed):
                 continue
             last = int(allowed[-1])
-            found = float(self.ladder[last])
+            most = float(self.ladder[last])
             # The share rises between two rungs; where only the lower one is allowed, between them.
             if last < len(self.ladder) - 1 and possible[k, last + 1]:
                 above = _share_to_one(used[k, last], used[k, last + 1])
-                found *= float(self.ladder[last + 1] / self.ladder[last]) ** above
-            found = self._within_rms(self.bench.use(item, t), found)
-            duration = self._duration((item, t), found)
+                most *= float(self.ladder[last + 1] / self.ladder[last]) ** above
+            rows.append(k)
+            found.append(most)
+        if not rows:
+            return
+        t_j = times[rows]
+        most_a = self._within_rms(self.bench.use(item, t_j), np.array(found))
+        durations = self.bench.durations(item, most_a, t_j)
+        for t, each, duration in zip(t_j.tolist(), most_a.tolist(), durations, strict=True):
             if duration <= latest:
                 self.hoped[item, t] = Found(
-                    duration=duration, acceleration=found, jerk_time=t, setpoint_filter=item
+                    duration=float(duration), acceleration=each, jerk_time=t, setpoint_filter=item
                 )
 
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
 
-    def _within_rms(self, use: Use, a: float) -> float:
-        """The largest acceleration up to some that keeps the RMS force."""
-        share, grows = use.of_rms(a), 1.0
+    def _within_rms(self, use: Use, a: Array) -> Array:
+        """The largest accelerations up to some that keep the RMS force."""
+        share, grows = use.of_rms(a), np.ones_like(a)
         for _ in range(STEPS):
-            if share <= 1.0 + CLOSE:
+            over = share > 1.0 + CLOSE
+            if not over.any():
                 break
-            less = a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows)
+            less = np.where(over, a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows), a)
             after = use.of_rms(less)
             # A static load, or a longer move, leaves another power than the first.
-            grows = max(float(np.log(share / after) / np.log(a / less)), LEAST_GROWTH)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                grown = np.log(share / after) / np.log(a / less)
+            grows = np.where(over, np.maximum(grown, LEAST_GROWTH), grows)
             a, share = less, after
         return a
 

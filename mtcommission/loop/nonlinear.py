@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import ceil, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,13 +100,25 @@ def step_linear(loop: SampledLoop, X: Array, references: Array) -> Array:
 
     ``references``: at each position cycle, shape (n_cycles, 4).
     """
-    lifted = loop.lifted
-    history = np.empty((len(references), len(X)))
-    for k, pushed in enumerate(references @ lifted.B.T):
-        history[k] = X
-        X = lifted.A @ X + pushed
-    outputs = history @ lifted.C.T + references @ lifted.D.T
-    return np.asarray(outputs.reshape(-1, len(loop.outputs)))
+    A, B, C, D = loop.lifted.A, loop.lifted.B, loop.lifted.C, loop.lifted.D
+    # In blocks side by side, each from rest; what each begins with is added afterwards.
+    length = ceil(sqrt(len(references)))
+    blocks = ceil(len(references) / length)
+    padded = np.zeros((blocks * length, len(A)))
+    padded[: len(references)] = references @ B.T
+    pushed = padded.reshape(blocks, length, len(A))
+    from_rest, powers = np.zeros((length + 1, blocks, len(A))), np.empty((length + 1, *A.shape))
+    powers[0] = np.eye(len(A))
+    for k in range(length):
+        from_rest[k + 1] = from_rest[k] @ A.T + pushed[:, k]
+        powers[k + 1] = A @ powers[k]
+    begins = np.empty((blocks, len(A)))
+    for k in range(blocks):
+        begins[k] = X
+        X = powers[-1] @ X + from_rest[-1, k]
+    states = from_rest[:-1] + begins @ powers[:-1].transpose(0, 2, 1)
+    history = states.swapaxes(0, 1).reshape(-1, len(A))[: len(references)]
+    return np.asarray((history @ C.T + references @ D.T).reshape(-1, len(loop.outputs)))
 
 
 def drive_loop(

@@ -239,8 +239,10 @@ def _step_saturated(
         moved = np.concatenate(pieces, axis=1)
         later = np.arange(stop, stop + ceil(FOLLOWED / T), dtype=np.float64) * T
         for i, loop in enumerate(loops):
+            if i in found:
+                continue
             free = step_linear(loop, X[i], sample_setpoint(setpoint, later))
-            if i in found or np.max(np.abs(free[:, 2])) > limit:
+            if np.max(np.abs(free[:, 2])) > limit:
                 continue
             t = np.asarray(stop * T + np.arange(len(free)) * loop.controller.velocity_cycle)
             late = sample_setpoint(setpoint, t - delay)[:, 0]
