@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Motion, Peak, VelocityStep
 from mtcommission.machine.requirement import CONTOUR_DEVIATION, SET_FORCE

@@ -17,7 +17,7 @@ from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.respond import extremes, find_poles, free_motion, lay_grid, set_in_motion
-from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Machine,

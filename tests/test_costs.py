@@ -14,7 +14,7 @@ from benchmarks.fuzz import LONGEST, call, fault_of, in_place
 from benchmarks.mutations import dice_of, extreme_machine
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_time_optimum
-from mtcommission.loop.simulate.response import simulate_corners
+from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode

@@ -17,7 +17,7 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.disturbance import simulate_disturbance
 from mtcommission.loop.analysis.frequency import build_blocks, scan, scan_blocks
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -11,7 +11,7 @@ import pytest
 from mtcommission.control_kinds.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.explore import explore
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback

@@ -18,7 +18,7 @@ from mtcommission.errors import InputError
 from mtcommission.limits.choose import choose_limits, find_typed
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter

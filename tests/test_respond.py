@@ -19,7 +19,7 @@ from mtcommission.loop.respond import (
     outputs_at,
     set_in_motion,
 )
-from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass

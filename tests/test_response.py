@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.respond import following_states
-from mtcommission.loop.simulate.response import DECAYED, HORIZON, LoopResponse, simulate
+from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -174,7 +174,7 @@ def test_what_is_followed_no_further_is_judged_as_if_it_were(
     loop = tune_loop(machine).loops[0]
     setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=0.5, jerk=10.0))
     short = simulate(loop, setpoint, drive=machine.drive, band=band)
-    monkeypatch.setattr("mtcommission.loop.simulate.response.FOLLOWED", HORIZON)
+    monkeypatch.setattr("mtcommission.loop.simulate.FOLLOWED", HORIZON)
     whole = simulate(loop, setpoint, drive=machine.drive, band=band)
     assert short.t[-1] < 0.5 * whole.t[-1]
     assert short.settling_time == whole.settling_time

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.model.assembly import build_loop
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine, Peak, Positioning

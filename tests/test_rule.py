@@ -35,7 +35,7 @@ from mtcommission.limits.commissioning_rule.rule import (
     apply_commissioning_rule,
 )
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import (

@@ -17,7 +17,7 @@ import pytest
 
 from mtcommission.errors import InputError
 from mtcommission.loop.model.assembly import build_loop
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter

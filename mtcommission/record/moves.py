@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.variations import Corner

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.optima import Optima
-from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.variations import NOMINAL
@@ -96,10 +96,7 @@ def compare_move(
     fed = (*found.items(), *([(ROBUST, robust.force)] if robust else []))
     fed_forward = (
         *((name, feed_forward(machine, plant, tuned, item)) for name, item in fed),
-        (
-            Message("recommended-limits"),
-            follow_setpoint(machine, plant, tuned, result.setpoint),
-        ),
+        (Message("recommended-limits"), follow_setpoint(machine, plant, tuned, result)),
     )
     return MoveComparison(
         controls=controls,

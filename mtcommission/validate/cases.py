@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.condense import condense
-from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, Weight

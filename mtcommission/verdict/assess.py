@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import hypot, isfinite
 
 from mtcommission.loop.analysis.quantisation import SIGMAS
-from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.loop.simulate import LoopResponse
 from mtcommission.machine.machine import Machine, Reserve, VelocityStep
 from mtcommission.machine.requirement import (
     CONTOUR_DEVIATION,

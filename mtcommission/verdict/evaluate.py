@@ -8,7 +8,7 @@ from functools import partial
 from math import isfinite
 
 from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
-from mtcommission.loop.simulate.response import LoopResponse, simulate_corners
+from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import slow_to_feed

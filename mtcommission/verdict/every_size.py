@@ -33,7 +33,7 @@ from mtcommission.loop.respond import (
     set_in_motion,
     where_signals_lead,
 )
-from mtcommission.loop.simulate.mean_force import rms_force, window_shares
+from mtcommission.loop.simulate import rms_force, window_shares
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Positioning, moving_mass
 from mtcommission.machine.requirement import (

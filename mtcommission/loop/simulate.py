@@ -33,7 +33,6 @@ from mtcommission.loop.respond import (
     outputs_at,
     set_in_motion,
 )
-from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.machine.machine import Drive
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 
@@ -318,3 +317,30 @@ def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
         quadrature = (rate + zeta * omega * q) / (omega * sqrt(1.0 - zeta**2))
         amplitudes.append(abs(mode.tcp_gain) * sqrt(q**2 + quadrature**2))
     return np.array(amplitudes)
+
+
+def window_shares(times: Array, window: Array | float, *, step: float) -> Array:
+    """Return how much of a window from t = 0 on each sample, a velocity cycle, stands for [s].
+
+    The window may end between two samples; it cuts the last one.
+
+    Examples
+    --------
+    >>> window_shares(np.array([0.0, 1.0, 2.0, 3.0]), 1.7, step=1.0)
+    array([1. , 1. , 0.2, 0. ])
+    """
+    return np.asarray(step * np.clip((window - times) / step + 0.5, 0.0, 1.0))
+
+
+def rms_force(first: Array, square: Array, *, window: Array | float, static_load: float) -> Array:
+    """Return the RMS force over a window [s], the static load in its worse direction [N].
+
+    Of the integrals of force and square over it; the motion may go either way against the load.
+
+    Examples
+    --------
+    >>> round(float(rms_force(np.array(2.0), np.array(8.0), window=2.0, static_load=-1.0)), 6)
+    2.645751
+    """
+    load = abs(static_load)
+    return np.asarray(np.sqrt(square / window + load**2 + 2.0 * load * np.abs(first / window)))

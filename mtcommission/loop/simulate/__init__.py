@@ -1,1 +1,0 @@
-"""One setpoint, or one disturbance, through the loop."""
