@@ -6,7 +6,6 @@ machine -> plant -> optima -> starting limits -> tuned loop -> chosen limits
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +19,7 @@ from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import ProfileSource
+from mtcommission.recommend import Announce, Progress
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
@@ -42,8 +42,6 @@ from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Progress = Callable[[Message], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -125,11 +123,13 @@ def commission(
     profile: ProfileSource | None = None,
     settings: Settings | None = None,
     progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
 ) -> Commissioning:
     """Return optima, recommended limits, their response, the verdict and every study of a machine.
 
     ``profile``: where the machine came from, for a record; ``progress``: called with the name of
-    each stage as it begins.
+    each stage as it begins; ``announce``: called with the recommended limits, judged, as soon as
+    they are known.
 
     Raises
     ------
@@ -140,17 +140,18 @@ def commission(
     require_force(machine)
     require_short_moves(machine)
     plant = build_plant(machine)
+    progress(Message("stage-feedback-loop"))
+    loop = settle_on_loop(machine, plant, settings)
+    tuned = loop.tuned
+    progress(Message("stage-limits"))
+    choice = loop.choice or choose_limits(machine, plant, tuned)
+    announce(choice.candidate)
+    loop = show_alternatives(machine, plant, loop, settings)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     within_band = tuple(
         find_within_band(machine, plant, item, settings=settings.band) for item in optima
     )
-    progress(Message("stage-feedback-loop"))
-    loop = settle_on_loop(machine, plant, settings)
-    loop = show_alternatives(machine, plant, loop, settings)
-    tuned = loop.tuned
-    progress(Message("stage-limits"))
-    choice = loop.choice or choose_limits(machine, plant, tuned)
     is_wider = machine.requirements.every_size and choice.meets_requirements
     listed = choose_for_listed(machine, plant, tuned) if is_wider else None
     progress(Message("stage-responses"))

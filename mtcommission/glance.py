@@ -27,9 +27,12 @@ HEIGHT, WIDTH = 5.0, 5.5
 """Of the plots of one move [inch]."""
 
 
-def say_verdict(machine: Machine, best: Candidate) -> str:
-    """Return one line: the axis, whether the requirements are met, and the limits."""
-    spoken = _words(machine)
+def say_verdict(machine: Machine, best: Candidate, spoken: Catalogue | None = None) -> str:
+    """Return one line: the axis, whether the requirements are met, and the limits.
+
+    In English where no other catalogue is given.
+    """
+    spoken = spoken or _words(machine)
     return spoken.text(
         "glance",
         machine=machine.name,

@@ -24,6 +24,9 @@ from mtcommission.verdict.evaluate import Candidate
 
 Progress = Callable[[Message], None]
 
+Announce = Callable[[Candidate], None]
+"""Called with the recommended limits, judged, as soon as they are known."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recommendation:
@@ -44,6 +47,7 @@ def recommend(
     with_rules: bool = False,
     settings: Settings | None = None,
     progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
 ) -> Recommendation:
     """Return loop and limits, and with them the rules of makers and textbooks if asked for.
 
@@ -64,6 +68,8 @@ def recommend(
     tuned = loop.tuned
     progress(Message("stage-limits"))
     choice = loop.choice or choose_limits(machine, plant, tuned)
+    announce(choice.candidate)
+    progress(Message("stage-responses"))
     rule = apply_commissioning_rule(machine, plant, tuned) if with_rules else None
     return Recommendation(
         machine=machine,

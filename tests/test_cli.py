@@ -600,6 +600,18 @@ def test_a_terminal_without_columns_shows_all(run: Run, monkeypatch: pytest.Monk
     assert "milling" in out.lower()
 
 
+def test_a_terminal_shows_the_limits_before_what_takes_longer(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else one waits for rules and studies before one sees what was asked for."""
+    _, piped, silent = run("limits", BELT)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    _, out, err = run("limits", BELT)
+    assert out == piped
+    assert "All requirements met; a = 20" in err
+    assert "All requirements met; a = 20" not in silent
+
+
 def test_ctrl_c_while_the_program_loads_is_no_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

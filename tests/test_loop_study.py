@@ -88,8 +88,8 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
     """Comparing the optimum off by 5 % with limits on the exact machine would be unfair."""
     machine = paper_machine()
     tuned, plant = tune_loop(machine), build_plant(machine)
-    setpoint = simulate_moves(machine, tuned, LIMITS)[0].setpoint
-    rows = follow_setpoint(machine, plant, tuned, setpoint)
+    result = simulate_moves(machine, tuned, LIMITS)[0]
+    rows = follow_setpoint(machine, plant, tuned, result)
     needs: Requirements = replace(machine.requirements, frequency_spread=0.05)
     spread = replace(machine, requirements=needs)
     assert [row.corner for row in rows] == list(corners(spread))
@@ -103,6 +103,6 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
     )
     plain = tune_loop(replace(fixed, requirements=machine.requirements))
     again = simulate_moves(spread, tune_loop(fixed), LIMITS)[0].responses
-    for row, response in zip(follow_setpoint(machine, plant, plain, setpoint), again, strict=True):
+    for row, response in zip(follow_setpoint(machine, plant, plain, result), again, strict=True):
         assert row.settling_time == pytest.approx(response.settling_time)
         assert row.residual_deviation == pytest.approx(response.residual_deviation)

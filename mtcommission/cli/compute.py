@@ -25,7 +25,7 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
-from mtcommission.cli.progress import print_note, print_written, show_stage
+from mtcommission.cli.progress import announce_limits, print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -67,7 +67,9 @@ def run(
     from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise, type_in
 
     with show_stage() as progress:
-        found = commission(machine, profile=source, progress=progress)
+        found = commission(
+            machine, profile=source, progress=progress, announce=announce_limits(machine)
+        )
         progress(Message("stage-improvements"))
         record = record_run(found, created=now())
         progress(Message("stage-sheet"))
@@ -227,7 +229,9 @@ def limits(
     from mtcommission.record.files import dump_json
 
     with show_stage() as progress:
-        found = recommend(machine, with_rules=True, progress=progress)
+        found = recommend(
+            machine, with_rules=True, progress=progress, announce=announce_limits(machine)
+        )
     answer = limits_answer(found)
     if json_file:
         write_text(json_file, dump_json(answer))

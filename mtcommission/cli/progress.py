@@ -6,9 +6,14 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mtcommission.cli.language import say, words
 from mtcommission.messages.message import Message
+
+if TYPE_CHECKING:
+    from mtcommission.machine.machine import Machine
+    from mtcommission.verdict.evaluate import Candidate
 
 
 @contextmanager
@@ -21,6 +26,20 @@ def show_stage() -> Iterator[Callable[[Message | str], None]]:
 
     with Console(stderr=True, emoji=False).status("") as status:
         yield lambda stage: status.update(f"{words().say(stage)} …")
+
+
+def announce_limits(machine: Machine) -> Callable[[Candidate], None]:
+    """Return what says verdict and limits on the error stream; silent where that is no terminal."""
+
+    def announce(best: Candidate) -> None:
+        if sys.stderr.isatty():
+            from mtcommission.cli.terminal import words_for
+            from mtcommission.glance import say_verdict
+
+            sys.stderr.write(f"{say_verdict(machine, best, words_for(machine))}\n")
+            sys.stderr.flush()
+
+    return announce
 
 
 @contextmanager

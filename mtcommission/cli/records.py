@@ -100,7 +100,8 @@ def export(
     from mtcommission.record.files import load_record
 
     loaded = load_record(record)
-    with trusting(record):
+    with trusting(record), show_stage() as progress:
+        progress(Message("stage-responses"))
         found = export_record(loaded, control=key, language=language, as_list=as_csv)
     write_text(output, found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

@@ -8,6 +8,7 @@ accelerations at once; what is dearer is looked at where the motion could still 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -57,8 +58,8 @@ NOTICEABLE = 0.9997
 LEAST_GROWTH = 0.2
 """Power of the acceleration with which the RMS force grows, at least [-]."""
 
-CLOSE = 0.002
-"""Share of a bound that may be left over [-]."""
+CLOSE, NEARLY = 0.002, 0.01
+"""Share of a bound that may be left over, and by which limits are scaled without a look [-]."""
 
 SAFELY = 0.85
 """Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
@@ -89,13 +90,15 @@ def explore(
     *,
     largest_jerk: float = inf,
     near: MotionLimits | None = None,
+    beside: Sequence[SetpointFilter | None] = (),
     refined: int = REFINED,
 ) -> tuple[Found, ...]:
     """Return limits with the shortest motion that keep all bounds, behind each filter, best first.
 
     Of those equally soon the one with the least jerk. ``near``: what is known
-    of a loop much like this one; then only its neighbourhood is looked at. ``refined``: how many
-    places are; 0 for a first look. Empty where nothing keeps the bounds.
+    of a loop much like this one; then only its neighbourhood is looked at, and ``beside`` its
+    filter others. ``refined``: how many places are; 0 for a first look. Empty where nothing keeps
+    the bounds.
     """
     explorer = Explorer.about(bench, largest_jerk=largest_jerk, is_rough=not refined)
     control, machine = bench.machine.control, bench.machine
@@ -107,7 +110,7 @@ def explore(
             jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
     else:
         own = near.setpoint_filter
-        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY)]))
+        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY), *beside]))
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
@@ -281,6 +284,7 @@ class Explorer:
         """The largest acceleration up to some that keeps everything, where that is soon enough."""
         use, bench = self.bench.use(item, t_j), self.bench
         best: Found | None = None
+        exact = 0.0  # share of the band at the very phases, per a [s²/m]
         low, high = (0.0, 0.0), (inf, inf)  # accelerations kept and not, and what they use
         for _ in range(STEPS):
             # The time to max_velocity may cancel a mode: what is allowed has gaps.
@@ -300,14 +304,15 @@ class Explorer:
                 continue
             a = float(kept[0])
             rest = self._rest(use, a)
-            if self.is_rough:
+            if not exact:
+                exact = use.of_band_exactly(a) / a
+            rest = max(rest, exact * a)
+            if self.is_rough or 1.0 < rest <= 1.0 + NEARLY:  # near enough to be in proportion
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)
-            else:
-                rest = max(rest, use.of_band_exactly(a))
             if rest <= 1.0 + CLOSE:
-                duration, low = float(bench.durations(item, np.array([a]), t_j)[0]), (a, rest)
+                duration, low = self._duration((item, t_j), a), (a, rest)
                 best = Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
-                if rest >= 1.0 - CLOSE or high[0] == inf:
+                if rest >= 1.0 - NEARLY or high[0] == inf:
                     break
             else:
                 high = a, rest

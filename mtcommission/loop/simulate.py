@@ -34,7 +34,6 @@ from mtcommission.loop.respond import (
     set_in_motion,
 )
 from mtcommission.machine.machine import Drive
-from mtcommission.setpoint.duration import require_short
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 
 Array = NDArray[np.float64]
@@ -141,15 +140,17 @@ def simulate_corners(
     max_force = np.max(np.abs(outputs[:, :, 2]), axis=1)
     saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
     # A motor that follows does not saturate: it loses steps, and no motion could be shown.
-    stepped = np.flatnonzero(saturated & (not loops[0].controller.follows)).tolist()
+    is_steppable = not loops[0].controller.follows and first * poles.cycles <= STEPPED
+    stepped = np.flatnonzero(saturated & is_steppable).tolist()
     limited = _step_saturated([loops[i] for i in stepped], setpoint, drive.motion_force, band)
     instead = dict(zip(stepped, limited, strict=True))
     responses = []
     for corner, loop in enumerate(loops):
-        own, settles = instead.get(corner, (outputs[corner], bool(decayed[corner])))
+        asked, beyond = float(max_force[corner]), bool(saturated[corner])
+        settles = bool(decayed[corner]) and not (beyond and not loops[0].controller.follows)
+        own, settles = instead.get(corner, (outputs[corner], settles))
         at = np.arange(len(own) // poles.cycles) if corner in instead else n
         found = _judge(loop, setpoint, at, own, settles=settles, drive=drive, band=band)
-        asked, beyond = float(max_force[corner]), bool(saturated[corner])
         responses.append(replace(found, max_force=asked, saturated=beyond))
     return responses
 
@@ -157,6 +158,10 @@ def simulate_corners(
 TOGETHER = 2000
 """Position cycles that are computed at once."""
 
+
+STEPPED = 80_000
+"""Velocity cycles of a move that are stepped at most, and as many after it: ten seconds at 125 us.
+A longer one that saturates is shown without that, and does not settle (empirical)."""
 
 LOOKED_AT = 4000
 """Velocity cycles after each step of the setpoint that are all looked at, and of the rest until the
@@ -222,11 +227,10 @@ def _step_saturated(
     if not loops:
         return []
     T, delay = loops[0].lifted.dt, loops[0].controller.reference_delay
-    require_short(setpoint.duration, velocity_cycle=loops[0].controller.velocity_cycle)
     X = np.zeros((len(loops), len(loops[0].lifted.A)))
     pieces: list[Array] = []
     k, stop = 0, ceil((setpoint.duration + delay) / T) + 1
-    last = stop + ceil(HORIZON / T)
+    last = stop + min(ceil(HORIZON / T), STEPPED // loops[0].controller.cycles)
     found: dict[int, tuple[Array, bool]] = {}
     while k < last and len(found) < len(loops):
         references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T)
@@ -259,7 +263,7 @@ def _judge(
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
     cycles, T_v = loop.controller.cycles, loop.controller.velocity_cycle
-    t = np.asarray((n[:, None] * cycles + np.arange(cycles)).ravel() * T_v, dtype=np.float64)
+    t: Array = np.asarray((n[:, None] * cycles + np.arange(cycles)).ravel() * T_v)
     deviation = outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0]
     states = outputs[:, 3:]
     signals = np.hstack([states, states @ loop.plant.C.T])

@@ -96,10 +96,7 @@ def compare_move(
     fed = (*found.items(), *([(ROBUST, robust.force)] if robust else []))
     fed_forward = (
         *((name, feed_forward(machine, plant, tuned, item)) for name, item in fed),
-        (
-            Message("recommended-limits"),
-            follow_setpoint(machine, plant, tuned, result.setpoint),
-        ),
+        (Message("recommended-limits"), follow_setpoint(machine, plant, tuned, result)),
     )
     return MoveComparison(
         controls=controls,

@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.simulate import simulate
+from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.optimal.band.force import BandForce
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.setpoint.setpoint import Setpoint
+from mtcommission.verdict.evaluate import MoveResult
 
 Array = NDArray[np.float64]
 
@@ -103,20 +103,18 @@ def feed_forward(
 
 
 def follow_setpoint(
-    machine: Machine, plant: Plant, tuned: TunedLoop, setpoint: Setpoint
+    machine: Machine, plant: Plant, tuned: TunedLoop, result: MoveResult
 ) -> tuple[FedForward, ...]:
     """Return what a setpoint does on the same machines, beside the fed-forward optima."""
+    places, responses, setpoint = _places(machine), result.responses, result.setpoint
+    if places != tuned.corners:
+        plants = [build_plant(vary(machine, place)) for place in places]
+        loops = [build_loop(one, tuned.controller, model=plant) for one in plants]
+        band = machine.requirements.tcp_deviation
+        responses = tuple(simulate_corners(loops, setpoint, drive=machine.drive, band=band))
+    limit = machine.drive.motion_force * (1.0 - ROUNDING)
     found = []
-    for corner in _places(machine):
-        loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
-        response = simulate(
-            loop,
-            setpoint,
-            drive=machine.drive,
-            band=machine.requirements.tcp_deviation,
-        )
-        moving = response.t <= setpoint.duration
-        limit = machine.drive.motion_force * (1.0 - ROUNDING)
+    for corner, response in zip(places, responses, strict=True):
         at_limit = response.saturated & (np.abs(response.force) >= limit)
         found.append(
             FedForward(
@@ -124,13 +122,13 @@ def follow_setpoint(
                 settling_time=response.settling_time,
                 residual_deviation=response.residual_deviation,
                 peak_deviation=response.peak_deviation,
-                saturated_share=float(np.mean(at_limit[moving])),
+                saturated_share=float(np.mean(at_limit[response.t <= setpoint.duration])),
             )
         )
     return tuple(found)
 
 
-def _places(machine: Machine) -> Sequence[Corner]:
+def _places(machine: Machine) -> tuple[Corner, ...]:
     """The corners of a machine, with ``USUAL_SPREAD`` where its profile states none."""
     places = corners(machine)
     if places != (NOMINAL,):

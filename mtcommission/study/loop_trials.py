@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, isfinite
 from typing import Any
 
@@ -16,6 +17,7 @@ from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import finish
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -29,6 +31,9 @@ slower)."""
 CENTRES = 2
 """Loops about which others are looked at."""
 
+BESIDE = 4
+"""Kinds of setpoint filters with which a loop is looked at, those first that served another."""
+
 FINALISTS = 3
 """Loops whose limits are sought more closely, those first that a first look likes best."""
 
@@ -41,6 +46,7 @@ class Finalist:
     tuned: TunedLoop  # in every corner
     is_classic: bool  # the cascade by the classic rule
     found: tuple[Found, ...] = ()  # the best first; empty: none were found that keep the bounds
+    is_explored: bool = False  # everywhere, not at a first look
     price: float = inf  # settling time, less what the stiffness is worth
 
     @property
@@ -136,7 +142,9 @@ def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
     The best has the least price of those whose limits meet the requirements, if any does.
     """
     looked = _look_at_all(machine, plant, proposals)
-    finalists = [_explore(machine, plant, item) for item in looked[:FINALISTS]]
+    finalists = [
+        item if item.is_explored else _explore(machine, plant, item) for item in looked[:FINALISTS]
+    ]
     finalists.sort(key=_price)
     best: LoopTrial | None = None
     for item in finalists:
@@ -156,14 +164,15 @@ def _price(item: Finalist) -> float:
 def _look_at_all(machine: Machine, plant: Plant, proposals: Proposals) -> list[Finalist]:
     """All proposals, and those near the best of them, at a first look; the best first."""
     found: list[Finalist] = []
+    first = partial(_explore, machine, plant)
 
     def look_at(loops: Sequence[Proposal]) -> None:
         for each in loops:
             item = Finalist(
                 shape=each.shape, tuned=each.tuned, is_classic=each.tuned is proposals.classic
             )
-            near = next((other.limits for other in found if other.limits), None)
-            found.append(_explore(machine, plant, item, near=near, refined=0))
+            known = next((other for other in found if other.limits), None)
+            found.append(_look_like(machine, plant, item, known) if known else first(item))
 
     look_at(proposals.loops)
     for best in sorted(found, key=_price)[:CENTRES]:
@@ -177,13 +186,25 @@ def _explore(
     item: Finalist,
     *,
     near: MotionLimits | None = None,
+    beside: Sequence[SetpointFilter | None] = (),
     refined: int = REFINED,
 ) -> Finalist:
     """A loop with the best limits, sought everywhere or near those of a loop much like it."""
     bench = build_bench(keep_reserve(machine), plant, item.tuned)
-    found = explore(bench, near=near, refined=refined)
+    found = explore(bench, near=near, beside=beside, refined=refined)
     time = found[0].duration + bench.delay if found else inf
-    return replace(item, found=found, price=priced(time, item.tuned))
+    return replace(item, found=found, is_explored=bool(refined), price=priced(time, item.tuned))
+
+
+def _look_like(machine: Machine, plant: Plant, loop: Finalist, known: Finalist) -> Finalist:
+    """A loop at a first look, near the limits of another, and behind the best filters of others."""
+    kinds: dict[str, SetpointFilter | None] = {}
+    for each in known.found:
+        kinds.setdefault(
+            each.setpoint_filter.kind if each.setpoint_filter else "", each.setpoint_filter
+        )
+    beside = list(kinds.values())[1:BESIDE]
+    return _explore(machine, plant, loop, near=known.limits, beside=beside, refined=0)
 
 
 def judge_loop(machine: Machine, plant: Plant, item: Finalist) -> LoopTrial:
