@@ -48,12 +48,7 @@ class HandedDown:
 def hand_down(controller: Controller, model: Plant) -> HandedDown:
     """Return what the position cycle hands down.
 
-    Parameters
-    ----------
-    controller
-        All gains.
-    model
-        The machine as the controller believes it to be, for its reference state.
+    ``model``: the machine as the controller believes it to be, for its reference state.
 
     Raises
     ------
