@@ -59,9 +59,10 @@ def chart_landscape(
             settling[part] = np.maximum(settling[part], found.settling(bench.band).max(axis=1))
             residual[part] = np.maximum(residual[part], found.residual.max(axis=1))
     coarse = np.linspace(0, POINTS - 1, USAGE_POINTS).round().astype(int)
-    usage = np.array(
-        [[bench.use(item, float(t)).of_rest(float(x)) for t in t_j[coarse]] for x in a[coarse]]
-    )
+    uses = [bench.use(item, float(t)) for t in t_j[coarse]]
+    forces = np.array([use.of_rms(a[coarse]) for use in uses]).T
+    usage = np.array([[use.of_rest(float(x)) for use in uses] for x in a[coarse]])
+    usage = np.maximum(usage, forces)
     spread = np.arange(POINTS)
     usage = np.array([np.interp(spread, coarse, row) for row in usage])
     usage = np.array([np.interp(spread, coarse, column) for column in usage.T]).T
