@@ -11,13 +11,14 @@ up most; later ones only grow less. ``limits.verify`` has the last word.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import inf, isfinite, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
 from mtcommission.loop.respond import (
     RAMPS,
     LoopPoles,
@@ -29,13 +30,13 @@ from mtcommission.loop.respond import (
     where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
-from mtcommission.machine.requirement import slow_to_feed
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.requirement import Mean, Requirement
+from mtcommission.requirements.together import Asked, Swings, sort_requirements
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.verdict.every_size import rigid_rms
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -57,11 +58,12 @@ class Bench:
 
     machine: Machine
     poles: LoopPoles  # in every corner
-    leading: tuple[LoopPoles, Cycles]  # where signals swing furthest
-    signals: Array  # set force and bounded peaks, rows over the outputs of a velocity cycle
-    bounds: Array  # what encoder noise leaves of theirs [own units]
-    band: float  # the same of the band [m]
-    contour: float  # and of the contour deviation; inf: none is asked for [m]
+    asked: Asked
+    noise: EncoderNoise  # in the worst corner
+    band: float  # what it leaves of the band in which moves settle [m]
+    left_after: Array  # and of each bound on what is judged after the move [own units]
+    left_during: tuple[Array, ...]  # and during it
+    leading: tuple[tuple[LoopPoles, Cycles], ...]  # where signals during the move swing furthest
     parts: Cycles  # velocity cycles of a position cycle at which free motion is looked at
     ages: Array  # free times looked at beyond the least of a family [s]
     every_size: bool
@@ -87,24 +89,36 @@ class Bench:
 
 def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
     """Return the bench of a machine, encoder noise taken off what is allowed."""
-    needs, drive, n = machine.requirements, machine.drive, plant.order
-    noises = [encoder_noise(loop, resolution=drive.encoder_resolution) for loop in tuned.loops]
-    tool, force = max(item.tool for item in noises), max(item.force for item in noises)
-    outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
-    rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
-    poles = find_poles(tuned.loops)
+    resolution = machine.drive.encoder_resolution
+    noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
+    noise = EncoderNoise(tool=max(n.tool for n in noises), force=max(n.force for n in noises))
+    poles, asked = find_poles(tuned.loops), sort_requirements(machine, plant)
+
+    def left(requirements: Iterable[Requirement]) -> Array:
+        none = np.zeros(1)
+        pairs = [(item.bound(machine), item.with_noise(none, noise)[0]) for item in requirements]
+        return np.array([_left(bound, taken) for bound, taken in pairs])
+
     return Bench(
         machine=machine,
         poles=poles,
-        leading=where_signals_lead(poles, np.array(rows)),
-        signals=np.array(rows),
-        bounds=np.array([_left(drive.motion_force, force), *(peak.bound for peak in needs.peaks)]),
-        band=_left(needs.tcp_deviation, tool),
-        contour=_left(needs.contour_deviation, tool),
+        asked=asked,
+        noise=noise,
+        band=_left(machine.requirements.tcp_deviation, noise.tool),
+        left_after=left(requirement for requirement, _ in asked.after),
+        left_during=tuple(left(swings.requirements) for swings in asked.during),
+        leading=tuple(_where_to_look(poles, swings) for swings in asked.during),
         parts=_parts(poles),
         ages=_ages(poles),
-        every_size=needs.every_size,
+        every_size=machine.requirements.every_size,
     )
+
+
+def _where_to_look(poles: LoopPoles, swings: Swings) -> tuple[LoopPoles, Cycles]:
+    """Corners and velocity cycles; what follows the setpoint is off most in any corner."""
+    if swings.less is None:
+        return where_signals_lead(poles, swings.rows)
+    return poles, np.zeros(1, np.int64)
 
 
 def _left(bound: float, noise: float) -> float:
@@ -152,45 +166,45 @@ class BehindFilter:
     pointed: dict[type[Move], tuple[Array, Array]] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], tuple[Array, Array]] = field(default_factory=dict)
 
-    def worst_of(self, steps: JerkSteps) -> Array:
-        """Return the residual of each setpoint in its worst corner, shape (n_setpoints,) [m]."""
+    def worst_after(self, steps: JerkSteps) -> Array:
+        """Return what is left after each setpoint, worst corner, (n_setpoints, n_requirements)."""
         poles = self.bench.poles
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        free = free_motion(motions, lay_grid(poles, SAMPLES), parts=self.bench.parts)
-        return np.asarray(free.residual.max(axis=1))
+        motions, grid = (
+            set_in_motion(poles, filter_steps(steps, self.item)),
+            lay_grid(poles, SAMPLES),
+        )
+        found = [
+            free_motion(motions, grid, parts=self.bench.parts, signal=signal).residual.max(axis=1)
+            for _, signal in self.bench.asked.after
+        ]
+        return np.stack(found, axis=1)
 
-    def peaks(self, steps: JerkSteps) -> Array:
-        """Return the largest of each signal, worst corner, shape (n_setpoints, n_signals)."""
-        poles, parts = self.bench.leading
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        grid = lay_grid(poles, SAMPLES)
-        found = extremes(motions, grid, self.bench.signals, parts=parts, with_deviation=False)
-        return np.asarray(found.peaks.max(axis=1))
-
-    def contour(self, steps: JerkSteps) -> float:
-        """Return the largest deviation along the path, worst corner and setpoint [m]."""
-        poles, none = self.bench.poles, self.bench.signals[:0]
-        motions, parts = set_in_motion(poles, filter_steps(steps, self.item)), np.zeros(1, np.int64)
-        grid = lay_grid(poles, SAMPLES)
-        found = extremes(motions, grid, none, parts=parts, with_deviation=True)
-        return float(found.deviation.max())
+    def worst_during(self, place: int, steps: JerkSteps) -> Array:
+        """Return the largest of swings looked at together, worst corner, (n_setpoints, n_rows)."""
+        (poles, parts), swings = self.bench.leading[place], self.bench.asked.during[place]
+        motions, grid = (
+            set_in_motion(poles, filter_steps(steps, self.item)),
+            lay_grid(poles, SAMPLES),
+        )
+        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less)
+        return np.asarray(found.max(axis=1))
 
     def worst_pointed(self, kind: type[Move], most: Array) -> Array:
-        """Return the worst of ramps up to some that do not reach a [m per m/s³]."""
+        """Return the worst of ramps up to some that do not reach a [per m/s³]."""
         if kind not in self.pointed:
             t = _finer(self.bench.ages)[1:]
             size = t**2 if kind is VelocityStep else 2.0 * t**3
             steps = _unlimited(kind, a=np.full_like(t, inf), size=size)
-            self.pointed[kind] = t, np.maximum.accumulate(self.worst_of(steps))
+            self.pointed[kind] = t, np.maximum.accumulate(self.worst_after(steps))
         return _up_to(*self.pointed[kind], most)
 
     def worst_held(self, kind: type[Move], t_j: float, most: Array) -> Array:
-        """Return the worst of times up to some for which a is held [m per m/s³]."""
+        """Return the worst of times up to some for which a is held [per m/s³]."""
         if (kind, t_j) not in self.held:
             T = t_j + self.bench.ages
             size = t_j * T if kind is VelocityStep else t_j * T * (T + t_j)
             steps = _unlimited(kind, a=np.full_like(T, t_j), size=size)
-            self.held[kind, t_j] = T, np.maximum.accumulate(self.worst_of(steps))
+            self.held[kind, t_j] = T, np.maximum.accumulate(self.worst_after(steps))
         return _up_to(*self.held[kind, t_j], most)
 
 
@@ -209,7 +223,8 @@ def _unlimited(kind: type[Move], *, a: Array, size: Array) -> JerkSteps:
 def _up_to(times: Array, rising: Array, most: Array) -> Array:
     """The worst of all times up to some, and of the next one."""
     place = np.searchsorted(times, most * (1.0 + 1e-9))
-    return np.asarray(np.where(most > 0.0, rising[np.minimum(place, len(times) - 1)], 0.0))
+    found = rising[np.minimum(place, len(times) - 1)]
+    return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -224,8 +239,8 @@ class Use:
         """Whose requirements count."""
         return self.behind.bench
 
-    def of_band(self, a: Array) -> Array:
-        """Return the share of the band, sizes that reach ``max_velocity`` apart, shape of ``a``."""
+    def of_after(self, a: Array) -> Array:
+        """Return the share of what is judged after the move, but ``of_cruise``, shape of ``a``."""
         used = np.zeros_like(a)
         for move in self.bench.machine.moves:
             used = np.maximum(used, self._of_move(move, a))
@@ -235,17 +250,17 @@ class Use:
         jerk, kind = a / self.t_j, type(move)
         steps = jerk_steps(move, acceleration=a, jerk=jerk)
         if not self.bench.every_size:
-            return self.behind.worst_of(steps) / self.bench.band
+            return np.asarray((self.behind.worst_after(steps) / self.bench.left_after).max(axis=1))
         ramp, rise = steps.times[:, 1], steps.times[:, 2]
         worst = self.behind.worst_pointed(kind, ramp)
         reached = ramp >= self.t_j * (1.0 - 1e-9)
         if reached.any():
             held = self.behind.worst_held(kind, self.t_j, np.where(reached, rise, 0.0))
             worst = np.maximum(worst, held)
-        return jerk * worst / self.bench.band
+        return np.asarray((jerk[:, None] * worst / self.bench.left_after).max(axis=1))
 
     def of_cruise(self, a: Array) -> Array:
-        """Return the share of the band of sizes that reach ``max_velocity``, shape of ``a`` [-]."""
+        """Return the same of sizes that reach ``max_velocity``, shape of ``a`` [-]."""
         used, bench = np.zeros_like(a), self.bench
         for move in bench.machine.moves:
             is_bounded = isinstance(move, Positioning) and isfinite(move.max_velocity)
@@ -257,31 +272,47 @@ class Use:
             sizes = move.max_velocity * (own[:, 3:4] + np.minimum(bench.ages, cruise[:, None]))
             full = np.repeat(a, len(bench.ages))
             steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes.ravel())
-            worst = self.behind.worst_of(steps).reshape(sizes.shape).max(axis=1)
-            used = np.maximum(used, np.where(cruise > 0.0, worst / bench.band, 0.0))
+            worst = self.behind.worst_after(steps).reshape(*sizes.shape, -1).max(axis=1)
+            share = (worst / self.bench.left_after).max(axis=1)
+            used = np.maximum(used, np.where(cruise > 0.0, share, 0.0))
         return used
 
     def of_rest(self, a: float) -> float:
-        """Return the largest share of force, peaks, contour and RMS force in some sizes [-].
+        """Return the largest share of what is judged during the move, in some sizes [-].
 
-        Or that of the RMS force alone, where that is too much.
+        Or that of the means alone, where that is too much.
         """
-        bench, item = self.bench, self.behind.item
-        used = rms_share(bench.machine, item, a, self.t_j)
-        is_alone = len(bench.bounds) == 1 and not isfinite(bench.contour)
-        # Far from the limit the force need not be looked at: no loop swings that far.
-        rigid = heaviest(bench.machine) * a
-        if used > BROKEN or (is_alone and SAFE * rigid < bench.bounds[0]):
+        bench = self.bench
+        used = max((self._of_mean(*item, a) for item in bench.asked.means), default=0.0)
+        during = list(zip(bench.asked.during, bench.left_during, strict=True))
+        # Far from the limit a response need not be looked at.
+        is_far = all(
+            requirement.at_most(bench.machine, a) < left
+            for swings, own in during
+            for requirement, left in zip(swings.requirements, own, strict=True)
+        )
+        if used > BROKEN or is_far:
             return used
-        for move in bench.machine.moves:
-            shares = np.array(SIZES) if bench.every_size else np.ones(1)
-            peaks = self.behind.peaks(self._sizes(move, shares, a))
-            used = max(used, float((peaks / bench.bounds).max()))
-            if isfinite(bench.contour):
-                slower = slow_to_feed(move, bench.machine.requirements.contour_feed)
-                deviation = self.behind.contour(self._sizes(slower, shares, a))
-                used = max(used, deviation / bench.contour)
+        shares = np.array(SIZES) if bench.every_size else np.ones(1)
+        for place, (swings, left) in enumerate(during):
+            for move in swings.moves:
+                worst = self.behind.worst_during(place, self._sizes(move, shares, a))
+                used = max(used, float((worst / left).max()))
         return used
+
+    def _of_mean(self, requirement: Requirement, mean: Mean, a: float) -> float:
+        """The share of a mean that the rigid axis uses [-]."""
+        machine, worst = self.bench.machine, 0.0
+        bound = requirement.bound(machine)
+        if requirement.at_most(machine, a) < bound:
+            return 0.0
+        for move in machine.moves:
+            sizes = size_of(move) * np.array(MEAN_SIZES if self.bench.every_size else (1.0,))
+            full = np.full_like(sizes, a)
+            steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
+            found = mean.estimate(machine, move, filter_steps(steps, self.behind.item))
+            worst = max(worst, float(found.max()))
+        return worst / bound
 
     def _sizes(self, move: Move, shares: Array, a: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""
@@ -294,7 +325,7 @@ class Use:
 
 
 SIZES = (0.03, 0.2, 0.5, 1.0)
-"""Sizes of a move at which force, peaks and contour are looked at, beside where a is reached."""
+"""Sizes of a move at which swings are looked at, beside where a is reached."""
 
 
 def _just_reached(move: Move, a: float, t_j: float) -> float:
@@ -303,29 +334,7 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
 
 
 BROKEN = 1.01
-"""Share of the RMS force at which nothing else need be looked at [-]."""
+"""Share of a mean at which nothing else need be looked at [-]."""
 
-SAFE = 2.0
-"""Factor by which a loop may ask for more force than the rigid axis, at most [-] (empirical)."""
-
-RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
-"""Sizes of a move at which the RMS force is looked at, as shares of the listed one."""
-
-
-def heaviest(machine: Machine) -> float:
-    """Return the moving mass with the largest payload [kg]."""
-    return moving_mass(machine) + max(machine.requirements.payload)
-
-
-def rms_share(machine: Machine, item: SetpointFilter | None, a: float, t_j: float) -> float:
-    """Return the share of the RMS force that the rigid axis uses, heaviest payload [-]."""
-    drive, needs, worst = machine.drive, machine.requirements, 0.0
-    most = float(np.hypot(heaviest(machine) * a, drive.static_load))
-    if not isfinite(drive.continuous_force) or most < drive.continuous_force:
-        return 0.0
-    for move in machine.moves:
-        sizes = size_of(move) * np.array(RMS_SIZES if needs.every_size else (1.0,))
-        full = np.full_like(sizes, a)
-        steps = filter_steps(jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes), item)
-        worst = max(worst, float(rigid_rms(machine, move, steps).max()))
-    return worst / drive.continuous_force
+MEAN_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
+"""Sizes of a move at which means are looked at, as shares of the listed one."""

@@ -22,9 +22,10 @@ from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.simulation_budget import longest_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
 from mtcommission.verdict.assess import Assessment, assess
@@ -52,7 +53,7 @@ MOST_RAISED, NOTICEABLE = 2, 0.9995
 """Faster limits that are judged last, the fastest first; and what is not worth it [-]."""
 
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
-"""Bands in turn for which limits are sought where nothing keeps the one that is required."""
+"""Factors in turn on what yields first, for which limits are sought where nothing keeps it."""
 
 RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
 """Factors of acceleration and jerk with which it is seen what forbids more."""
@@ -110,8 +111,8 @@ def choose_limits(
 
     ``near``: the best limits of a loop much like this one; then only their neighbourhood is looked
     at. The reserve is kept; where nothing does, all requirements without it. Of limits that settle
-    equally soon the gentlest. Where nothing meets the requirements, those that leave the band
-    least, within force and peaks.
+    equally soon the gentlest. Where nothing meets the requirements, those that miss least what
+    yields first, within all others.
     """
     strict, best = keep_reserve(machine), None
     for allowed in dict.fromkeys((strict, machine)):
@@ -124,11 +125,10 @@ def choose_limits(
     if best is not None:
         return best
     for factor in WIDER:
-        needs = machine.requirements
-        wide = replace(needs, tcp_deviation=factor * needs.tcp_deviation)
-        if isfinite(needs.contour_deviation):
-            wide = replace(wide, contour_deviation=factor * needs.contour_deviation)
-        wider = replace(machine, requirements=wide)
+        wider = machine
+        for item in requirements_of(machine):
+            if item.yields is Yields.FIRST:
+                wider = item.with_bound(wider, factor * item.bound(machine))
         typed = find_typed(wider, plant, tuned, near=None, largest_jerk=largest_jerk)
         if typed is not None:
             break
@@ -253,15 +253,18 @@ def _use_of_bounds(
         sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
         return max(_proved(item) / item.requirement.bound(machine) for item in sizes), sizes
     checks = _judge_listed(machine, plant, tuned, limits).checks
-    used = [item.value / item.limit for item in checks if item.requirement != SETTLING_TIME]
-    return max(used), None
+    return max(item.value / item.limit for item in checks if _is_searched(item.requirement)), None
+
+
+def _is_searched(requirement: Requirement) -> bool:
+    return requirement.yields is not Yields.MINIMISED
 
 
 def _judge_listed(
     machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
 ) -> Assessment:
-    rows = [result.responses for result in simulate_moves(machine, tuned, limits)]
-    return assess(machine, plant, tuned.corners, rows)
+    values = [result.values for result in simulate_moves(machine, tuned, limits)]
+    return assess(machine, plant, tuned.corners, values)
 
 
 def _proved(check: SizeCheck) -> float:
@@ -307,7 +310,7 @@ def _explain(
     """Name what breaks when either limit is raised a little."""
     limits, broken = candidate.limits, dict[Requirement, None]()
     missed = [item.requirement for item in candidate.assessment.checks if not item.is_met]
-    if RESIDUAL_DEVIATION in missed:
+    if any(item.yields is Yields.FIRST for item in missed):
         return Message("bound-by-nothing-met")
     has_jerk = machine.control.kind.has_jerk_limit
     for a, j in RAISED if has_jerk else RAISED[:1]:
@@ -321,7 +324,7 @@ def _explain(
             checks = _judge_listed(machine, plant, tuned, raised).checks
             used = {item.requirement: item.value for item in checks}
         for requirement, value in used.items():
-            if requirement != SETTLING_TIME and value > requirement.bound(machine):
+            if _is_searched(requirement) and value > requirement.bound(machine):
                 broken[requirement] = None
     named, motor = [item.message for item in broken], machine.drive.motion_force
     if _say_ceiling(machine, limits):

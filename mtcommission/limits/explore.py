@@ -191,7 +191,7 @@ class Explorer:
         a = a[self.bench.durations(item, a, t_j) <= latest]
         if not len(a):
             return None
-        used = self.bench.use(item, t_j).of_band(a)
+        used = self.bench.use(item, t_j).of_after(a)
         # The share rises between two rungs; where only the lower one is allowed, between them.
         allowed = used <= 1.0
         if not allowed.any():
@@ -217,7 +217,7 @@ class Explorer:
             if not len(steps):
                 break
             for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
-                share = np.maximum(use.of_cruise(part), use.of_band(part))
+                share = np.maximum(use.of_cruise(part), use.of_after(part))
                 kept = part[share <= 1.0 + CLOSE]
                 if len(kept):
                     break

@@ -324,6 +324,11 @@ def moving_mass(machine: Machine) -> float:
     return machine.mechanics.moving_mass
 
 
+def heaviest_mass(machine: Machine) -> float:
+    """Return the same with the largest payload [kg]."""
+    return moving_mass(machine) + max(machine.requirements.payload)
+
+
 def practical_ceiling(machine: Machine) -> float:
     """Return what the control's kind is given at most, assumed [m/s²]; inf: no such bound."""
     is_linear = machine.motion is Motion.LINEAR

@@ -144,7 +144,7 @@ def _recommended(machine: Machine, choice: Choice) -> dict[str, Any]:
         bound_by=choice.bound_by,
         valid_for=_sizes(machine, every=best.assessment.is_met),
         worst_sizes=[
-            entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
+            entry_of(WorstSizeEntry, check, requirement=check.requirement.key)
             for check in best.sizes
         ],
     )
@@ -227,8 +227,8 @@ def _attainable_entry(item: Attainable) -> AttainableEntry:
         AttainableEntry,
         item,
         item.limits,
-        requirement=item.requirement.value,
-        together_with=[other.value for other in item.together_with],
+        requirement=item.requirement.key,
+        together_with=[other.key for other in item.together_with],
     )
 
 

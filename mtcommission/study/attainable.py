@@ -11,21 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, isfinite, sqrt
+from math import inf, sqrt
 from typing import TypeVar
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
-from mtcommission.machine.requirement import (
-    CONTOUR_DEVIATION,
-    RESIDUAL_DEVIATION,
-    RMS_FORCE,
-    SETTLING_TIME,
-    Requirement,
-    peak_of,
-)
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement, Yields
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
@@ -90,8 +85,8 @@ def find_attainable(
     machine = _without_reserve(machine)
     residual = find_least_residual(machine, plant, tuned)
     found = [] if residual is None else [residual]
-    for relaxation in _relaxations(machine):
-        attained = _relax(machine, plant, tuned, relaxation, known=choice.limits)
+    for requirement in _relaxed(machine):
+        attained = _relax(machine, plant, tuned, requirement, known=choice.limits)
         if attained is not None:
             found.append(attained)
     return tuple(found) or _find_together(machine, plant, tuned)
@@ -102,16 +97,17 @@ def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Att
 
     The wider the band, the sooner the search's limits settle: the least is found by halving.
     """
-    band = _band_relaxation(machine)
+    band = RESIDUAL_DEVIATION.bound(machine)
 
     def search(factor: float) -> Attainable | None:
-        eased = _eased(machine, [band], factor)
+        eased = RESIDUAL_DEVIATION.with_bound(machine, factor * band)
         candidate = evaluate(eased, plant, tuned, choose_limits(eased, plant, tuned).limits)
         if not candidate.assessment.is_met:
             return None
-        found = replace(_attained(candidate, RESIDUAL_DEVIATION), limit=band.bound)
+        found = replace(_attained(candidate, RESIDUAL_DEVIATION), limit=band)
         # In a narrower band the same motion settles later: perhaps too late.
-        left = evaluate(_with_band(machine, EASED * found.value), plant, tuned, found.limits)
+        narrow = RESIDUAL_DEVIATION.with_bound(machine, EASED * found.value)
+        left = evaluate(narrow, plant, tuned, found.limits)
         wide = candidate.assessment.check_of(RESIDUAL_DEVIATION).limit
         return found if left.assessment.is_met else replace(found, value=wide)
 
@@ -135,97 +131,37 @@ def _without_reserve(machine: Machine) -> Machine:
     return replace(machine, requirements=replace(machine.requirements, reserve=NO_RESERVE))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Relaxation:
-    """A requirement, and the machine with another bound for it.
-
-    The search itself finds the least settling time; of peaks and forces it takes what it may.
-    """
-
-    requirement: Requirement
-    bound: float
-    with_bound: Callable[[Machine, float], Machine]
-    is_searched: bool
-
-
-def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
-    needs, drive = machine.requirements, machine.drive
-    if isfinite(needs.max_settling_time):
-        yield _Relaxation(
-            requirement=SETTLING_TIME,
-            bound=needs.max_settling_time,
-            with_bound=_with_settling_time,
-            is_searched=True,
-        )
-    if isfinite(needs.contour_deviation):
-        yield _Relaxation(
-            requirement=CONTOUR_DEVIATION,
-            bound=needs.contour_deviation,
-            with_bound=_with_contour,
-            is_searched=False,
-        )
-    for peak in needs.peaks:
-        yield _Relaxation(
-            requirement=peak_of(peak.name),
-            bound=peak.bound,
-            with_bound=partial(_with_peak, peak.name),
-            is_searched=False,
-        )
-    if isfinite(drive.continuous_force):
-        yield _Relaxation(
-            requirement=RMS_FORCE,
-            bound=drive.continuous_force,
-            with_bound=_with_continuous_force,
-            is_searched=False,
-        )
-
-
-def _with_band(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=bound))
-
-
-def _with_contour(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, contour_deviation=bound))
-
-
-def _with_settling_time(machine: Machine, bound: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, max_settling_time=bound))
-
-
-def _with_continuous_force(machine: Machine, bound: float) -> Machine:
-    return replace(machine, drive=replace(machine.drive, continuous_force=bound))
-
-
-def _with_peak(name: str, machine: Machine, bound: float) -> Machine:
-    needs = machine.requirements
-    peaks = tuple(replace(item, bound=bound) if item.name == name else item for item in needs.peaks)
-    return replace(machine, requirements=replace(needs, peaks=peaks))
+def _relaxed(machine: Machine) -> Iterator[Requirement]:
+    """Yield what can give way beside the band."""
+    for requirement in requirements_of(machine):
+        if requirement != RESIDUAL_DEVIATION and requirement.yields is not Yields.NEVER:
+            yield requirement
 
 
 def _relax(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
-    relaxation: _Relaxation,
+    requirement: Requirement,
     *,
     known: MotionLimits,
 ) -> Attainable | None:
     """The least value found for one requirement; None if dropping it does not help."""
 
     def search(bound: float) -> Attainable | None:
-        eased = relaxation.with_bound(machine, bound)
+        eased = requirement.with_bound(machine, bound)
         found = choose_limits(eased, plant, tuned).limits
         attained = [
-            _attained(evaluate(machine, plant, tuned, limits), relaxation.requirement)
+            _attained(evaluate(machine, plant, tuned, limits), requirement)
             for limits in (found, known)
             if evaluate(eased, plant, tuned, limits).assessment.is_met
         ]
         return min(attained, key=lambda item: item.value, default=None)
 
     best = search(inf)
-    if best is None or relaxation.is_searched:
+    if best is None or requirement.yields is Yields.MINIMISED:
         return best
-    low = relaxation.bound
+    low = requirement.bound(machine)
     for _ in range(HALVINGS):
         middle = sqrt(low * best.value)
         found = search(middle)
@@ -245,17 +181,17 @@ COMMON_HALVINGS = 6
 
 def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Attainable, ...]:
     """What could be met if several requirements give way by one factor; empty if nothing helps."""
-    relaxations = (_band_relaxation(machine), *_relaxations(machine))
+    relaxed = (RESIDUAL_DEVIATION, *_relaxed(machine))
 
     def search(wanted: Sequence[Requirement], factor: float) -> Candidate | None:
-        eased = _eased(
-            machine, [item for item in relaxations if item.requirement in wanted], factor
-        )
+        eased = machine
+        for item in wanted:
+            eased = item.with_bound(eased, factor * item.bound(machine))
         limits = choose_limits(eased, plant, tuned).limits
         candidate = evaluate(eased, plant, tuned, limits)
         return candidate if candidate.assessment.is_met else None
 
-    wanted = tuple(item.requirement for item in relaxations)
+    wanted = relaxed
     best = search(wanted, LARGEST_FACTOR)
     if best is None:
         return ()
@@ -267,29 +203,12 @@ def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[At
     best = _least(partial(search, wanted)) or best
     return tuple(
         replace(
-            _attained(best, item.requirement),
-            limit=item.bound,
-            together_with=tuple(other for other in wanted if other != item.requirement),
+            _attained(best, item),
+            limit=item.bound(machine),
+            together_with=tuple(other for other in wanted if other != item),
         )
-        for item in relaxations
-        if item.requirement in wanted
+        for item in wanted
     )
-
-
-def _band_relaxation(machine: Machine) -> _Relaxation:
-    return _Relaxation(
-        requirement=RESIDUAL_DEVIATION,
-        bound=machine.requirements.tcp_deviation,
-        with_bound=_with_band,
-        is_searched=False,
-    )
-
-
-def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) -> Machine:
-    """The machine with some bounds relaxed by a factor."""
-    for item in relaxations:
-        machine = item.with_bound(machine, factor * item.bound)
-    return machine
 
 
 def _attained(candidate: Candidate, requirement: Requirement) -> Attainable:

@@ -23,9 +23,9 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import RMS_FORCE
 from mtcommission.messages.message import Message, parts_of
 from mtcommission.plant.plant import build_plant
+from mtcommission.requirements.rms_force import RMS_FORCE
 from mtcommission.study.comparison import ROBUST, MoveComparison
 from mtcommission.study.loop_choice import WITH, with_filters
 from mtcommission.study.loop_trials import LoopChoice
