@@ -28,7 +28,8 @@ from mtcommission.record.schema.what_if import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Swing, Yields
+from mtcommission.requirements.requirement import Yields
+from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.today import TodaysValues
 
@@ -129,17 +130,14 @@ def _motor_force(plant: Plant) -> SignalEntry:
 
 
 def _bounded_signals(machine: Machine, plant: Plant) -> Iterator[SignalEntry]:
-    """Yield what requirements bound of the plant's states; tool and set force the page knows."""
-    for requirement in requirements_of(machine):
-        swing = requirement.by_poles(plant)
-        if isinstance(swing, Swing) and swing.signal.row[OUTPUTS:].any():
-            yield SignalEntry(
-                name=requirement.key,
-                unit=requirement.unit(machine, plant),
-                row=swing.signal.row[OUTPUTS:].tolist(),
-                less=swing.signal.less,
-                is_after=swing.is_after,
-            )
+    for requirement, swing in bounded_states(machine, plant):
+        yield SignalEntry(
+            name=requirement.key,
+            unit=requirement.unit(machine, plant),
+            row=swing.signal.row[OUTPUTS:].tolist(),
+            less=swing.signal.less,
+            is_after=swing.is_after,
+        )
 
 
 def _payload_share(machine: Machine, mode: str, radius: float) -> float:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.respond import Signal
+from mtcommission.loop.respond import OUTPUTS, Signal
 from mtcommission.machine.machine import Machine, Move
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Mean, Requirement, Settling
+from mtcommission.requirements.requirement import Mean, Requirement, Settling, Swing
 
 Array = NDArray[np.float64]
 
@@ -69,3 +70,11 @@ def sort_requirements(machine: Machine, plant: Plant) -> Asked:
         during=tuple(during.values()),
         means=tuple(means),
     )
+
+
+def bounded_states(machine: Machine, plant: Plant) -> Iterator[tuple[Requirement, Swing]]:
+    """Yield what bounds the plant's states, not the tool's deviation or the set force."""
+    for requirement in requirements_of(machine):
+        swing = requirement.by_poles(plant)
+        if isinstance(swing, Swing) and swing.signal.row[OUTPUTS:].any():
+            yield requirement, swing
