@@ -153,7 +153,7 @@ class Judge:
             np.arange(poles.cycles),
             np.eye(1, poles.outputs, 2),
         )
-        peaks = extremes(motions, grid, force, parts=parts, with_deviation=False).peaks
+        peaks = extremes(motions, grid, force, parts=parts)
         if peaks.max() > drive.motion_force:
             return False
         if not isfinite(drive.continuous_force):

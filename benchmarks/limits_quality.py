@@ -128,9 +128,8 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidat
         for jerk_time in np.geomspace(*JERK_TIMES, GRID):
             limits = MotionLimits(acceleration=float(a), jerk=float(a / jerk_time))
             found = respond_varied(machine, plant, tuned, limits, variations=places)
-            outside = bool(np.any(found.residual_deviation > machine.requirements.tcp_deviation))
-            used = bool(np.any(found.usage > 1.0))
-            points.append((outside or used, float(found.settling_time.max()), limits))
+            is_missed = not found.meets(machine).all()
+            points.append((is_missed, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])
     for _, _, limits in points[:TRIES]:
         candidate = evaluate(machine, plant, tuned, limits)

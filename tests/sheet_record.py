@@ -24,7 +24,6 @@ from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VAL
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages import formula
 from mtcommission.messages.formula import call
 from mtcommission.messages.message import Message, Value, to_json
@@ -39,6 +38,8 @@ from mtcommission.record.schema.loop import ClosedLoop
 from mtcommission.record.schema.record import SCHEMA, Record
 from mtcommission.record.schema.values import ForceFilterEntry
 from mtcommission.record.shape import entry_of, to_entry, to_plain
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.machining_modes import NO_LIMITS
 
 Json = dict[str, Any]

@@ -10,8 +10,9 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
-from mtcommission.machine.requirement import SETTLING_TIME, peak_of
 from mtcommission.plant.plant import build_plant
+from mtcommission.requirements.peak import peak_of
+from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.verdict.evaluate import evaluate
@@ -34,7 +35,7 @@ def attainable(machine: Machine) -> dict[str, Attainable]:
     choice = choose_limits(machine, plant, tuned)
     assert not choice.meets_requirements
     found = find_attainable(machine, plant, tuned, choice)
-    return {item.requirement.value: item for item in found}
+    return {item.requirement.key: item for item in found}
 
 
 def is_met(machine: Machine, item: Attainable) -> bool:

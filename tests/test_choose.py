@@ -29,13 +29,17 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, RMS_FORCE, SET_FORCE, SETTLING_TIME
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.rms_force import RMS_FORCE
+from mtcommission.requirements.set_force import SET_FORCE
+from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import (
     filter_steps,
@@ -106,13 +110,22 @@ def solve(machine: Machine) -> Case:
                 for loop in tuned.loops
             ]
         )
+    required = requirements_of(machine)
     return Case(
         machine=machine,
         plant=plant,
         tuned=tuned,
         choice=choice,
         responses=responses,
-        assessment=assess(machine, plant, tuned.corners, responses),
+        assessment=assess(
+            machine,
+            plant,
+            tuned.corners,
+            [
+                np.array([[one.value(each, plant) for each in row] for one in required])
+                for row in responses
+            ],
+        ),
     )
 
 
@@ -141,7 +154,7 @@ def brute_force(case: Case, points: int) -> tuple[float, float]:
         steps = jerk_steps(move, acceleration=a[some], jerk=a[some] / t[some])
         motions = set_in_motion(poles, filter_steps(steps, machine.control.setpoint_filter))
         free = free_motion(motions, grid)
-        peaks = extremes(motions, grid, signals, parts=parts, with_deviation=False).peaks
+        peaks = extremes(motions, grid, signals, parts=parts)
         settling = free.settling(needs.tcp_deviation).max(axis=1)
         settling[np.any(peaks > bounds, axis=(1, 2))] = inf
         kept = free.residual.max(axis=1) <= needs.tcp_deviation
@@ -185,9 +198,9 @@ def test_search_and_verdict_compute_the_same(name: str, resolution: float) -> No
         use, band = bench.use(item, t), machine.requirements.tcp_deviation
         # The noise takes from the bound there and adds to the value here.
         left = (shares.pop(RESIDUAL_DEVIATION) - 1.0) * band / bench.band + 1.0
-        assert use.of_band(np.array([a]))[0] == pytest.approx(left, rel=0.03)
+        assert use.of_after(np.array([a]))[0] == pytest.approx(left, rel=0.03)
         if not resolution:
-            used = max(use.of_rest(a), float(use.of_rms(np.array([a]))[0]))
+            used = max(use.of_rest(a), float(use.of_means(np.array([a]))[0]))
             assert used == pytest.approx(max(shares.values()), rel=0.05)
 
 

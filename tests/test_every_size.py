@@ -16,9 +16,10 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.plant import build_plant
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import SMALLEST, lay_sizes, plan_sizes, size_of

@@ -26,6 +26,7 @@ from mtcommission.machine.machine import Machine, Move, Positioning, VelocitySte
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.requirements.rms_force import rms_forces
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
@@ -34,7 +35,6 @@ from mtcommission.setpoint.setpoint import (
     plan_within,
     sample_setpoint,
 )
-from mtcommission.verdict.every_size import rms_forces
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
@@ -125,13 +125,14 @@ def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: st
         a, j = limits(machine, 3)
         motions = set_in_motion(poles, steps_of(machine, move, a, j))
         free = free_motion(motions, grid)
-        found = extremes(motions, grid, force, parts=parts, with_deviation=True)
+        asked = extremes(motions, grid, force, parts=parts)[..., 0]
+        off = extremes(motions, grid, np.eye(1, poles.outputs), parts=parts, less=0)[..., 0]
         for i in range(len(a)):
             full = stepped(machine, tuned, move, a[i], j[i])
             # Instants are thinned, late ones most: crossings of a long ring are seen roughly.
             assert free.residual[i, -1] == pytest.approx(full.residual_deviation, rel=2e-3)
-            assert found.peaks[i, -1, 0] == pytest.approx(full.max_force, rel=2e-3)
-            assert found.deviation[i, -1] == pytest.approx(full.peak_deviation, rel=2e-3)
+            assert asked[i, -1] == pytest.approx(full.max_force, rel=2e-3)
+            assert off[i, -1] == pytest.approx(full.peak_deviation, rel=2e-3)
             settled = free.settling(band)[i, -1]
             if np.isfinite(settled):
                 assert settled == pytest.approx(full.settling_time, rel=2e-3)
@@ -142,12 +143,12 @@ def test_rms_force_is_that_of_the_stepped_loop(name: str) -> None:
     """A drive would run hot on limits that were called cool."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
-    poles, load = find_poles(tuned.loops), machine.drive.static_load
+    poles = find_poles(tuned.loops)
     for move in MOVES[:3]:
         a, j = limits(machine, 2)
         full = stepped(machine, tuned, move, a[0], j[0])
         steps = steps_of(machine, move, a[:1], j[:1])
-        found = rms_forces(poles, steps, move.dwell, static_load=load)
+        found = rms_forces(machine, poles, move, steps, 4000)
         assert found[-1] == pytest.approx(full.rms_force, rel=5e-3)
 
 

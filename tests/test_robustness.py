@@ -14,7 +14,6 @@ from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine, Peak, Positioning
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE, peak_of
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     Corner,
@@ -28,6 +27,9 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part
+from mtcommission.requirements.peak import peak_of
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
 from mtcommission.study.robustness import (
@@ -175,8 +177,9 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     checks = evaluate(machine, plant, tuned, limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     assert shares["contour deviation"] > 0.01
-    for requirement, share in zip(found.bounds, found.shares.max(axis=0), strict=True):
-        assert share == pytest.approx(shares[requirement.value], rel=5e-3)
+    worst = found.shares(machine).max(axis=0)
+    for requirement, share in zip(found.requirements, worst, strict=True):
+        assert share == pytest.approx(shares[requirement.key], rel=5e-3)
     for name, bound in (("peak v_phi", 1e-3), ("RMS force", 300.0), ("set force", 700.0)):
         strict = machine
         if name == "peak v_phi":
@@ -189,8 +192,9 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
             strict = replace(machine, drive=replace(machine.drive, max_force=bound))
         found = respond_varied(strict, plant, tuned, limits, variations=places)
         share = shares[name] * next(c.limit for c in checks if c.name == name) / bound
-        # The noise takes from the bound here and adds to the value there: equal where all is used.
-        assert found.usage.max() == pytest.approx(share, rel=1e-2), name
+        column = [item.key for item in found.requirements].index(name)
+        used = found.shares(strict)[:, column].max()
+        assert used == pytest.approx(share, rel=1e-2), name
         assert not found.meets(strict).any()
 
 

@@ -49,12 +49,12 @@ from mtcommission.machine.machine import (
     moving_mass,
 )
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of

@@ -32,7 +32,6 @@ from mtcommission.limits.commissioning_rule.by_hand import RuleFormula, formulas
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.formula import Expression, find_symbols, write_formula
 from mtcommission.messages.message import Message, from_json, join_by_and
@@ -44,6 +43,8 @@ from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.schema.moves import AssessmentPart, Check
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.basis_part import assumed_rows, basis_rows, holds_rows
 from mtcommission.sheet.content import compose

@@ -217,14 +217,15 @@ def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> 
     for case, found in zip(cases, run_in_page(bench, cases, tmp_path), strict=True):
         assert found["complaint"] == ""
         own = replace(machine, moves=(case.move,))
-        expected = list(simulate_moves(own, bench.tuned, case.limits)[0].responses)
+        (result,) = simulate_moves(own, bench.tuned, case.limits)
+        expected = list(result.responses)
         if case.place != Corner():
             plant = build_plant(vary(machine, case.place))
             loop = build_loop(plant, bench.tuned.controller, model=bench.plant)
             setpoint = plan_setpoint(case.move, case.limits)
             expected.insert(0, simulate(loop, setpoint, drive=machine.drive, band=band))
         else:
-            verdict = assess(machine, bench.plant, bench.tuned.corners, [expected])
+            verdict = assess(machine, bench.plant, bench.tuned.corners, [result.values])
             assert found["met"] == verdict.is_met
             assert len(found["checks"]) == len(verdict.checks)
         assert len(found["responses"]) == len(expected)

@@ -21,9 +21,10 @@ from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
@@ -57,7 +58,7 @@ ROUNDS, WORTH_A_ROUND, CLOSE_ENOUGH, MOST_EXCESS = 3, 1.01, 1.003, 1.3
 ends so much later than what was found; and by how much the next one is stricter at most [-]."""
 
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
-"""Bands in turn for which limits are sought where nothing keeps the one that is required."""
+"""Factors in turn on what yields first, for which limits are sought where nothing keeps it."""
 
 RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
 """Factors of acceleration and jerk with which it is seen what forbids more."""
@@ -117,8 +118,8 @@ def choose_limits(
     ``near``: the best limits of a loop much like this one; then only their neighbourhood is looked
     at; ``found``: what ``explore`` found with the reserve kept, if that was asked. The reserve is
     kept; where nothing does, all requirements without it. Of limits that settle equally soon the
-    gentlest. Where nothing meets the requirements, those that leave the band least, within force
-    and peaks.
+    gentlest. Where nothing meets the requirements, those that miss least what yields first, within
+    all others.
     """
     strict, best = keep_reserve(machine), None
     for allowed in dict.fromkeys((strict, machine)):
@@ -132,11 +133,10 @@ def choose_limits(
     if best is not None:
         return best
     for factor in WIDER:
-        needs = machine.requirements
-        wide = replace(needs, tcp_deviation=factor * needs.tcp_deviation)
-        if isfinite(needs.contour_deviation):
-            wide = replace(wide, contour_deviation=factor * needs.contour_deviation)
-        wider = replace(machine, requirements=wide)
+        wider = machine
+        for item in requirements_of(machine):
+            if item.yields is Yields.FIRST:
+                wider = item.with_bound(wider, factor * item.bound(machine))
         typed = find_typed(wider, plant, tuned, near=None, largest_jerk=largest_jerk)
         if typed is not None:
             break
@@ -194,7 +194,8 @@ def find_typed(
         if not found or excess < WORTH_A_ROUND or best < CLOSE_ENOUGH * found[0].duration:
             break
         # Judged exactly more is left than the search saw: it looks again for less.
-        bench, found = replace(bench, band=bench.band / min(excess, MOST_EXCESS)), ()
+        stricter = bench.left_after / min(excess, MOST_EXCESS)
+        bench, found = replace(bench, left_after=stricter), ()
     return min(typed, key=lambda item: item.duration, default=None)
 
 
@@ -250,7 +251,7 @@ class _Typing:
         def share(each: MotionLimits) -> float:
             use = self.bench.use(item, each.jerk_time)
             a = np.array([each.acceleration])
-            return float(max(use.of_band(a)[0], use.of_cruise(a)[0], 1e-9))
+            return float(max(use.of_after(a)[0], use.of_cruise(a)[0], 1e-9))
 
         now, scaled = share(limits), min(limits.acceleration / used, largest)
         above = [
@@ -292,15 +293,18 @@ def _use_of_bounds(
         sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
         return max(_proved(item) / item.requirement.bound(machine) for item in sizes), sizes
     checks = _judge_listed(machine, plant, tuned, limits).checks
-    used = [item.value / item.limit for item in checks if item.requirement != SETTLING_TIME]
-    return max(used), None
+    return max(item.value / item.limit for item in checks if _is_searched(item.requirement)), None
+
+
+def _is_searched(requirement: Requirement) -> bool:
+    return requirement.yields is not Yields.MINIMISED
 
 
 def _judge_listed(
     machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
 ) -> Assessment:
-    rows = [result.responses for result in simulate_moves(machine, tuned, limits)]
-    return assess(machine, plant, tuned.corners, rows)
+    values = [result.values for result in simulate_moves(machine, tuned, limits)]
+    return assess(machine, plant, tuned.corners, values)
 
 
 def _proved(check: SizeCheck) -> float:
@@ -346,7 +350,7 @@ def _explain(
     """Name what breaks when either limit is raised a little."""
     limits, broken = candidate.limits, dict[Requirement, None]()
     missed = [item.requirement for item in candidate.assessment.checks if not item.is_met]
-    if RESIDUAL_DEVIATION in missed:
+    if any(item.yields is Yields.FIRST for item in missed):
         return Message("bound-by-nothing-met")
     has_jerk = machine.control.kind.has_jerk_limit
     for a, j in RAISED if has_jerk else RAISED[:1]:
@@ -360,7 +364,7 @@ def _explain(
             checks = _judge_listed(machine, plant, tuned, raised).checks
             used = {item.requirement: item.value for item in checks}
         for requirement, value in used.items():
-            if requirement != SETTLING_TIME and value > requirement.bound(machine):
+            if _is_searched(requirement) and value > requirement.bound(machine):
                 broken[requirement] = None
     named, motor = [item.message for item in broken], machine.drive.motion_force
     if _say_ceiling(machine, limits):

@@ -56,7 +56,7 @@ NOTICEABLE = 0.9997
 """What is not shorter than the best so far by this factor is not worth the next step."""
 
 LEAST_GROWTH = 0.2
-"""Power of the acceleration with which the RMS force grows, at least [-]."""
+"""Power of the acceleration with which a mean grows, at least [-]."""
 
 CLOSE, NEARLY = 0.002, 0.01
 """Share of a bound that may be left over, and by which limits are scaled without a look [-]."""
@@ -227,7 +227,7 @@ class Explorer:
         possible[possible] = self.bench.durations(item, a[possible], t_j[possible]) <= latest
         used = np.full(a.shape, inf)
         if possible.any():
-            used[possible] = self.bench.use(item, t_j[possible]).of_band(a[possible])
+            used[possible] = self.bench.use(item, t_j[possible]).of_after(a[possible])
         rows, found = [], []
         for k in range(len(times)):
             allowed = np.flatnonzero(used[k] <= 1.0)
@@ -244,7 +244,7 @@ class Explorer:
         if not rows:
             return
         t_j = times[rows]
-        most_a = self._within_rms(self.bench.use(item, t_j), np.array(found))
+        most_a = self._within_means(self.bench.use(item, t_j), np.array(found))
         durations = self.bench.durations(item, most_a, t_j)
         for t, each, duration in zip(t_j.tolist(), most_a.tolist(), durations, strict=True):
             if duration <= latest:
@@ -255,15 +255,15 @@ class Explorer:
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
 
-    def _within_rms(self, use: Use, a: Array) -> Array:
-        """The largest accelerations up to some that keep the RMS force."""
-        share, grows = use.of_rms(a), np.ones_like(a)
+    def _within_means(self, use: Use, a: Array) -> Array:
+        """The largest accelerations up to some that keep what is a mean over the move."""
+        share, grows = use.of_means(a), np.ones_like(a)
         for _ in range(STEPS):
             over = share > 1.0 + CLOSE
             if not over.any():
                 break
             less = np.where(over, a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows), a)
-            after = use.of_rms(less)
+            after = use.of_means(less)
             # A static load, or a longer move, leaves another power than the first.
             with np.errstate(divide="ignore", invalid="ignore"):
                 grown = np.log(share / after) / np.log(a / less)
@@ -303,7 +303,7 @@ class Explorer:
             if not len(steps):
                 break
             for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
-                share = np.maximum(use.of_cruise(part), use.of_band(part))
+                share = np.maximum(use.of_cruise(part), use.of_after(part))
                 kept = part[share <= 1.0 + CLOSE]
                 if len(kept):
                     break
@@ -315,7 +315,7 @@ class Explorer:
             a = float(kept[0])
             rest = self._rest(use, a)
             if not exact:
-                exact = use.of_band_exactly(a) / a
+                exact = use.of_after_exactly(a) / a
             rest = max(rest, exact * a)
             if self.is_rough or 1.0 < rest <= 1.0 + NEARLY:  # near enough to be in proportion
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)

@@ -60,7 +60,7 @@ def chart_landscape(
             residual[part] = np.maximum(residual[part], found.residual.max(axis=1))
     coarse = np.linspace(0, POINTS - 1, USAGE_POINTS).round().astype(int)
     uses = [bench.use(item, float(t)) for t in t_j[coarse]]
-    forces = np.array([use.of_rms(a[coarse]) for use in uses]).T
+    forces = np.array([use.of_means(a[coarse]) for use in uses]).T
     usage = np.array([[use.of_rest(float(x)) for use in uses] for x in a[coarse]])
     usage = np.maximum(usage, forces)
     spread = np.arange(POINTS)

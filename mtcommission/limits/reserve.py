@@ -5,21 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mtcommission.machine.machine import NO_RESERVE, Machine
+from mtcommission.requirements.register import requirements_of
 
 
 def keep_reserve(machine: Machine) -> Machine:
-    """Return the machine with requirements as much stricter as its reserve.
-
-    Parameters
-    ----------
-    machine
-        ``requirements.reserve`` states the shares: of band, contour and peaks, and of the set
-        force and the RMS force. A settling time is wanted as it is.
-
-    Returns
-    -------
-    Machine
-        Itself where the whole may be used.
+    """Return the machine with requirements as much stricter as its reserve; itself without one.
 
     Examples
     --------
@@ -30,21 +20,9 @@ def keep_reserve(machine: Machine) -> Machine:
     >>> round(1e6 * strict.requirements.tcp_deviation, 6), strict.drive.max_force
     (4.0, 1900.0)
     """
-    needs, drive, reserve = machine.requirements, machine.drive, machine.requirements.reserve
+    reserve, strict = machine.requirements.reserve, machine
     if reserve == NO_RESERVE:
         return machine
-    return replace(
-        machine,
-        requirements=replace(
-            needs,
-            tcp_deviation=reserve.band * needs.tcp_deviation,
-            contour_deviation=reserve.band * needs.contour_deviation,
-            peaks=tuple(replace(peak, bound=reserve.band * peak.bound) for peak in needs.peaks),
-            reserve=NO_RESERVE,
-        ),
-        drive=replace(
-            drive,
-            max_force=drive.max_force - drive.motion_force + reserve.force * drive.motion_force,
-            continuous_force=reserve.force * drive.continuous_force,
-        ),
-    )
+    for item in requirements_of(machine):
+        strict = item.with_bound(strict, item.share(reserve) * item.bound(machine))
+    return replace(strict, requirements=replace(strict.requirements, reserve=NO_RESERVE))

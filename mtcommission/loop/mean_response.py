@@ -1,7 +1,7 @@
-"""What a loop leaves of the tool's deviation after a move, averaged over the phases of a cycle.
+"""What a loop leaves of a signal after a move, averaged over the phases of a position cycle.
 
 A step of the jerk falls anywhere within a position cycle. Averaged over these phases, and dead
-times apart, the tool after the end of a jerk-limited move behind a filter is, from τ on,
+times apart, the tool's deviation after the end of a jerk-limited move behind a filter is from τ on
 
     e(s) = j Re Σ_p c_p G(p) F(p) exp(p s),   s: since the end of the setpoint
 
@@ -52,8 +52,9 @@ class MeanResponse:
 
     rates: Complex  # (n_corners, n_poles) [1/s]
     ages: Array  # times that meet the swings of every pole that counts, from 0 [s]
-    seen: NDArray[np.float32]  # tool at each instant by Re and Im of what poles hold,
-    # (n_corners, 2 n_poles, n_instants)
+    seen: NDArray[np.float32]  # signals at each instant by Re and Im of what poles hold,
+    # (n_corners, 2 n_poles, n_signals n_instants)
+    signals: int
 
     def behind(self, item: SetpointFilter | None) -> Complex:
         """Return F of a filter, shape (n_corners, n_poles)."""
@@ -68,28 +69,36 @@ class MeanResponse:
         return np.asarray(np.exp(self.rates * np.atleast_1d(time)[:, None, None]))
 
     def largest(self, held: Complex) -> Array:
-        """Return the residual deviation of moves in their worst corner, shape (n_setpoints,) [m].
+        """Return what is left of each signal, worst corner, shape (n_setpoints, n_signals).
 
         ``held``: G F of each at the end of its setpoint, (n_setpoints, n_corners, n_poles).
         """
         both = np.concatenate([held.real, held.imag], axis=2).astype(np.float32)
-        return np.asarray(np.abs(both.transpose(1, 0, 2) @ self.seen).max(axis=(0, 2)))
+        found = np.abs(both.transpose(1, 0, 2) @ self.seen)
+        found = found.reshape(*found.shape[:2], self.signals, -1)
+        return np.asarray(found.max(axis=(0, 3)), dtype=np.float64)
 
     def residual(self, steps: JerkSteps, behind: Complex) -> Array:
-        """Return the residual deviation of moves in their worst corner, shape (n_setpoints,) [m].
-
-        ``steps``: from ``jerk_steps``; ``behind``: F of the filter.
-        """
+        """Return the same of moves, from ``jerk_steps``, with F of the filter."""
         times, jerk = steps.times, steps.steps[:, 0]
         held = behind * (self.since(times[:, 1]) - 1.0) * (self.since(times[:, 2]) - 1.0)
         if times.shape[1] > 4:
             held = held * (self.since(times[:, 4]) - 1.0)
-        return jerk * self.largest(held)
+        return np.asarray(jerk[:, None] * self.largest(held))
+
+
+def average_phases(poles: LoopPoles, rows: Array) -> MeanResponse:
+    """Return the response of a loop averaged over the phases of its position cycle.
+
+    ``rows``: of signals that come to rest with the setpoint, over the outputs of a velocity cycle.
+    """
+    return _average(poles, rows.shape, rows.tobytes())
 
 
 @lru_cache(maxsize=16)
-def average_phases(poles: LoopPoles) -> MeanResponse:
-    """Return the response of a loop averaged over the phases of its position cycle."""
+def _average(poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes) -> MeanResponse:
+    """Once for all limits that are tried on a loop."""
+    rows = np.frombuffer(row_bytes).reshape(shape)
     if not poles.factors.size:  # equal poles: a little apart they are as good here
         poles = find_poles.__wrapped__(tuple(map(_nudge, poles.loops)))
     T, missing = poles.dt, np.abs(poles.factors) == 0.0
@@ -101,9 +110,11 @@ def average_phases(poles: LoopPoles) -> MeanResponse:
     c = np.where(missing, 0.0, (held * np.exp(-age)).mean(axis=0))
     ages = _lay_ages(poles)
     s = poles.delay + ages
-    tool = (c * poles.shapes[:, 0, 0])[..., None] * np.exp(rates[..., None] * s)
-    seen = np.concatenate([tool.real, -tool.imag], axis=1).astype(np.float32)
-    return MeanResponse(rates=rates, ages=ages, seen=seen)
+    signals = (rows @ poles.shapes[:, 0]).swapaxes(1, 2) * c[..., None]
+    each = signals[..., None] * np.exp(rates[..., None] * s)[:, :, None]
+    each = each.reshape(*rates.shape, -1)
+    seen = np.concatenate([each.real, -each.imag], axis=1).astype(np.float32)
+    return MeanResponse(rates=rates, ages=ages, seen=seen, signals=len(rows))
 
 
 def _counting_poles(poles: LoopPoles) -> Complex:

@@ -349,6 +349,31 @@ def seen(state: Complex, shapes: Complex) -> Array:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Signal:
+    """What is seen of a loop: a row over the outputs of a velocity cycle, shape (n_outputs,).
+
+    Less that derivative of the delayed setpoint (0: position); None: as it is.
+    """
+
+    row: Array
+    less: int | None = None
+
+
+OUTPUTS, TOOL, FORCE = 3, 0, 2
+"""Outputs of a velocity cycle before the plant's states: tcp, encoder, force; places of two."""
+
+
+def tool_deviation(order: int) -> Signal:
+    """Return the tool's deviation from the delayed setpoint [m], of a plant of some order."""
+    return Signal(row=np.eye(order + OUTPUTS)[TOOL], less=0)
+
+
+def output_of_states(row: Array) -> Array:
+    """Return a row over the outputs of a velocity cycle from one over the plant's states."""
+    return np.concatenate([np.zeros(OUTPUTS), row])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Grid:
     """Velocity cycles at which free motion is looked at, from ``forced`` cycles after a step."""
 
@@ -379,19 +404,22 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """|e| of the tool from t_e + τ on; before it 0, just before it that at t_e + τ itself."""
+    """A signal's magnitude from t_e + τ on; before it 0, just before it that at t_e + τ itself.
+
+    The tool's deviation e where no other one is asked for: of that alone there is a settling time.
+    """
 
     instants: Array  # since the position cycle in which the setpoint has ended, (n_instants,) [s]
     ended: Array  # that cycle, (n_setpoints,) [s]
     until: Array  # t_e + τ, (n_setpoints,) [s]
     begin: Cycles  # first instant at or after it
-    deviation: Array  # (n_setpoints, n_corners, n_instants) [m]
+    deviation: Array  # (n_setpoints, n_corners, n_instants) [own unit]
     motions: Motions  # whose free motion it is
-    offset: Array  # by which the tool stays off while it coasts, (n_setpoints, n_corners, cycles)
+    offset: Array  # by which it stays off while the axis coasts, (n_setpoints, n_corners, cycles)
 
     @property
     def residual(self) -> Array:
-        """Residual deviation, (n_setpoints, n_corners) [m]."""
+        """The largest, (n_setpoints, n_corners) [own unit]; of e the residual deviation [m]."""
         return np.asarray(self.deviation.max(axis=2))
 
     def settling(self, band: float) -> Array:
@@ -462,31 +490,39 @@ def last_crossing(t: Array, e: Array, band: float, *, begin: Array) -> tuple[Cyc
     return last, np.where(following == last, np.inf, crossing)
 
 
-def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) -> FreeMotion:
-    """Return what is left of the tool's deviation after each setpoint, in every corner.
+def free_motion(
+    motions: Motions, grid: Grid, *, parts: Cycles | None = None, signal: Signal | None = None
+) -> FreeMotion:
+    """Return what is left of a signal after each setpoint, in every corner.
 
     ``parts``: velocity cycles of a position cycle that are looked at first; None: all.
+    ``signal``: comes to rest with the setpoint; None: the tool's deviation.
     """
     poles = motions.poles
+    signal = signal or tool_deviation(poles.outputs - OUTPUTS)
     T, T_v, tau = poles.dt, poles.velocity_cycle, poles.delay
     parts = np.arange(poles.cycles) if parts is None else parts
-    tool, steps, q = np.eye(1, poles.outputs), motions.steps, motions.order
+    rows, steps, q = signal.row[None], motions.steps, motions.order
     end, t_e = motions.first[:, -1], steps.duration
     age = t_e[:, None] - steps.times
     v_end = np.sum(steps.steps * age ** (q - 1), axis=1) / factorial(q - 1)
     v_end[np.abs(v_end) < RESTING * np.max(np.abs(steps.steps) * age ** (q - 1), axis=1)] = 0.0
-    coasting = poles.steady[:, :, 0, 1] + tau - T_v * np.arange(poles.cycles)
+    coasting = poles.steady[..., 1] @ signal.row
+    if signal.less == 0:
+        coasting = coasting + tau - T_v * np.arange(poles.cycles)
+    elif signal.less == 1:
+        coasting = coasting - 1.0
     # From the last sample before t_e + τ on, which lies between two.
     m = np.arange(floor((tau - T - T_v) / T + 1e-9), poles.forced)
     setpoint = np.repeat(np.arange(len(end)), len(m))
     cycles = (end[:, None] + m).ravel()
-    near = _transients(motions, setpoint, cycles, tool, parts, all_steps=True)
+    near = _transients(motions, setpoint, cycles, rows, parts, all_steps=True)
     near = near.reshape(len(end), len(m), -1, len(parts)).transpose(0, 2, 1, 3)
     near = near + (v_end[:, None, None] * coasting[:, parts])[:, :, None]
     e = near.reshape(len(end), near.shape[1], -1)
     instants = (T * m[:, None] + T_v * parts).ravel()
     if poles.factors.size:
-        by_pole = grid.faded.transpose(1, 0, 2) * poles.shapes[:, grid.part, 0]
+        by_pole = grid.faded.transpose(1, 0, 2) * (signal.row @ poles.shapes)[:, grid.part]
         far = seen(motions.held[-1], by_pole)
         if np.any(v_end):
             far += v_end[:, None, None] * coasting[:, grid.part]
@@ -495,14 +531,14 @@ def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) ->
     until = t_e + tau
     own = until - end * T
     begin = np.searchsorted(instants, own - INSTANT)
-    rows, prior = np.arange(len(e)), np.maximum(begin - 1, 0)
+    each, prior = np.arange(len(e)), np.maximum(begin - 1, 0)
     share = (own - instants[prior]) / np.maximum(instants[begin] - instants[prior], INSTANT)
-    at_end = e[rows, :, prior]
-    at_end = at_end + share[:, None] * (e[rows, :, begin] - at_end)
+    at_end = e[each, :, prior]
+    at_end = at_end + share[:, None] * (e[each, :, begin] - at_end)
     np.abs(e, out=e)
     head = int(begin.max(initial=0))
     e[:, :, :head] *= np.arange(head) >= prior[:, None, None]
-    e[rows, :, prior] = np.abs(at_end)
+    e[each, :, prior] = np.abs(at_end)
     return FreeMotion(
         instants=instants,
         ended=np.asarray(end * T),
@@ -514,25 +550,17 @@ def free_motion(motions: Motions, grid: Grid, *, parts: Cycles | None = None) ->
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Extremes:
-    """Largest magnitudes while setpoints move, and on until the motion has faded."""
-
-    peaks: Array  # of each signal, (n_setpoints, n_corners, n_rows)
-    deviation: Array  # of the tool from the delayed setpoint, (n_setpoints, n_corners) [m]
-
-
 def extremes(
-    motions: Motions, grid: Grid, rows: Array, *, parts: Cycles, with_deviation: bool
-) -> Extremes:
-    """Return the largest magnitudes of signals, rows over the outputs of a velocity cycle.
+    motions: Motions, grid: Grid, rows: Array, *, parts: Cycles, less: int | None = None
+) -> Array:
+    """Return the largest magnitudes of signals while setpoints move, and on until all has faded.
 
-    ``parts``: the velocity cycles of a position cycle that are looked at. The deviation is 0 where
-    it is not asked for.
+    ``rows``: over the outputs of a velocity cycle, all less the same derivative of the delayed
+    setpoint, see ``Signal``; ``parts``: the velocity cycles of a position cycle that are looked at.
+    Shape (n_setpoints, n_corners, n_rows).
     """
     poles, first, pieces = motions.poles, motions.first, _pieces(motions)
     count, steps = first.shape
-    signals = np.vstack([np.eye(1, poles.outputs), rows]) if with_deviation else rows
     gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.forced)
     begun = np.arange(poles.forced)
     later = np.linspace(0.0, 1.0, BETWEEN + 1)[1:]
@@ -541,24 +569,23 @@ def extremes(
     own = np.concatenate([begun < gaps[..., None], later >= poles.forced], axis=2)
     setpoint, _, _ = np.nonzero(own)
     at = (first[:, :, None] + ages)[own]
-    found = _outputs(motions, pieces, setpoint, at, signals, parts)
-    if with_deviation:
-        t = at[:, None] * poles.dt + poles.velocity_cycle * parts
-        found[..., 0] -= _wanted(pieces, np.repeat(setpoint, len(parts)), t - poles.delay)[:, None]
-    largest = np.zeros((count, len(poles.loops), len(signals)))
+    found = _outputs(motions, pieces, setpoint, at, rows, parts)
+    if less is not None:
+        t = at[:, None] * poles.dt + poles.velocity_cycle * parts - poles.delay
+        wanted = _wanted(pieces, np.repeat(setpoint, len(parts)), t, less)
+        found -= wanted[:, None, :, None]
+    largest = np.zeros((count, len(poles.loops), len(rows)))
     each = np.abs(found).max(axis=2)
     begins = np.flatnonzero(np.diff(setpoint, prepend=-1))
     largest[setpoint[begins]] = np.maximum.reduceat(each, begins, axis=0)
     if poles.factors.size:
         gaps[:, -1] = poles.forced + grid.cycle[-1] + 1
         for part in (slice(0, steps - 1), slice(steps - 1, steps)):
-            own, j = np.nonzero(gaps[:, part] > poles.forced)
-            if len(own):
+            place, j = np.nonzero(gaps[:, part] > poles.forced)
+            if len(place):
                 j = j + (part.start or 0)
-                _note_far(motions, pieces, grid, signals, largest, own, j, gaps, with_deviation)
-    if with_deviation:
-        return Extremes(peaks=largest[..., 1:], deviation=largest[..., 0])
-    return Extremes(peaks=largest, deviation=np.zeros(largest.shape[:2]))
+                _note_far(motions, pieces, grid, rows, largest, place, j, gaps, less)
+    return largest
 
 
 def _note_far(
@@ -570,7 +597,7 @@ def _note_far(
     own: Cycles,
     j: Cycles,
     gaps: Cycles,
-    with_deviation: bool,
+    less: int | None,
 ) -> None:
     """Add what the poles alone tell of, from ``forced`` cycles after some steps to their next."""
     poles, q = motions.poles, motions.order
@@ -584,17 +611,18 @@ def _note_far(
     steady = (signals @ poles.steady[..., : q + 1])[:, part]  # (n_corners, used, R, q + 1)
     found = found.reshape(len(own), -1, used, R)
     found += np.einsum("kst,ctrk->sctr", x.reshape(q + 1, *at.shape), steady, optimize=True)
-    if with_deviation:
-        t = at * poles.dt + part * poles.velocity_cycle
-        found[..., 0] -= _wanted(pieces, np.repeat(own, used), t - poles.delay)[:, None]
+    if less is not None:
+        t = at * poles.dt + part * poles.velocity_cycle - poles.delay
+        found -= _wanted(pieces, np.repeat(own, used), t, less)[:, None, :, None]
     np.abs(found, out=found)
     found *= (cycle < left[:, None])[:, None, :, None]
     np.maximum.at(largest, own, found.max(axis=2, initial=0.0))
 
 
-def _wanted(pieces: Pieces, setpoint: Cycles, t: Array) -> Array:
-    """Position of each setpoint at times of its own, shape of ``t``."""
-    return np.asarray(_sampled(pieces, setpoint, t.ravel(), 1)[0].reshape(t.shape))
+def _wanted(pieces: Pieces, setpoint: Cycles, t: Array, derivative: int) -> Array:
+    """A derivative of each setpoint at times of its own, shape of ``t``."""
+    found = _sampled(pieces, setpoint, t.ravel(), derivative + 1)[derivative]
+    return np.asarray(found.reshape(t.shape))
 
 
 def _sampled(pieces: Pieces, setpoint: Cycles, t: Array, derivatives: int) -> Array:
@@ -629,10 +657,7 @@ def _find_leading(
         steps=np.tile([1.0, -1.0, -1.0, 1.0], (len(t), 1)),
     )
     motions, grid = set_in_motion(poles, steps), lay_grid(poles, 12)
-    each = [
-        extremes(motions, grid, signals, parts=np.array([i]), with_deviation=False).peaks
-        for i in range(poles.cycles)
-    ]
+    each = [extremes(motions, grid, signals, parts=np.array([i])) for i in range(poles.cycles)]
     peaks = np.array(each)  # (cycles, n_setpoints, n_corners, n_signals)
     parts = np.unique(peaks.max(axis=2).argmax(axis=0))
     by_corner = peaks.max(axis=0)

@@ -59,58 +59,25 @@ LEAST_SIZE = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopResponse:
-    """What the machine does with a setpoint.
+    """What the machine does with a setpoint."""
 
-    Parameters
-    ----------
-    t
-        Velocity cycles that are looked at: nearly always every one, shape (n_samples,) [s].
-    deviation
-        e, shape (n_samples,) [m].
-    force
-        F_set, shape (n_samples,) [N].
-    states
-        Plant states, shape (n_samples, n).
-    t_end
-        t_e + τ [s].
-    settling_time
-        [s]; inf means "not settled".
-    residual_deviation, peak_deviation
-        [m]; residual inf if the response may leave the band even after the horizon.
-    contour_deviation
-        Largest |e| along the path [m]: its own peak, unless contours are followed more slowly.
-    mode_amplitudes
-        Amplitude of each plant mode at the tool at t_e + τ, about its quasi-static
-        deflection, shape (n_modes,) [m].
-    peaks
-        Largest magnitude of each of ``Plant.signals``.
-    max_force
-        Largest |F_set| that the loop asks for, saturation apart [N].
-    rms_force
-        Motor force over [0, t_e + dwell], static load included in its worse direction [N].
-    saturated
-        Whether it asks for more than the force limit; the motion shown is then the saturated one.
-    tool_noise, force_noise
-        What the steps of the encoder add to the tool's position and to F_set, where that was
-        looked at [m, N]; in none of the values above.
-    """
-
-    t: Array
-    deviation: Array
-    force: Array
-    states: Array
-    t_end: float
-    settling_time: float
-    residual_deviation: float
-    peak_deviation: float
-    contour_deviation: float
+    setpoint: Setpoint
+    t: Array  # velocity cycles looked at: nearly always every one, shape (n_samples,) [s]
+    deviation: Array  # e, shape (n_samples,) [m]
+    force: Array  # F_set, shape (n_samples,) [N]
+    states: Array  # of the plant, shape (n_samples, n)
+    t_end: float  # t_e + τ [s]
+    settling_time: float  # [s]; inf means "not settled"
+    residual_deviation: float  # [m]; inf if it may leave the band even after the horizon
+    peak_deviation: float  # [m]
     mode_amplitudes: Array
-    peaks: Array
-    max_force: float
+    """Of each mode at the tool at t_e + τ, about its quasi-static deflection, (n_modes,) [m]."""
+    peaks: Array  # largest magnitude of each of ``Plant.signals``
+    max_force: float  # largest |F_set| that the loop asks for, saturation apart [N]
     rms_force: float
+    """Motor force over [0, t_e + dwell], static load included in its worse direction [N]."""
     saturated: bool
-    tool_noise: float = 0.0
-    force_noise: float = 0.0
+    """Whether it asks for more than the force limit; the motion shown is then the saturated one."""
 
 
 def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float) -> LoopResponse:
@@ -291,6 +258,7 @@ def _judge(
         static_load=drive.static_load,
     )
     return LoopResponse(
+        setpoint=setpoint,
         t=t,
         deviation=deviation,
         force=outputs[:, 2].copy(),  # a view would keep all outputs
@@ -299,7 +267,6 @@ def _judge(
         settling_time=settling if settles else inf,
         residual_deviation=float(np.max(judged)) if settles else inf,
         peak_deviation=peak,
-        contour_deviation=peak,
         mode_amplitudes=_mode_amplitudes(loop, states[begin]),
         peaks=np.max(np.abs(signals), axis=0),
         max_force=float(np.max(np.abs(outputs[:, 2]))),

@@ -15,31 +15,15 @@ from mtcommission.units.axis_units import AxisUnits
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Key:
-    """One key of a profile.
+    """One key of a profile."""
 
-    Parameters
-    ----------
-    meaning, example
-        For the profile's schema and for remedies.
-    allowed
-        What a quantity may be; None for an identifier, and for an array of tables.
-    name
-        As the profile spells it; "" if as the field.
-    factor
-        Value of the field per value of the key, SI.
-    parts
-        Dataclass of the array's elements; None for a single value.
-    most
-        Largest number of elements.
-    """
-
-    meaning: str
+    meaning: str  # for the profile's schema and for remedies
     example: str = ""
-    allowed: AxisRange | None = None
-    name: str = ""
-    factor: float = 1.0
-    parts: type[Any] | None = None
-    most: int = 0
+    allowed: AxisRange | None = None  # None for an identifier, and for an array of tables
+    name: str = ""  # as the profile spells it; "" if as the field
+    factor: float = 1.0  # value of the field per value of the key, SI
+    parts: type[Any] | None = None  # dataclass of an array's elements
+    most: int = 0  # largest number of elements
 
 
 def keyed(
@@ -62,23 +46,17 @@ def keyed_array(parts: type[Any], meaning: str, *, most: int, key: str = "") -> 
 
 
 def list_keys(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Key]]:
-    """Yield key, field and description of a dataclass, in the profile's order."""
+    """Yield key, field and description of a dataclass's fields that have one, in its order."""
     for one in fields(kind):
-        about: Key = one.metadata["key"]
-        yield about.name or one.name, one, about
+        about: Key | None = one.metadata.get("key")
+        if about is not None:
+            yield about.name or one.name, one, about
 
 
 def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[str, float, str]]:
     """Yield key, value and SI unit of every quantity, elements of arrays by their names.
 
-    Parameters
-    ----------
-    data
-        Dataclass whose fields are described.
-    place
-        Where it stands in the profile, e.g. ``"plant"``.
-    axis
-        What masses, forces and lengths are.
+    ``place``: where the dataclass stands in the profile, e.g. ``"plant"``.
     """
     for key, one, about in list_keys(type(data)):
         value, here = getattr(data, one.name), f"{place}.{key}"

@@ -12,7 +12,9 @@ from math import inf
 
 from mtcommission.machine.control import Control, Today
 from mtcommission.machine.identified import Identification
+from mtcommission.machine.keys import keyed
 from mtcommission.machine.mechanics import Mechanics
+from mtcommission.machine.ranges import BANDS, TIMES, VELOCITIES
 from mtcommission.units.axis_units import (
     LINEAR,
     LINEAR_SOURCE,
@@ -194,46 +196,36 @@ NO_RESERVE = Reserve(band=1.0, force=1.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirements:
-    """What the axis must achieve, in every corner.
+    """What the axis must achieve, in every corner; inf: not asked for.
 
-    Parameters
-    ----------
-    tcp_deviation
-        Half width of the band about the delayed setpoint [m].
-    max_settling_time
-        [s]; inf if none was given.
-    contour_deviation
-        Allowed deviation from the delayed setpoint during the whole move [m]; inf: any.
-    contour_feed
-        Largest velocity at which that must hold [m/s]; inf: at that of each move.
-    reserve
-        Share of band and force that recommendations may use.
-    frequency_spread, damping_spread
-        Relative uncertainty of all eigenfrequencies / damping ratios [-], e.g. 0.05.
-    every_size
-        Whether all but the settling time must hold for every smaller move, too.
-    payload
-        Least and largest payload [kg].
-    payload_radius
-        Radius of gyration of the payload about the rotary joint [m]; 0 leaves the inertia alone.
-    peaks
-        Bounds on states and outputs.
-    modes
-        Bands of the three machining modes.
+    Fields with a key stand in the profile as they are.
     """
 
-    tcp_deviation: float
-    modes: Modes
-    max_settling_time: float = inf
-    contour_deviation: float = inf
-    contour_feed: float = inf
-    reserve: Reserve = NO_RESERVE
-    frequency_spread: float = 0.0
-    damping_spread: float = 0.0
-    every_size: bool = False
-    payload: tuple[float, float] = (0.0, 0.0)
+    tcp_deviation: float = keyed(
+        BANDS, "Half width of the band about the delayed setpoint.", "5 um"
+    )
+    max_settling_time: float = keyed(TIMES, "Longest settling time.", "0.2 s", default=inf)
+    contour_deviation: float = keyed(
+        BANDS,
+        "Allowed deviation from the delayed setpoint during the whole move.",
+        "20 um",
+        default=inf,
+    )
+    contour_feed: float = keyed(
+        VELOCITIES,
+        "Largest velocity at which the contour must be kept; left out: that of each move.",
+        "2 m/min",
+        default=inf,
+    )
+    modes: Modes  # bands of the three machining modes
+    reserve: Reserve = NO_RESERVE  # share of band and force that recommendations may use
+    frequency_spread: float = 0.0  # relative uncertainty of all eigenfrequencies [-]
+    damping_spread: float = 0.0  # likewise of all damping ratios [-]
+    every_size: bool = False  # whether all but the time must hold for every smaller move, too
+    payload: tuple[float, float] = (0.0, 0.0)  # least and largest [kg]
     payload_radius: float = 0.0
-    peaks: tuple[Peak, ...] = ()
+    """Radius of gyration of the payload about the rotary joint [m]; 0 leaves the inertia alone."""
+    peaks: tuple[Peak, ...] = ()  # bounds on states and outputs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -322,6 +314,11 @@ class Machine:
 def moving_mass(machine: Machine) -> float:
     """Return the rigid mass that the drive accelerates [kg]."""
     return machine.mechanics.moving_mass
+
+
+def heaviest_mass(machine: Machine) -> float:
+    """Return the same with the largest payload [kg]."""
+    return moving_mass(machine) + max(machine.requirements.payload)
 
 
 def practical_ceiling(machine: Machine) -> float:

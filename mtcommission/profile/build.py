@@ -8,6 +8,7 @@ from math import inf, isfinite
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.control import Control, StateFeedback, StateGain, TcpSensor, Today
+from mtcommission.machine.keys import list_keys
 from mtcommission.machine.machine import (
     DampingOptimal,
     Drive,
@@ -147,11 +148,8 @@ def _build_requirements(needs: RequirementsTable) -> Requirements:
     )
     low, high = needs.payload or (0.0, 0.0)
     return Requirements(
-        tcp_deviation=needs.tcp_deviation,
+        **{key: _or_infinite(getattr(needs, key)) for key, _, _ in list_keys(Requirements)},
         modes=Modes(surface=surface, accuracy=accuracy, speed=speed),
-        max_settling_time=_or_infinite(needs.max_settling_time),
-        contour_deviation=_or_infinite(needs.contour_deviation),
-        contour_feed=_or_infinite(needs.contour_feed),
         reserve=Reserve(band=needs.reserve.band, force=needs.reserve.force),
         frequency_spread=needs.frequency_spread,
         damping_spread=needs.damping_spread,

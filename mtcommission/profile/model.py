@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.machine.machine import Requirements
 from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import (
     ARMS,
@@ -37,7 +38,7 @@ from mtcommission.profile.filter_tables import (
 )
 from mtcommission.profile.identified_tables import IdentifiedTable
 from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES, AnyKind, PlantTable
-from mtcommission.profile.table import Table, optional, raise_all, required
+from mtcommission.profile.table import Table, keyed_table, optional, raise_all, required
 from mtcommission.profile.values import (
     Faults,
     Name,
@@ -120,22 +121,13 @@ class ReserveTable(Table):
     )
 
 
-class RequirementsTable(Table):
+BOUNDS = keyed_table("BoundsTable", Requirements)
+"""Those keys of [requirements] that the machine takes as they are, each declared there."""
+
+
+class RequirementsTable(BOUNDS):  # type: ignore[misc, valid-type]
     """[requirements]."""
 
-    tcp_deviation: Annotated[float, Read(BANDS)] = required(
-        "Half width of the band about the delayed setpoint.", '"5 um"'
-    )
-    max_settling_time: Annotated[float | None, Read(TIMES)] = optional(
-        "Longest settling time.", '"0.2 s"'
-    )
-    contour_deviation: Annotated[float | None, Read(BANDS)] = optional(
-        "Allowed deviation from the delayed setpoint during the whole move.", '"20 um"'
-    )
-    contour_feed: Annotated[float | None, Read(VELOCITIES)] = optional(
-        "Largest velocity at which the contour must be kept; left out: that of each move.",
-        '"2 m/min"',
-    )
     reserve: ReserveTable = Field(
         default_factory=ReserveTable,
         description="Share of what is allowed that recommendations may use; 1 must be said.",

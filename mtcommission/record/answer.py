@@ -80,7 +80,7 @@ def recommended_fields(machine: Machine, choice: Choice) -> dict[str, Any]:
         bound_by=choice.bound_by,
         valid_for=sizes_entry(machine, every=best.assessment.is_met),
         worst_sizes=[
-            entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
+            entry_of(WorstSizeEntry, check, requirement=check.requirement.key)
             for check in best.sizes
         ],
     )

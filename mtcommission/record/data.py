@@ -144,10 +144,7 @@ def _requirement_rows(machine: Machine, plant: Plant) -> list[Row]:
     needs, mass = machine.requirements, machine.axis_units.mass.si
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     return [
-        ("requirements.tcp_deviation", needs.tcp_deviation, machine.axis_units.length.si),
-        ("requirements.max_settling_time", needs.max_settling_time, "s"),
-        ("requirements.contour_deviation", needs.contour_deviation, machine.axis_units.length.si),
-        ("requirements.contour_feed", needs.contour_feed, machine.axis_units.velocity.si),
+        *list_quantities(needs, "requirements", machine.axis_units),
         ("requirements.reserve.band", needs.reserve.band, "-"),
         ("requirements.reserve.force", needs.reserve.force, "-"),
         ("requirements.frequency_spread", needs.frequency_spread, "-"),

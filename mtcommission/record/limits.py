@@ -114,8 +114,8 @@ def _attainable_entry(item: Attainable) -> AttainableEntry:
         AttainableEntry,
         item,
         item.limits,
-        requirement=item.requirement.value,
-        together_with=[other.value for other in item.together_with],
+        requirement=item.requirement.key,
+        together_with=[other.key for other in item.together_with],
     )
 
 

@@ -16,7 +16,6 @@ from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.requirement import SET_FORCE
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.schema.loop import (
@@ -36,6 +35,7 @@ from mtcommission.record.schema.loop import (
 )
 from mtcommission.record.schema.values import ForceFilterEntry, Series
 from mtcommission.record.shape import entry_of, finite_or_none
+from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loop_study import LoopStudy
 from mtcommission.study.loop_trials import LoopTrial, LoopVariant
 

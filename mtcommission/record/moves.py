@@ -136,9 +136,9 @@ def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
                 Check,
                 check,
                 met=check.is_met,
-                reserve=check.requirement.usable_share(reserve),
+                reserve=check.requirement.share(reserve),
             )
             for check in assessment.checks
         ],
-        obstacle=limiting.value if limiting else "",
+        obstacle=limiting.key if limiting else "",
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
@@ -14,6 +17,7 @@ from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
 from mtcommission.record.schema.what_if import (
     KnownLimitsEntry,
+    LimitEntry,
     NeedsEntry,
     NoisyCornerEntry,
     SampledEntry,
@@ -23,6 +27,9 @@ from mtcommission.record.schema.what_if import (
     WhatIfPart,
 )
 from mtcommission.record.shape import entry_of
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Yields
+from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.today import TodaysValues
 
@@ -39,19 +46,7 @@ def what_if_part(
 ) -> WhatIfPart:
     """Return what a page needs to answer for other limits, moves and machines.
 
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant, its loop in every corner.
-    limits
-        Recommended.
-    today
-        The values now in the control, if stated.
-
-    Returns
-    -------
-    WhatIfPart
-        ``today`` first, where there is such a thing and its loop is stable.
+    The values now in the control first, where they are stated and their loop is stable.
     """
     controller, control = tuned.controller, machine.control
     given = limits.setpoint_filter or control.setpoint_filter
@@ -72,6 +67,15 @@ def what_if_part(
             machine.requirements,
             machine.drive,
             motion_force=machine.drive.motion_force,
+            checks=[
+                LimitEntry(
+                    name=item.key,
+                    unit=item.unit(machine, plant),
+                    limit=item.bound(machine),
+                    of_listed=item.yields is Yields.MINIMISED,
+                )
+                for item in requirements_of(machine)
+            ],
         ),
         limits=known,
         force_filters=[
@@ -103,21 +107,11 @@ def sampled_entry(loop: SampledLoop) -> SampledEntry:
 
 def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
     radius = machine.requirements.payload_radius
-    force = plant.states[plant.force]
-    bounds = {peak.name: peak.bound for peak in machine.requirements.peaks}
     return entry_of(
         VariedPlantEntry,
         plant,
         tcp=plant.row("tcp"),
-        signals=[
-            SignalEntry(
-                name=name,
-                unit=plant.unit(name),
-                bound=bound,
-                row=plant.row(name).tolist(),
-            )
-            for name, bound in [(force, None), *bounds.items()]
-        ],
+        signals=[_motor_force(plant), *_bounded_signals(machine, plant)],
         modes=[
             VariedModeEntry(
                 deflection=mode.deflection,
@@ -127,6 +121,23 @@ def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
             for mode in plant.modes
         ],
     )
+
+
+def _motor_force(plant: Plant) -> SignalEntry:
+    name = plant.states[plant.force]
+    row = plant.row(name).tolist()
+    return SignalEntry(name=name, unit=plant.unit(name), row=row, less=None, is_after=False)
+
+
+def _bounded_signals(machine: Machine, plant: Plant) -> Iterator[SignalEntry]:
+    for requirement, swing in bounded_states(machine, plant):
+        yield SignalEntry(
+            name=requirement.key,
+            unit=requirement.unit(machine, plant),
+            row=swing.signal.row[OUTPUTS:].tolist(),
+            less=swing.signal.less,
+            is_after=swing.is_after,
+        )
 
 
 def _payload_share(machine: Machine, mode: str, radius: float) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.record import Record
@@ -144,10 +143,11 @@ def _sizes(record: Record, words: Catalogue) -> str:
     if any(item.smallest > 0.0 for item in sizes):
         return text("sizes-listed", moves=own)
     said = [text("sizes-every", moves=own)]
+    units = {check.name: check.unit for check in record.assessment.checks}
     for worst in limits.recommended.worst_sizes:
-        if worst.requirement == RESIDUAL_DEVIATION.value:
-            at = shown(moves[worst.move - 1], worst.size)
-            found, bound = f.axis(worst.value, "m"), f.axis(worst.bound, "m")
+        if worst.bound is not None:  # else only some sizes were looked at
+            at, unit = shown(moves[worst.move - 1], worst.size), units[worst.requirement]
+            found, bound = f.quantity(worst.value, unit), f.quantity(worst.bound, unit)
             said.append(text("sizes-worst", residual=found, size=at, bound=bound))
     alone, together = limits.listed_only, limits.recommended.settling_time
     if alone and alone.settling_time and together and together > alone.settling_time:

@@ -173,10 +173,12 @@ const engine = (() => {
     loop.by_state.forEach((row, i) => { power[loop.held + i] = Float64Array.from(row); });
     const A = new Float64Array(n * n);
     power.forEach((row, i) => A.set(row, i * n));
-    return {A, signals, n, count, loop, place};
+    return {A, signals, n, count, loop, place, rows: plant.signals};
   }
 
-  // What the setpoint hands down each position cycle, and the delayed position at each velocity
+  const DELAYED = 2;  // derivatives of the delayed setpoint that signals may be less: position, velocity
+
+  // What the setpoint hands down each position cycle, and the delayed setpoint at each velocity
   // cycle: the same in every corner, and computed as far as it is asked for.
   function driveBy(loop, setpoint) {
     const width = loop.by_setpoint[0].length, kept = width / 4 - 1, held = loop.by_setpoint.length;
@@ -194,7 +196,7 @@ const engine = (() => {
             for (let back = 0; back <= kept; back++) for (let d = 0; d < 4; d++) sum += rows[h][4 * back + d] * r[4 * (k + kept - back) + d];
             handed[k * held + h] = sum;
           }
-          delayed = sampleSetpoint(setpoint, -loop.reference_delay, loop.velocity_cycle, count * loop.cycles, 1);
+          delayed = sampleSetpoint(setpoint, -loop.reference_delay, loop.velocity_cycle, count * loop.cycles, DELAYED);
         }
         return {handed, delayed, held};
       },
@@ -204,7 +206,7 @@ const engine = (() => {
   // ---- one move on one machine ----
 
   function respond(lifted, drive, needs, options = {}) {
-    const {A, signals, n, count, loop} = lifted, N = loop.cycles, T_v = loop.velocity_cycle, T = N * T_v, band = needs.tcp_deviation;
+    const {A, signals, n, count, loop, rows} = lifted, N = loop.cycles, T_v = loop.velocity_cycle, T = N * T_v, band = needs.tcp_deviation;
     const {until, setpoint} = drive, first = Math.ceil(until / T) + 1, dwell = setpoint.move.dwell ?? 0;
     const window = setpoint.duration + dwell, last = first + Math.ceil(HORIZON / T);
     const block = Math.max(Math.ceil(options.swing / T), 4), follow = options.peakOnly ? first : Infinity;
@@ -219,7 +221,7 @@ const engine = (() => {
           const at = k * N + i, from = i * count * n;
           let tool = 0, force = 0;
           for (let c = 0; c < n; c++) { tool += signals[from + c] * X[c]; force += signals[from + n + c] * X[c]; }
-          const deviation = tool - delayed[at], size = Math.abs(deviation);
+          const deviation = tool - delayed[at * DELAYED], size = Math.abs(deviation);
           e[at] = deviation;
           if (size > peak) peak = size;
           if (Math.abs(force) > maxForce) maxForce = Math.abs(force);
@@ -229,9 +231,10 @@ const engine = (() => {
             if (size > band) outside = at;
           }
           for (let s = 2; s < count; s++) {
-            let value = 0;
+            const {less, is_after} = rows[s - 2];
+            let value = less === null ? 0 : -delayed[at * DELAYED + less];
             for (let c = 0, row = from + s * n; c < n; c++) value += signals[row + c] * X[c];
-            if (Math.abs(value) > peaks[s - 2]) peaks[s - 2] = Math.abs(value);
+            if ((at >= begin || !is_after) && Math.abs(value) > peaks[s - 2]) peaks[s - 2] = Math.abs(value);
             if (s === 2) {
               const share = T_v * Math.min(Math.max((window - at * T_v) / T_v + 0.5, 0), 1);
               sum += share * value;
@@ -282,7 +285,7 @@ const engine = (() => {
     };
   }
 
-  const at = (drive, loop, sample) => drive.reach(Math.ceil((sample + 1) / loop.cycles)).delayed[sample];
+  const at = (drive, loop, sample) => drive.reach(Math.ceil((sample + 1) / loop.cycles)).delayed[sample * DELAYED];
 
   // ---- limits in all corners, judged ----
 
@@ -295,7 +298,7 @@ const engine = (() => {
   function evaluate(model, lifted, move, limits) {
     const {requirements: needs} = model, {loop} = lifted[0], swing = longestSwing(model.plant);
     const T = loop.cycles * loop.velocity_cycle, setpoint = planSetpoint(move, limits, T), drive = driveBy(loop, setpoint);
-    const slower = needs.contour_deviation === null ? move : slowToFeed(move, needs.contour_feed);
+    const slower = slowToFeed(move, needs.contour_feed);
     const differs = sizeOf(slower) !== sizeOf(move) || slower.max_velocity !== move.max_velocity;
     const path = differs ? driveBy(loop, planSetpoint(slower, limits, T)) : null;
     const responses = lifted.map(one => {
@@ -307,19 +310,25 @@ const engine = (() => {
     return {setpoint, responses, ...judge(model, responses)};
   }
 
+  // What a check of this name bounds; that of any other is the signal of the same name.
+  const VALUES = {
+    "residual deviation": (one, noise) => one.residual + noise.tool,
+    "settling time": one => one.settling,
+    "contour deviation": (one, noise) => one.contour + noise.tool,
+    "set force": (one, noise) => one.maxForce + noise.force,
+    "RMS force": (one, noise) => Math.hypot(one.rms, noise.force / SIGMAS),
+  };
+
   function judge(model, responses) {
     const {requirements: needs, plant} = model;
     const noise = model.corners.reduce((most, corner) => ({tool: Math.max(most.tool, corner.tool_noise), force: Math.max(most.force, corner.force_noise)}), {tool: 0, force: 0});
     const worst = value => Math.max(...responses.map(value));
     const of = found => ({tool: found.place.tool_noise ?? noise.tool, force: found.place.force_noise ?? noise.force});
-    const checks = [];
-    const check = (name, value, limit) => { if (limit !== null) checks.push({name, value, limit, met: value <= limit}); };
-    check("residual", worst(one => one.residual + of(one).tool), needs.tcp_deviation);
-    check("settling", worst(one => one.settling), needs.max_settling_time);
-    check("contour", worst(one => one.contour + of(one).tool), needs.contour_deviation);
-    plant.signals.slice(1).forEach((signal, i) => check(signal.name, worst(one => one.peaks[i + 1]), signal.bound));
-    check("force", worst(one => one.maxForce + of(one).force), needs.motion_force);
-    check("rms", worst(one => Math.hypot(one.rms, of(one).force / SIGMAS)), needs.continuous_force);
+    const checks = needs.checks.map(({name, limit, of_listed}) => {
+      const signal = plant.signals.findIndex(one => one.name === name);
+      const value = worst(one => VALUES[name]?.(one, of(one)) ?? one.peaks[signal]);
+      return {name, value, limit, of_listed, met: value <= limit};
+    });
     const saturated = responses.some(one => one.saturated);
     return {
       checks, saturated,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from mtcommission.machine.requirement import read_requirement
 from mtcommission.machine.shapers import name_shaper
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.record.schema.limits import Alternative, AttainableEntry, RuleResult
 from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.requirements.register import read_requirement
 
 ROUNDED = 1.001
 """A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""

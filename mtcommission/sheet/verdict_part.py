@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import inf
 
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, RMS_FORCE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import parts_of
 from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
 from mtcommission.record.schema.moves import Check
 from mtcommission.record.schema.optima import BandEntry, RobustEntry
 from mtcommission.record.schema.record import Record
+from mtcommission.requirements.register import REGISTER
+from mtcommission.requirements.requirement import Requirement
 from mtcommission.sheet.basis_part import is_assumed
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Table, Tone
 from mtcommission.sheet.values import filter_rows, residual, say_limiting, say_requirement, settling
@@ -51,23 +52,18 @@ def headline(record: Record, words: Catalogue) -> Headline:
     )
 
 
-DECIDES = (
-    (RMS_FORCE, "moves[", "dwell"),
-    (RESIDUAL_DEVIATION, "requirements.frequency_spread", "spread"),
-)
-"""What binds by a value that may be assumed: the beginning of its key, and the change of it."""
-
-
 def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
     """Return which assumed values bind, and what others would give, as sentences."""
     found, binding = list[str](), parts_of(record.limits.recommended.bound_by)
-    for requirement, key, name in DECIDES:
-        keys = [item.key for item in record.data if item.key.startswith(key)]
-        keys = [one for one in keys if one.endswith(name) and is_assumed(record, one)]
-        if requirement.message not in binding or not keys:
+    for requirement in REGISTER:
+        if not isinstance(requirement, Requirement) or requirement.message not in binding:
             continue
-        named = words.text("assumed-binds", keys=", ".join(keys))
-        found.append(f"{named}{_with_another(record, name, words)}")
+        begin, name = requirement.rests_on
+        keys = [item.key for item in record.data if begin and item.key.startswith(begin)]
+        keys = [one for one in keys if one.endswith(name) and is_assumed(record, one)]
+        if keys:
+            named = words.text("assumed-binds", keys=", ".join(keys))
+            found.append(f"{named}{_with_another(record, name, words)}")
     return found
 
 

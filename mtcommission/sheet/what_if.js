@@ -4,7 +4,7 @@
 const whatIf = (() => {
   const host = document.getElementById("what-if");
   if (!host) return null;
-  const {model, words, fields, units, filters, known, profile, has_jerk} = JSON.parse(document.getElementById("what-if-data").textContent);
+  const {model, words, fields, units, checks, filters, known, profile, has_jerk} = JSON.parse(document.getElementById("what-if-data").textContent);
   const id = key => document.getElementById(`wi-${key}`);
   const FRAME = 12;        // of computing in a frame that lasts 33 ms [ms]
   const REST = 180;        // after the last change all corners and sizes are looked at [ms]
@@ -181,18 +181,12 @@ const whatIf = (() => {
     id("basis").textContent = say(tried.count < tried.of ? "worst_so_far" : "all_corners", {count: tried.count, all: tried.of});
   }
 
-  const REQUIREMENTS = {residual: "deviation", settling: "time", contour: "deviation", force: "force", rms: "force"};
-  const signalUnit = Object.fromEntries(model.plant.signals.map(signal => [signal.name, signal.unit]));
-
-  function sayCheck({name, value, limit}) {
-    const unit = REQUIREMENTS[name];
-    const told = one => unit ? withUnit(one, unit) : `${show(one)} ${signalUnit[name]}`;
-    return say("missed_check", {name: unit ? words[`check_${name}`] : name, value: told(value), limit: told(limit)});
-  }
+  const sayCheck = ({name, value, limit}) =>
+    say("missed_check", {name: checks[name], value: withUnit(value, name), limit: withUnit(limit, name)});
 
   function sayVerdict() {
     const {tried} = state, line = id("verdict");
-    const missed = tried.checks.filter(one => !one.met && !(tried.saturated && one.name !== "force"));
+    const missed = tried.checks.filter(one => !one.met);
     const text = tried.saturated ? words.saturated : tried.met ? say("all_met", {count: tried.of}) : missed.map(sayCheck).join("; ");
     line.textContent = `${tried.met ? "✓" : "✗"} ${text}`;
     line.className = `verdict ${tried.met ? "good" : "bad"}`;
@@ -281,7 +275,7 @@ const whatIf = (() => {
   }
 
   // A smaller move need not settle within the time that is asked of the listed ones.
-  const keeps = row => !row.saturated && row.checks.every(one => one.met || one.name === "settling");
+  const keeps = row => !row.saturated && row.checks.every(one => one.met || one.of_listed);
 
   function saySizes() {
     const every = model.requirements.every_size;

@@ -17,7 +17,7 @@ from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.schema.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain
 from mtcommission.sheet.panel import Field, Panel
-from mtcommission.sheet.values import say_filter
+from mtcommission.sheet.values import say_filter, say_requirement
 
 SMALLEST_SHARE = 50.0
 """Of the largest acceleration, at which its slider begins."""
@@ -35,9 +35,8 @@ NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
 """Width of a notch [-] and its depth [dB]."""
 
 WORDS = (
-    "acceleration", "all-corners", "all-met", "check-contour", "check-force", "check-residual",
-    "check-rms", "check-settling", "damping", "deviation", "frequencies", "frequency-hz", "in-unit",
-    "jerk-time", "landscape-none", "landscape-range", "met", "missed", "missed-check",
+    "acceleration", "all-corners", "all-met", "damping", "deviation", "frequencies", "frequency-hz",
+    "in-unit", "jerk-time", "landscape-none", "landscape-range", "met", "missed", "missed-check",
     "move-number", "moving-average", "no-filter", "no-notch", "nominal", "none", "open-loop-db",
     "open-loop-deg", "out-of-range", "ramp", "residual", "saturated", "saturated-short", "size",
     "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unsettled",
@@ -65,14 +64,7 @@ TEXTS = (
 def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     """Return the part of a page that answers for other limits, moves and machines.
 
-    Parameters
-    ----------
-    part
-        Of a record.
-    words
-        Of its language and axis.
-    profile
-        Name of the profile's file, for the command line.
+    ``profile``: name of the profile's file, for the command line.
     """
     filters = _filters(part, words)
     names = {"today": words.text("what-if-today"), "recommended": words.text("what-if-recommended")}
@@ -101,6 +93,9 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             "words": {key.replace("-", "_"): _template(key, words) for key in WORDS},
             "fields": [asdict(item) for item in _fields(part, words, units)],
             "units": units,
+            "checks": {
+                item.name: say_requirement(item.name, words) for item in part.requirements.checks
+            },
             "filters": {key: item["entry"] for key, item in filters.items()},
             "known": known,
             "profile": shlex.quote(profile),
@@ -183,6 +178,13 @@ def _units(part: WhatIfPart, words: Catalogue) -> dict[str, dict[str, Any]]:
         "velocity": f.scale(max(velocities), _axis("m/s", words)),
         "payload": f.scale(1.0, "kg m^2" if words.rotary else "kg"),
     }
+    known = {
+        _axis("m", words): scales["deviation"],
+        "s": scales["time"],
+        part.plant.signals[0].unit: scales["force"],
+    }
+    for item in part.requirements.checks:
+        scales[item.name] = known.get(item.unit) or f.scale(item.limit, item.unit)
     return {key: {"size": scale.size, "unit": scale.unit} for key, scale in scales.items()}
 
 

@@ -9,22 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, sqrt
+from math import inf, sqrt
 from typing import TypeVar
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
-from mtcommission.machine.requirement import (
-    CONTOUR_DEVIATION,
-    RESIDUAL_DEVIATION,
-    RMS_FORCE,
-    SETTLING_TIME,
-    Kind,
-    Requirement,
-    peak_of,
-)
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement, Yields
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
@@ -53,32 +47,10 @@ class Attainable:
     together_with: tuple[Requirement, ...] = ()  # must give way, too; empty: it helps alone
 
 
-def relax(machine: Machine, requirement: Requirement, bound: float) -> Machine:
-    """Return the machine with another bound for one requirement; the drive's own force stays."""
-    needs = machine.requirements
-    match requirement.kind:
-        case Kind.RMS_FORCE:
-            return replace(machine, drive=replace(machine.drive, continuous_force=bound))
-        case Kind.RESIDUAL_DEVIATION:
-            needs = replace(needs, tcp_deviation=bound)
-        case Kind.SETTLING_TIME:
-            needs = replace(needs, max_settling_time=bound)
-        case Kind.CONTOUR_DEVIATION:
-            needs = replace(needs, contour_deviation=bound)
-        case Kind.PEAK:
-            peaks = tuple(
-                replace(peak, bound=bound) if peak_of(peak.name) == requirement else peak
-                for peak in needs.peaks
-            )
-            needs = replace(needs, peaks=peaks)
-    return replace(machine, requirements=needs)
-
-
 def _relaxable(machine: Machine) -> list[Requirement]:
     """What may give way beside the band: all that is asked for but the drive's own limit."""
-    peaks = (peak_of(peak.name) for peak in machine.requirements.peaks)
-    every = (SETTLING_TIME, CONTOUR_DEVIATION, *peaks, RMS_FORCE)
-    return [item for item in every if isfinite(item.bound(machine))]
+    asked = requirements_of(machine)
+    return [r for r in asked if r != RESIDUAL_DEVIATION and r.yields is not Yields.NEVER]
 
 
 def find_attainable(
@@ -110,12 +82,12 @@ def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Att
     band = RESIDUAL_DEVIATION.bound(machine)
 
     def search(factor: float) -> Attainable | None:
-        candidate = _choose(relax(machine, RESIDUAL_DEVIATION, factor * band), plant, tuned)
+        candidate = _choose(RESIDUAL_DEVIATION.with_bound(machine, factor * band), plant, tuned)
         if candidate is None:
             return None
         found = _attained(candidate, RESIDUAL_DEVIATION, limit=band)
         # In a narrower band the same motion settles later: perhaps too late.
-        narrow = relax(machine, RESIDUAL_DEVIATION, EASED * found.value)
+        narrow = RESIDUAL_DEVIATION.with_bound(machine, EASED * found.value)
         is_met = evaluate(narrow, plant, tuned, found.limits).assessment.is_met
         return found if is_met else replace(found, value=factor * band)
 
@@ -146,7 +118,7 @@ def _relax_alone(
     """The least value found for one requirement; None if dropping it does not help."""
 
     def search(bound: float) -> Attainable | None:
-        eased = relax(machine, requirement, bound)
+        eased = requirement.with_bound(machine, bound)
         chosen = choose_limits(eased, plant, tuned).limits
         attained = [
             _attained(evaluate(machine, plant, tuned, limits), requirement)
@@ -156,8 +128,7 @@ def _relax_alone(
         return min(attained, key=lambda item: item.value, default=None)
 
     best = search(inf)
-    # The search itself finds the least settling time; of all else it takes what it may.
-    if best is None or requirement == SETTLING_TIME:
+    if best is None or requirement.yields is Yields.MINIMISED:
         return best
     low = requirement.bound(machine)
     for _ in range(HALVINGS):
@@ -176,7 +147,7 @@ def _relax_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[A
     def search(wanted: Sequence[Requirement], factor: float) -> Candidate | None:
         eased = machine
         for item in wanted:
-            eased = relax(eased, item, factor * item.bound(machine))
+            eased = item.with_bound(eased, factor * item.bound(machine))
         return _choose(eased, plant, tuned)
 
     wanted = (RESIDUAL_DEVIATION, *_relaxable(machine))

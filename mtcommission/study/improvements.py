@@ -20,8 +20,8 @@ from mtcommission.loop.tuning.force_filters import find_filters
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import RMS_FORCE
 from mtcommission.messages.message import Message, parts_of
+from mtcommission.requirements.rms_force import RMS_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.comparison import ROBUST, MoveComparison
 from mtcommission.study.loop_choice import WITH, with_filters

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import Requirement
 from mtcommission.machine.variations import Variations, as_variations, corners, draw_variations
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.varied import VariedResponse, respond_varied

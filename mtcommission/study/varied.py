@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,29 +19,20 @@ from mtcommission.loop.respond import (
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import (
-    CONTOUR_DEVIATION,
-    RESIDUAL_DEVIATION,
-    RMS_FORCE,
-    SET_FORCE,
-    SETTLING_TIME,
-    Requirement,
-    peak_of,
-    slow_to_feed,
-)
 from mtcommission.machine.variations import Variations, vary
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import knots_of, plan_within
-from mtcommission.verdict.every_size import rms_forces
 
 Array = NDArray[np.float64]
 
 TOGETHER = 64
 """Machines whose loops are looked at at once: keeps their tables in the cache."""
 
-SAMPLES, RMS_CYCLES = 24, 400
-"""Samples of free motion to a period, and position cycles summed for an RMS force."""
+SAMPLES, MEAN_CYCLES = 24, 400
+"""Samples of free motion to a period, and position cycles summed for a mean."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,29 +41,22 @@ class VariedResponse:
 
     settling_time: Array  # slowest move, shape (n_samples,) [s]; inf: not within the horizon
     residual_deviation: Array  # worst move, shape (n_samples,) [m]
-    shares: Array  # of every bound, worst move, shape (n_samples, n_bounds) [-]
-    bounds: tuple[Requirement, ...]  # what these are of: set force, peaks, contour, RMS force
+    values: Array  # of each requirement, worst move, shape (n_samples, n_requirements) [own units]
+    requirements: tuple[Requirement, ...]
 
-    @property
-    def usage(self) -> Array:
-        """Largest share of any bound, shape (n_samples,) [-]."""
-        return np.asarray(self.shares.max(axis=1))
+    def shares(self, machine: Machine) -> Array:
+        """Return the shares of each bound, shape (n_samples, n_requirements) [-]."""
+        return np.asarray(self.values / [item.bound(machine) for item in self.requirements])
 
     def meets(self, machine: Machine) -> NDArray[np.bool_]:
         """Return which samples keep all requirements, shape (n_samples,)."""
-        needs = machine.requirements
-        kept = (self.residual_deviation <= needs.tcp_deviation) & (self.usage <= 1.0)
-        return np.asarray(kept & (self.settling_time <= needs.max_settling_time))
+        return np.asarray((self.shares(machine) <= 1.0).all(axis=1))
 
     def missed(self, machine: Machine, samples: slice) -> tuple[Requirement, ...]:
         """Return the requirements that any of some samples misses."""
-        needs = machine.requirements
-        found = [
-            (RESIDUAL_DEVIATION, self.residual_deviation > needs.tcp_deviation),
-            (SETTLING_TIME, self.settling_time > needs.max_settling_time),
-            *zip(self.bounds, (self.shares > 1.0).T, strict=True),
-        ]
-        return tuple(name for name, is_missed in found if is_missed[samples].any())
+        is_missed = self.shares(machine)[samples] > 1.0
+        each = zip(self.requirements, is_missed.T, strict=True)
+        return tuple(requirement for requirement, own in each if own.any())
 
 
 def respond_varied(
@@ -85,48 +68,40 @@ def respond_varied(
     variations: Variations,
 ) -> VariedResponse:
     """Return what limits do to the listed moves on varied machines under the same controller."""
-    count, needs, drive = len(variations.payload), machine.requirements, machine.drive
-    bench = build_bench(machine, plant, tuned)
-    names = [SET_FORCE, *(peak_of(peak.name) for peak in needs.peaks)]
-    names += [CONTOUR_DEVIATION] * isfinite(needs.contour_deviation)
-    names += [RMS_FORCE] * isfinite(drive.continuous_force)
-    settling, residual = np.zeros(count), np.zeros(count)
-    shares = np.zeros((count, len(names)))
-    plan, noise = plan_within(machine, limits), needs.tcp_deviation - bench.band
+    count, requirements = len(variations.payload), requirements_of(machine)
+    bench, plan = build_bench(machine, plant, tuned), plan_within(machine, limits)
+    asked, settling, residual = bench.asked, np.zeros(count), np.zeros(count)
+    worst = {item: np.zeros(count) for item in requirements}
     for start in range(0, count, TOGETHER):
         part = slice(start, min(start + TOGETHER, count))
         poles = find_varied_poles(machine, plant, tuned, variations, part)
-        for move in machine.moves:
-            setpoint = plan(move)
-            own = knots_of(setpoint)
-            motions, grid = set_in_motion(poles, own), lay_grid(poles, SAMPLES)
+        grid = lay_grid(poles, SAMPLES)
+        for place, move in enumerate(machine.moves):
+            own = knots_of(plan(move))
+            motions = set_in_motion(poles, own)
             free = free_motion(motions, grid)
-            settling[part] = np.maximum(settling[part], free.settling(bench.band)[0])
-            residual[part] = np.maximum(residual[part], free.residual[0] + noise)
-            parts = bench.leading[1]
-            peaks = extremes(motions, grid, bench.signals, parts=parts, with_deviation=False).peaks
-            columns = list((peaks[0] / bench.bounds).T)
-            if isfinite(needs.contour_deviation):
-                slower = plan(slow_to_feed(move, needs.contour_feed))
-                deviation = extremes(
-                    set_in_motion(poles, knots_of(slower)),
-                    grid,
-                    bench.signals[:0],
-                    parts=parts,
-                    with_deviation=True,
-                ).deviation
-                columns.append(deviation[0] / bench.contour)
-            if isfinite(drive.continuous_force):
-                force = rms_forces(
-                    poles, own, move.dwell, static_load=drive.static_load, most=RMS_CYCLES
-                )
-                columns.append(force / drive.continuous_force)
-            shares[part] = np.maximum(shares[part], np.array(columns).T)
+            time, left = free.settling(bench.band)[0], free.residual[0]
+            settling[part] = np.maximum(settling[part], time)
+            residual[part] = np.maximum(residual[part], left)
+            found = dict.fromkeys(asked.settling, time)
+            for requirement, signal in asked.after:
+                left = free_motion(motions, grid, signal=signal).residual[0]
+                found[requirement] = requirement.with_noise(left, bench.noise)
+            for swings in asked.during:
+                _, parts = bench.where_to_look(swings)
+                judged = set_in_motion(poles, knots_of(plan(swings.moves[place])))
+                peaks = extremes(judged, grid, swings.rows, parts=parts, less=swings.less)[0]
+                for requirement, column in zip(swings.requirements, peaks.T, strict=True):
+                    found[requirement] = requirement.with_noise(column, bench.noise)
+            for requirement, mean in asked.means:
+                found[requirement] = mean.exact(machine, poles, move, own, MEAN_CYCLES)
+            for requirement, values in found.items():
+                worst[requirement][part] = np.maximum(worst[requirement][part], values)
     return VariedResponse(
         settling_time=settling,
-        residual_deviation=residual,
-        shares=shares,
-        bounds=tuple(names),
+        residual_deviation=residual + bench.noise.tool,
+        values=np.column_stack([worst[item] for item in requirements]),
+        requirements=requirements,
     )
 
 

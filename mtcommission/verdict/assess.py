@@ -1,27 +1,22 @@
-"""LoopResponse + requirements -> Assessment: a failed one is a result, not an error."""
+"""Values of moves in all corners -> Assessment: a failed requirement is a result, not an error."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, isfinite
 
-from mtcommission.loop.analysis.quantisation import SIGMAS
-from mtcommission.loop.simulate import LoopResponse
+import numpy as np
+from numpy.typing import NDArray
+
 from mtcommission.machine.machine import Machine, Reserve, VelocityStep
-from mtcommission.machine.requirement import (
-    CONTOUR_DEVIATION,
-    RESIDUAL_DEVIATION,
-    RMS_FORCE,
-    SET_FORCE,
-    SETTLING_TIME,
-    Requirement,
-    peak_of,
-)
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement
 from mtcommission.verdict.every_size import SizeCheck
+
+Array = NDArray[np.float64]
 
 LAST_DIGIT = 1e-9
 """An acceleration of just what the motor follows comes back with rounding errors [-]."""
@@ -32,46 +27,24 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One requirement against the worst that was found.
-
-    Parameters
-    ----------
-    requirement
-        What is required.
-    value
-        Worst over all moves and corners; inf if the response never settles.
-    limit
-        Largest allowed value.
-    unit
-        SI unit of both.
-    is_met
-        Whether value <= limit.
-    where
-        Move and corner of the worst value.
-    """
+    """One requirement against the worst that was found."""
 
     requirement: Requirement
-    value: float
-    limit: float
-    unit: str
+    value: float  # worst over all moves and corners [unit]; inf if the response never settles
+    limit: float  # largest allowed value [unit]
+    unit: str  # SI
     is_met: bool
-    where: Message
+    where: Message  # move and corner of the worst value
 
     @property
     def name(self) -> str:
         """Name of the requirement in records."""
-        return self.requirement.value
+        return self.requirement.key
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assessment:
-    """The verdict over all moves and corners.
-
-    Parameters
-    ----------
-    checks
-        One for each requirement.
-    """
+    """The verdict over all moves and corners: one check for each requirement."""
 
     checks: tuple[Check, ...]
 
@@ -90,7 +63,7 @@ class Assessment:
     def keeps(self, reserve: Reserve) -> bool:
         """Return whether no requirement needs more than a reserve leaves."""
         return all(
-            check.value <= (1.0 + ROUNDING) * check.requirement.usable_share(reserve) * check.limit
+            check.value <= (1.0 + ROUNDING) * check.requirement.share(reserve) * check.limit
             for check in self.checks
         )
 
@@ -103,69 +76,36 @@ def assess(
     machine: Machine,
     plant: Plant,
     corners: Sequence[Corner],
-    responses: Sequence[Sequence[LoopResponse]],
+    values: Sequence[Array],
     *,
     sizes: Sequence[SizeCheck] = (),
 ) -> Assessment:
-    """Return the verdict on the responses of all moves in all corners, encoder noise included.
+    """Return the verdict on all moves in all corners, encoder noise included.
 
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine, whose requirements count, and its plant.
-    corners
-        Where the responses were taken.
-    responses
-        ``responses[move][corner]``.
-    sizes
-        The worst of all smaller moves, where they count.
-
-    Returns
-    -------
-    Assessment
+    ``values``: of each move, shape (n_requirements, n_corners), as ``requirements_of`` the machine
+    lists them; ``sizes``: the worst of all smaller moves, where they count.
     """
-    needs, drive = machine.requirements, machine.drive
-    length, force = machine.axis_units.length.si, machine.axis_units.force.si
-    found = [
-        (response, describe_place(number, corner, len(machine.moves)))
-        for number, row in enumerate(responses, start=1)
-        for corner, response in zip(corners, row, strict=True)
-    ]
-
-    def worst(requirement: Requirement, limit: float, unit: str, values: Sequence[float]) -> Check:
-        value, where = max(
-            ((value, where) for value, (_, where) in zip(values, found, strict=True)),
-            key=lambda pair: pair[0],
+    smaller = {item.requirement: item for item in sizes}
+    checks = []
+    for requirement, found in zip(
+        requirements_of(machine), np.swapaxes(np.array(values), 0, 1), strict=True
+    ):
+        move, corner = divmod(int(found.argmax()), len(corners))
+        value, limit = float(found[move, corner]), requirement.bound(machine)
+        where = describe_place(move + 1, corners[corner], len(machine.moves))
+        item = smaller.get(requirement)
+        if item is not None and item.value > value:
+            value, where = item.value, _describe_size(machine, item)
+        checks.append(
+            Check(
+                requirement=requirement,
+                value=value,
+                limit=limit,
+                unit=requirement.unit(machine, plant),
+                is_met=value <= (1.0 + LAST_DIGIT) * limit,
+                where=where,
+            )
         )
-        smaller = next((item for item in sizes if item.requirement == requirement), None)
-        if smaller is not None and smaller.value > value:
-            value, where = smaller.value, _describe_size(machine, smaller)
-        return Check(
-            requirement=requirement,
-            value=value,
-            limit=limit,
-            unit=unit,
-            is_met=value <= (1.0 + LAST_DIGIT) * limit,
-            where=where,
-        )
-
-    residuals = [response.residual_deviation + response.tool_noise for response, _ in found]
-    checks = [worst(RESIDUAL_DEVIATION, needs.tcp_deviation, length, residuals)]
-    if isfinite(needs.max_settling_time):
-        settling = [response.settling_time for response, _ in found]
-        checks.append(worst(SETTLING_TIME, needs.max_settling_time, "s", settling))
-    if isfinite(needs.contour_deviation):
-        contours = [response.contour_deviation + response.tool_noise for response, _ in found]
-        checks.append(worst(CONTOUR_DEVIATION, needs.contour_deviation, length, contours))
-    for peak in needs.peaks:
-        column = plant.signals.index(peak.name)
-        values = [float(response.peaks[column]) for response, _ in found]
-        checks.append(worst(peak_of(peak.name), peak.bound, plant.signal_units[column], values))
-    forces = [response.max_force + response.force_noise for response, _ in found]
-    checks.append(worst(SET_FORCE, drive.motion_force, force, forces))
-    if isfinite(drive.continuous_force):
-        rms = [hypot(r.rms_force, r.force_noise / SIGMAS) for r, _ in found]
-        checks.append(worst(RMS_FORCE, drive.continuous_force, force, rms))
     return Assessment(checks=tuple(checks))
 
 

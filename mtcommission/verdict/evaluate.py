@@ -4,127 +4,82 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from math import isfinite
 
-from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import slow_to_feed
+from mtcommission.machine.machine import Machine, Move
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+from mtcommission.requirements.register import requirements_of
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_within
 from mtcommission.verdict.assess import Assessment, assess
 from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
+Array = NDArray[np.float64]
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MoveResult:
-    """One move with some limits, in every corner.
+    """One move with some limits, in every corner, the nominal machine first."""
 
-    Parameters
-    ----------
-    setpoint
-        What the control sends.
-    responses
-        One for each corner, the nominal machine first.
-    """
-
-    setpoint: Setpoint
-    responses: tuple[LoopResponse, ...]
+    setpoint: Setpoint  # what the control sends
+    responses: tuple[LoopResponse, ...]  # the plant's states of the first one only
+    values: Array  # of each requirement, noise included, shape (n_requirements, n_corners)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
-    """Limits through the same loop, corners and judgement as the recommendation.
-
-    Parameters
-    ----------
-    limits
-        Acceleration and jerk.
-    settling_time, residual_deviation, peak_deviation
-        Worst over moves and corners [s, m, m].
-    assessment
-        Verdict on every requirement.
-    sizes
-        The worst of all smaller moves for each requirement, where they count; else empty.
-    name, source
-        What they are and who says so, where they are shown beside others.
-    """
+    """Limits through the same loop, corners and judgement as the recommendation."""
 
     limits: MotionLimits
-    settling_time: float
-    residual_deviation: float
-    peak_deviation: float
+    settling_time: float  # worst over moves and corners [s]
+    residual_deviation: float  # likewise [m]
+    peak_deviation: float  # likewise [m]
     assessment: Assessment
-    sizes: tuple[SizeCheck, ...] = ()
-    name: Message | None = None
+    sizes: tuple[SizeCheck, ...] = ()  # worst of all smaller moves, where they count; else empty
+    name: Message | None = None  # what they are and who says so, where shown beside others
     source: Message | None = None
 
 
 def simulate_moves(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits
 ) -> tuple[MoveResult, ...]:
-    """Return every move with these limits, simulated in every corner.
-
-    Parameters
-    ----------
-    machine
-        Nominal; its band and drive count.
-    tuned
-        The loop in every corner.
-    limits
-        Acceleration and jerk.
-
-    Returns
-    -------
-    tuple of MoveResult
-    """
+    """Return every move with these limits, simulated in every corner."""
     return simulate_planned(machine, tuned, plan_within(machine, limits))
 
 
 def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[MoveResult, ...]:
-    """Return every move, simulated in every corner.
+    """Return every move, simulated in every corner; ``plan``: its setpoint, filters included."""
+    resolution, plant = machine.drive.encoder_resolution, tuned.loops[0].plant
+    noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
 
-    Parameters
-    ----------
-    machine
-        Nominal; its moves, requirements and drive count.
-    tuned
-        The loop in every corner.
-    plan
-        Setpoint of a move, filters included.
+    def run(setpoint: Setpoint) -> list[LoopResponse]:
+        band = machine.requirements.tcp_deviation
+        return simulate_corners(tuned.loops, setpoint, drive=machine.drive, band=band)
 
-    Returns
-    -------
-    tuple of MoveResult
-        The plant's states of the first corner only.
-    """
-    drive, needs = machine.drive, machine.requirements
-    follows, noise = isfinite(needs.contour_deviation), _noise(machine, tuned)
     found = []
     for move in machine.moves:
-        setpoint, slower = plan(move), slow_to_feed(move, needs.contour_feed)
-        path = plan(slower) if follows and slower != move else None
-        run = partial(simulate_corners, tuned.loops, drive=drive, band=needs.tcp_deviation)
-        contours = [item.peak_deviation for item in run(path)] if path else []
-        responses: list[LoopResponse] = []
-        for corner, (response, own) in enumerate(zip(run(setpoint), noise, strict=True)):
-            response = replace(response, tool_noise=own.tool, force_noise=own.force)
-            if path:
-                response = replace(response, contour_deviation=contours[corner])
-            if responses:  # a gigabyte, where many corners ring for long
-                response = replace(response, states=response.states[:0].copy())
-            responses.append(response)
-        found.append(MoveResult(setpoint=setpoint, responses=tuple(responses)))
+        setpoint = plan(move)
+        responses: dict[Move, list[LoopResponse]] = {move: run(setpoint)}
+        values = []
+        for requirement in requirements_of(machine):
+            judged = requirement.judged(machine, move)
+            if judged not in responses:
+                responses[judged] = run(plan(judged))
+            own = np.array([requirement.value(one, plant) for one in responses[judged]])
+            values.append(requirement.noisy(own, noises))
+        first, *others = responses[move]
+        # Of all corners that ring for long, the states would be a gigabyte.
+        lean = [replace(one, states=one.states[:0].copy()) for one in others]
+        found.append(
+            MoveResult(setpoint=setpoint, responses=(first, *lean), values=np.array(values))
+        )
     return tuple(found)
-
-
-def _noise(machine: Machine, tuned: TunedLoop) -> list[EncoderNoise]:
-    resolution = machine.drive.encoder_resolution
-    return [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
 
 
 def evaluate(
@@ -136,21 +91,7 @@ def evaluate(
     name: Message | None = None,
     source: Message | None = None,
 ) -> Candidate:
-    """Return what some limits do in the same loop, corners and judgement as all others.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    limits
-        Acceleration and jerk.
-    name, source
-        Of the limits, where they are shown beside others.
-
-    Returns
-    -------
-    Candidate
-    """
+    """Return what some limits do in the same loop, corners and judgement as all others."""
     moves = simulate_moves(machine, tuned, limits)
     return evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
 
@@ -165,35 +106,21 @@ def evaluate_moves(
     name: Message | None = None,
     source: Message | None = None,
 ) -> Candidate:
-    """Return the same where the moves have been simulated already.
+    """Return the same where the moves have been simulated already, with the first one's limits.
 
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant, and the loop that the moves went through.
-    moves
-        From ``simulate_moves`` or ``simulate_planned``; the first one's limits are the
-        candidate's.
-    sizes
-        The worst of all smaller moves, where that is known already.
-    name, source
-        Of the limits, where they are shown beside others.
-
-    Returns
-    -------
-    Candidate
+    ``sizes``: the worst of all smaller moves, where that is known already.
     """
-    rows = [result.responses for result in moves]
-    everywhere = [response for row in rows for response in row]
+    everywhere = [response for result in moves for response in result.responses]
     limits = moves[0].setpoint.limits
     if sizes is None and machine.requirements.every_size:
         sizes = judge_every_size(machine, plant, tuned, limits)
+    values = [result.values for result in moves]
     return Candidate(
         limits=limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),
-        assessment=assess(machine, plant, tuned.corners, rows, sizes=sizes or ()),
+        assessment=assess(machine, plant, tuned.corners, values, sizes=sizes or ()),
         sizes=tuple(sizes or ()),
         name=name,
         source=source,

@@ -8,6 +8,7 @@ from enum import Enum
 from math import isfinite
 
 from mtcommission.messages.message import Message
+from mtcommission.requirements.register import read_requirement
 
 
 class Verdict(Enum):
@@ -67,7 +68,10 @@ class Check:
 
 def what_of(check: Check) -> Message:
     """Return what was checked, of whichever move."""
-    what = Message(f"verify-{check.key.lower().replace(' ', '-')}")
+    try:
+        what = read_requirement(check.key).message
+    except ValueError:
+        what = Message(f"verify-{check.key.lower().replace(' ', '-')}")
     return Message("of-mode", name=what, mode=check.mode) if check.mode else what
 
 

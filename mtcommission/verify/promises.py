@@ -9,6 +9,8 @@ import numpy as np
 
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.record import Record
+from mtcommission.requirements.settling_time import SETTLING_TIME
+from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside
 from mtcommission.verify.checks import Check, Verdict, at_most, within
@@ -52,6 +54,7 @@ def check_recorded(
     motion = [
         *_position_checks(rebuilt, record, recorded),
         *_force_checks(rebuilt, recorded),
+        *_state_checks(rebuilt, recorded),
     ]
     if recorded.motion.is_cut:
         motion = [_unknown(check, Message("verify-cut")) for check in motion]
@@ -73,7 +76,7 @@ def _position_checks(rebuilt: Rebuilt, record: Record, recorded: Recorded) -> li
     band = needs.tcp_deviation
     tool = recorded.find(Role.TOOL)
     one = tool or recorded.find(Role.ENCODER)
-    promised = _promised_settling(record, recorded)
+    promised = _promised_settling(rebuilt, record, recorded)
     if one is None:
         nothing = Message("verify-no-tool")
         return [
@@ -128,11 +131,10 @@ def _position_checks(rebuilt: Rebuilt, record: Record, recorded: Recorded) -> li
     return checks
 
 
-def _promised_settling(record: Record, recorded: Recorded) -> float:
+def _promised_settling(rebuilt: Rebuilt, record: Record, recorded: Recorded) -> float:
     """What the requirement allows, or else the slowest corner of the record [s]."""
-    limits = {check.name: check.limit for check in record.assessment.checks}
-    required = limits.get("settling time")
-    if required is not None:
+    required = SETTLING_TIME.bound(rebuilt.machine)
+    if isfinite(required):
         return required
     if not recorded.number:
         return inf
@@ -281,6 +283,16 @@ def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
              decides=limit is not None)
     )  # fmt: skip
     return checks
+
+
+def _state_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
+    """What is required of the plant's states, which no control records."""
+    machine, plant, reason = rebuilt.machine, rebuilt.plant, Message("verify-no-state")
+    return [
+        _row(one.key, recorded, None, None, one.bound(machine), one.unit(machine, plant), None,
+             reason)
+        for one, _ in bounded_states(machine, plant)
+    ]  # fmt: skip
 
 
 def _finite(value: float) -> float | None:

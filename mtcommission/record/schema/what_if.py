@@ -41,12 +41,16 @@ class VariedModeEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalEntry:
-    """A row over the plant's states; ``bound`` is null where nothing bounds its magnitude."""
+    """A row over the plant's states whose largest magnitude counts, from t_e + τ on or always.
+
+    Less that derivative of the delayed setpoint (0: position); null: as it is.
+    """
 
     name: str
     unit: str
-    bound: float | None
     row: list[float]
+    less: int | None
+    is_after: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +59,7 @@ class VariedPlantEntry:
 
     The force moves the state ``velocity`` by 1/(``moving_mass`` + payload); where the motor
     follows, the last state is its acceleration and B the jerk's. ``signals``: the motor's force,
-    then what ``requirements.peaks`` bounds.
+    then each that a check of the same name bounds.
     """
 
     A: list[list[float]]
@@ -80,15 +84,23 @@ class NoisyCornerEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NeedsEntry:
-    """What moves are judged by; null: not asked for. ``every_size``: smaller moves count, too."""
+class LimitEntry:
+    """A requirement; ``of_listed``: smaller moves than the listed ones need not keep it."""
 
+    name: str
+    unit: str
+    limit: float
+    of_listed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeedsEntry:
+    """What moves are judged by; null: not stated. ``every_size``: smaller moves count, too."""
+
+    checks: list[LimitEntry]
     tcp_deviation: float
-    max_settling_time: float | None
-    contour_deviation: float | None
     contour_feed: float | None
     motion_force: float
-    continuous_force: float | None
     static_load: float
     every_size: bool
 

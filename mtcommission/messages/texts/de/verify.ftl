@@ -26,16 +26,10 @@ verify-unexplained = Von der Abweichung erklärt die Vorhersage { SHARE($share) 
 verify-setpoint-velocity = Geschwindigkeit des Sollwerts
 verify-setpoint-acceleration = Beschleunigung des Sollwerts
 verify-setpoint-jerk = Ruck des Sollwerts
-verify-settling-time = Einschwingzeit
-verify-residual-deviation = Restabweichung
 verify-peak-deviation = größte Abweichung
 verify-max-force = { $axis ->
     [rotary] größtes Drehmoment
    *[linear] größte Kraft
-}
-verify-rms-force = { $axis ->
-    [rotary] Effektivwert des Drehmoments
-   *[linear] Effektivwert der Kraft
 }
 verify-reference-delay = Verzug gegen den Sollwert
 verify-frequency = Frequenz
@@ -54,6 +48,7 @@ verify-cut = die Aufzeichnung endet vor dem Sollwert
 verify-other-setpoint = die Steuerung gab etwas anderes aus, als eingegeben war
 verify-no-tool = weder Werkzeug noch Geber aufgezeichnet
 verify-encoder-only = nur der Geber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
+verify-no-state = kein aufgezeichnetes Signal zeigt es
 verify-other-move = keine der Bewegungen, für die das Protokoll es zusagt
 verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
 verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }

@@ -97,17 +97,6 @@ what-if-all-corners = (schlechteste von allen { $count } Maschinen)
 what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschinen)
 what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.
 what-if-missed-check = { $name }: { $value }, erlaubt { $limit }
-what-if-check-residual = Restabweichung
-what-if-check-settling = Einschwingzeit
-what-if-check-contour = Konturabweichung
-what-if-check-force = { $axis ->
-    [rotary] Sollmoment
-   *[linear] Sollkraft
-}
-what-if-check-rms = { $axis ->
-    [rotary] Effektivmoment
-   *[linear] Effektivkraft
-}
 what-if-saturated = { $axis ->
     [rotary] Das verlangt mehr Moment, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
    *[linear] Das verlangt mehr Kraft, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.

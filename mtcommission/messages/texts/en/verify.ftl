@@ -26,14 +26,8 @@ verify-unexplained = Of the deviation { SHARE($share) } (RMS) are not explained 
 verify-setpoint-velocity = velocity of the setpoint
 verify-setpoint-acceleration = acceleration of the setpoint
 verify-setpoint-jerk = jerk of the setpoint
-verify-settling-time = settling time
-verify-residual-deviation = residual deviation
 verify-peak-deviation = peak deviation
 verify-max-force = largest { $axis ->
-    [rotary] torque
-   *[linear] force
-}
-verify-rms-force = RMS { $axis ->
     [rotary] torque
    *[linear] force
 }
@@ -54,6 +48,7 @@ verify-cut = the record ends before the setpoint does
 verify-other-setpoint = the control sent something else than was entered
 verify-no-tool = neither the tool nor the encoder was recorded
 verify-encoder-only = only the encoder was recorded, and it does not show what { $mode } does at the tool; record at the tool
+verify-no-state = no recorded signal shows it
 verify-other-move = not one of the moves that the record promises it for
 verify-too-short = the record ends { TIME($got) } after the setpoint; the slowest mode needs { TIME($needed) }
 verify-noise-above-band = the noise floor { LENGTH($noise) } is above the band { LENGTH($band) }

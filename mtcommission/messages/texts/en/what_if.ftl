@@ -97,17 +97,6 @@ what-if-all-corners = (worst of all { $count } machines)
 what-if-worst-so-far = (worst { $count } of { $all } machines so far)
 what-if-all-met = All requirements met by this move on all { $count } machines.
 what-if-missed-check = { $name }: { $value }, allowed { $limit }
-what-if-check-residual = residual deviation
-what-if-check-settling = settling time
-what-if-check-contour = contour deviation
-what-if-check-force = { $axis ->
-    [rotary] set torque
-   *[linear] set force
-}
-what-if-check-rms = { $axis ->
-    [rotary] RMS torque
-   *[linear] RMS force
-}
 what-if-saturated = { $axis ->
     [rotary] This asks for more torque than there is; the command simulate shows the saturated motion.
    *[linear] This asks for more force than there is; the command simulate shows the saturated motion.

@@ -1,0 +1,59 @@
+"""All requirements there are, and those that a machine has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import isfinite
+
+from mtcommission.machine.machine import Machine
+from mtcommission.requirements.contour_deviation import CONTOUR_DEVIATION
+from mtcommission.requirements.peak import peak_of, peaks_of
+from mtcommission.requirements.requirement import Requirement
+from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.requirements.rms_force import RMS_FORCE
+from mtcommission.requirements.set_force import SET_FORCE
+from mtcommission.requirements.settling_time import SETTLING_TIME
+
+REGISTER: tuple[Requirement | Callable[[Machine], Iterable[Requirement]], ...] = (
+    RESIDUAL_DEVIATION,
+    SETTLING_TIME,
+    CONTOUR_DEVIATION,
+    peaks_of,
+    SET_FORCE,
+    RMS_FORCE,
+)
+"""All there are, in the order of records; a function: one for each of what a machine names."""
+
+
+def requirements_of(machine: Machine) -> tuple[Requirement, ...]:
+    """Return what a machine asks for."""
+    return tuple(
+        requirement
+        for entry in REGISTER
+        for requirement in ((entry,) if isinstance(entry, Requirement) else entry(machine))
+        if isfinite(requirement.bound(machine))
+    )
+
+
+def read_requirement(key: str) -> Requirement:
+    """Return the requirement of a record's name for it.
+
+    Raises
+    ------
+    ValueError
+        There is no such requirement.
+
+    Examples
+    --------
+    >>> read_requirement("peak v_phi") == peak_of("v_phi")
+    True
+    >>> read_requirement("RMS force").message
+    Message('requirement-rms-force')
+    """
+    kind, _, signal = key.partition(" ")
+    if kind == "peak" and signal:
+        return peak_of(signal)
+    for entry in REGISTER:
+        if isinstance(entry, Requirement) and entry.key == key:
+            return entry
+    raise ValueError(key)
