@@ -143,9 +143,8 @@ def _lay_ages(poles: LoopPoles) -> Array:
 
 def _nudge(loop: SampledLoop) -> SampledLoop:
     """A loop whose equal poles lie apart."""
-    A = loop.lifted.A
-    other = A * (1.0 + NUDGE * np.arange(A.size).reshape(A.shape) / A.size)
-    return replace(loop, lifted=replace(loop.lifted, A=other))
+    pattern = 1.0 + NUDGE * np.arange(loop.step.size).reshape(loop.step.shape) / loop.step.size
+    return replace(loop, step=loop.step * pattern)
 
 
 NUDGE = 1e-7
