@@ -79,7 +79,7 @@ def test_equal_poles_are_seen_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not table.factors.size
     monkeypatch.setattr(respond, "ILL_CONDITIONED", limit)
     found, exact = both(table, MOVES[1], None)
-    assert found == pytest.approx(usual, rel=1e-3)
+    assert found == pytest.approx(usual, rel=5e-3)
     assert found == pytest.approx(exact, rel=0.05, abs=0.01 * exact.max())
     find_poles.cache_clear()
 
