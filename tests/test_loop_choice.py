@@ -84,7 +84,7 @@ def test_state_feedback_is_shown_beside_and_not_used() -> None:
 def test_the_choice_changes_gradually_with_the_spread() -> None:
     """Between 0.1 and 0.2 % a loop fell out by the name of a pole: stiffness 12.6 to 8.05 N/um.
 
-    The coarse search of a trial misses a narrow valley at some spreads: 82.7 ms, or 89.3 ms.
+    A look that misses a narrow valley at some spreads takes another loop: 82.7 ms, or 89.3 ms.
     """
     found = []
     for spread in (0.0005, 0.001, 0.0015, 0.002, 0.003):
