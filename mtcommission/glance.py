@@ -48,19 +48,9 @@ def say_verdict(machine: Machine, best: Candidate, spoken: Catalogue | None = No
 def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
     """Return verdict, limits, requirements and a plot as HTML to stand inside a page.
 
-    Parameters
-    ----------
-    machine
-        Nominal.
-    limits
-        The recommended ones first, which are judged, then what stands beside them.
-    figure
-        From ``plot_moves``.
-
-    Returns
-    -------
-    str
-        The machine's own texts are escaped; the plot is a picture inside.
+    ``limits``: the recommended ones first, which are judged, then what stands beside them;
+    ``figure``: from ``plot_moves``; ``machine``: nominal. The machine's own texts are escaped; the
+    plot is a picture inside.
     """
     spoken, best = _words(machine), limits[0][1]
     length = machine.axis_units.length.si
@@ -109,16 +99,9 @@ def plot_moves(
 ) -> Figure:
     """Return a figure: deviation at the tool and set force of each move, in every corner.
 
-    Parameters
-    ----------
-    machine
-        Nominal; its band and force limit are drawn.
-    moves
-        Simulated in every corner.
-    corners
-        In the order of the responses.
-    figure
-        Empty, to be drawn into, e.g. one of pyplot's; None: a new one that belongs to nobody.
+    ``machine``: nominal; its band and force limit are drawn. ``moves`` are simulated in every
+    corner, ``corners`` in the order of the responses. ``figure``: empty, to be drawn into, e.g. one
+    of pyplot's; None: a new one that belongs to nobody.
     """
     from matplotlib.figure import Figure
 

@@ -23,22 +23,10 @@ def condense(
     family in the jerk time t_j alone, since t_f = v/a + t_j for a change of velocity v (twice
     that for a move from rest to rest, plus the cruise at max_velocity).
 
-    Parameters
-    ----------
-    move
-        The move that the optimum does.
-    trajectory
-        Its motion.
-    velocity
-        Column of the rigid velocity.
-    shortest_ramp
-        Least jerk time [s]. Many optima are closest to a profile without any jerk limit; a
-        control cannot send a ramp shorter than its position cycle.
-
-    Returns
-    -------
-    MotionLimits
-        A bound and starting point, no recommendation: the optimum's vibration is not in it.
+    ``velocity``: column of the rigid velocity; ``shortest_ramp``: least jerk time [s]. Many optima
+    are closest to a profile without any jerk limit; a control cannot send a ramp shorter than its
+    position cycle. What comes out is a bound and starting point, no recommendation: the optimum's
+    vibration is not in it.
     """
     t, v = trajectory.t, trajectory.states[:, velocity]
     t_f = float(t[-1])

@@ -24,17 +24,8 @@ from mtcommission.machine.variations import corners, vary
 def find_corner_velocity(machine: Machine, item: SetpointFilter | None) -> float:
     """Return the largest step of velocity whose vibration by itself stays within the band [m/s].
 
-    Parameters
-    ----------
-    machine
-        Whose motor follows its setpoint; the share of the band that is reserved is kept.
-    item
-        The setpoint filter; None: none.
-
-    Returns
-    -------
-    float
-        inf where nothing vibrates.
+    inf where nothing vibrates. The machine's motor follows its setpoint; the share of the band that
+    is reserved is kept. ``item``: the setpoint filter; None: none.
     """
     worst = max(_vibration(vary(machine, corner), item) for corner in corners(machine))
     needs = machine.requirements

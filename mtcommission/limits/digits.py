@@ -16,21 +16,10 @@ ROUND = 1e-9
 def round_limits(
     machine: Machine, acceleration: float, jerk_time: float, *, digits: int
 ) -> MotionLimits:
-    """Return the nearest limits to type in that are not faster.
+    """Return the nearest limits to type in that are not faster, without a setpoint filter.
 
-    Parameters
-    ----------
-    machine
-        Its control limits the jerk, the time of a ramp, or nothing.
-    acceleration, jerk_time
-        Not round yet [m/s², s].
-    digits
-        Significant digits.
-
-    Returns
-    -------
-    MotionLimits
-        Without a setpoint filter.
+    The machine's control limits the jerk, the time of a ramp, or nothing. ``acceleration`` and
+    ``jerk_time`` are not round yet [m/s², s]; ``digits`` are significant digits.
     """
     return next(limits_about(machine, acceleration, jerk_time, digits=digits))
 
@@ -40,16 +29,8 @@ def limits_about(
 ) -> Iterator[MotionLimits]:
     """Yield the limits to type in about some that need not be round, the gentlest first.
 
-    Parameters
-    ----------
-    machine, acceleration, jerk_time, digits
-        As for ``round_limits``.
-    reach
-        So many steps of the last digit more on either side.
-
-    Yields
-    ------
-    MotionLimits
+    The arguments are as for ``round_limits``; ``reach``: so many steps of the last digit more on
+    either side.
     """
     for a in _numbers_about(acceleration, digits, reach):
         match machine.control.kind.jerk:

@@ -31,17 +31,8 @@ RINGING = 0.3
 def filters_to_try(control: Control, loop: SampledLoop) -> list[SetpointFilter | None]:
     """Return setpoint filters to begin with.
 
-    Parameters
-    ----------
-    control
-        Whose filters.
-    loop
-        The nominal one: what rings in it sets times and frequencies.
-
-    Returns
-    -------
-    list of SetpointFilter or None
-        None stands for none. Only the given one, or none, unless one is sought.
+    None stands for none. Only the given one, or none, unless one is sought. ``loop``: the nominal
+    one; what rings in it sets times and frequencies.
     """
     if not control.seeks_setpoint_filter:
         return [control.setpoint_filter]
@@ -101,18 +92,8 @@ def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) ->
 def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> list[SetpointFilter]:
     """Return filters of the same kind that are a little shorter and longer.
 
-    Parameters
-    ----------
-    control
-        What it allows.
-    item
-        The filter.
-    reach
-        How far, as a share of its times or of its frequency [-].
-
-    Returns
-    -------
-    list of SetpointFilter
+    ``control``: what it allows; ``reach``: how far, as a share of the times or of the frequency of
+    the filter [-].
     """
     if item is None or not control.seeks_setpoint_filter:
         return []

@@ -46,39 +46,17 @@ DAMPING_TIME_FACTOR = 1.2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Optima:
-    """The physical optima of one move on the nominal machine.
-
-    Parameters
-    ----------
-    move
-        Which move.
-    time
-        Time-optimal, exact rest; under max_velocity where the move has one.
-    constrained
-        The same under the profile's peaks; None where there are none.
-    damping
-        Damping-optimal; None where its final time is too short (see ``remarks``).
-    remarks
-        What was left out, and why.
-    """
+    """The physical optima of one move on the nominal machine."""
 
     move: Move
-    time: TimeOptimum
-    constrained: TimeOptimum | None
-    damping: DampingOptimum | None
-    remarks: tuple[Message, ...]
+    time: TimeOptimum  # exact rest; under max_velocity where the move has one
+    constrained: TimeOptimum | None  # the same under the profile's peaks; None: there are none
+    damping: DampingOptimum | None  # None where its final time is too short (see ``remarks``)
+    remarks: tuple[Message, ...]  # what was left out, and why
 
 
 def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
-    """Return the physical optima of one move.
-
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    move
-        Velocity step or positioning.
-    """
+    """Return the physical optima of one move on the nominal machine."""
     force = machine.drive.motion_force
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained = None
@@ -124,16 +102,8 @@ def find_time_optimum(
     Where the exact search does not end, and no states are bounded, the composed control of
     ``compose_time_optimum`` stands in: its method says so, and its gap is that of its proof.
 
-    Parameters
-    ----------
-    plant
-        Nominal.
-    move
-        Velocity step or positioning.
-    force_limit
-        Force left for motion [N or N m].
-    bounds
-        On states and outputs, besides the move's own max_velocity.
+    ``plant``: nominal; ``force_limit``: force left for motion [N or N m]; ``bounds``: on states and
+    outputs, besides the move's own max_velocity.
 
     Raises
     ------
@@ -168,16 +138,7 @@ def find_damping_optimum(
 ) -> DampingOptimum:
     """Return the damping-optimal control with the profile's weights, or balanced ones.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    move
-        Velocity step or positioning.
-    t_f
-        Final time [s].
-    least
-        t_f,min of the same move [s].
+    Machine and plant are nominal; ``t_f``: final time [s]; ``least``: t_f,min of the same move [s].
 
     Raises
     ------
@@ -201,17 +162,8 @@ def condense_optima(
 ) -> tuple[tuple[Message, MotionLimits], ...]:
     """Return the jerk-limited profile closest to each optimum, with its name.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal; no ramp is shorter than the position cycle.
-    optima
-        One for each move.
-
-    Returns
-    -------
-    tuple
-        Name and limits of each.
+    Machine and plant are nominal; no ramp is shorter than the position cycle. ``optima``: one for
+    each move.
     """
     cycle = machine.control.position_cycle
     found = []

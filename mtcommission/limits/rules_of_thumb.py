@@ -18,30 +18,15 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleOfThumb:
-    """One rule, applied to a machine.
+    """One rule, applied to a machine."""
 
-    Parameters
-    ----------
-    name
-        Short, for the table.
-    source
-        Who says so.
-    limits
-        What it gives here.
-    """
-
-    name: Message
-    source: Message
-    limits: MotionLimits
+    name: Message  # short, for the table
+    source: Message  # who says so
+    limits: MotionLimits  # what it gives here
 
 
 def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
-    """Return the rules of thumb applied to a machine.
-
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
+    """Return the rules of thumb applied to the nominal machine.
 
     Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
     """
@@ -68,17 +53,9 @@ SLOWER_RAMPS = (2, 3)
 
 
 def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
-    """Return j = a f / k, the later zeros of the vibration, applied to a machine.
+    """Return j = a f / k, the later zeros of the vibration, applied to the nominal machine.
 
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-
-    Returns
-    -------
-    tuple of RuleOfThumb
-        With a = F_max/m, one for each of ``SLOWER_RAMPS``.
+    With a = F_max/m, one for each of ``SLOWER_RAMPS``.
 
     Source: Biagiotti & Melchiorri 2008, as j = a f.
     """

@@ -29,12 +29,7 @@ OF_SETPOINT = ("jerk", "setpoint-filters", "modes")
 def describe_kind(kind: ControlKind, *, follows: bool = False) -> Message:
     """Return what a kind of control has and what it lacks; "(?)" marks what was not read.
 
-    Parameters
-    ----------
-    kind
-        Its table.
-    follows
-        Whether the motor follows its setpoint: then only what shapes the setpoint counts.
+    Where the motor ``follows`` its setpoint, only what shapes the setpoint counts.
     """
     counts: dict[str, int] = {
         "jerk": int(kind.has_jerk_limit),

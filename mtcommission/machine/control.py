@@ -27,18 +27,10 @@ class StateFeedback(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StateGain:
-    """Gain of the state-space extension on one state.
+    """Gain of the state-space extension on one state."""
 
-    Parameters
-    ----------
-    state
-        Name of the plant state.
-    value
-        Set force per unit of that state's deviation [N/unit].
-    """
-
-    state: str
-    value: float
+    state: str  # name of the plant state
+    value: float  # set force per unit of that state's deviation [N/unit]
 
 
 class FilterKind(Enum):
@@ -50,114 +42,56 @@ class FilterKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceFilter:
-    """One filter in the set-force path.
+    """One filter in the set-force path."""
 
-    Parameters
-    ----------
-    kind
-        Notch or second-order low-pass.
-    natural_frequency
-        [rad/s].
-    damping
-        Denominator damping ratio of the low-pass, numerator damping ratio of the notch [-].
-    width
-        Denominator damping ratio of the notch [-]: its depth is damping / width. 1 is the widest
-        without overshoot. Without effect on a low-pass.
-    """
-
-    kind: FilterKind
-    natural_frequency: float
-    damping: float
+    kind: FilterKind  # notch or second-order low-pass
+    natural_frequency: float  # [rad/s]
+    damping: float  # denominator damping ratio of a low-pass, numerator one of a notch [-]
     width: float = 1.0
+    """Denominator damping ratio of the notch [-]: its depth is damping / width. 1 is the widest
+    without overshoot. Without effect on a low-pass."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Today:
-    """What the control holds now; None for what is not known, which is then as recommended.
+    """What the control holds now; None for what is not known, which is then as recommended."""
 
-    Parameters
-    ----------
-    acceleration, jerk
-        [m/s², m/s³].
-    position_gain, velocity_gain, integral_time
-        Kv [1/s], Kp [N s/m], Tn [s].
-    setpoint_filter
-        Behind the setpoint generator; None: none.
-    """
-
-    acceleration: float
-    jerk: float | None
-    position_gain: float | None = None
-    velocity_gain: float | None = None
-    integral_time: float | None = None
-    setpoint_filter: SetpointFilter | None = None
+    acceleration: float  # [m/s²]
+    jerk: float | None  # [m/s³]
+    position_gain: float | None = None  # Kv [1/s]
+    velocity_gain: float | None = None  # Kp [N s/m]
+    integral_time: float | None = None  # Tn [s]
+    setpoint_filter: SetpointFilter | None = None  # behind the setpoint generator; None: none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """The cascade as the profile states it; None means "left out: tune it and print it".
+    """The cascade as the profile states it; None means "left out: tune it and print it"."""
 
-    Parameters
-    ----------
-    kind
-        Which control: what it lacks is neither tuned nor simulated nor exported.
-    position_loop
-        Where its position loop closes.
-    position_gain
-        Kv [1/s].
-    velocity_gain
-        Kp [N s/m].
-    integral_time
-        Tn [s].
-    reference_model_time
-        Time constant of the reference model in the integral branch [s]; 0 = none.
-    velocity_feedforward, acceleration_feedforward, jerk_feedforward
-        Weights [-].
-    feedforward_mass
-        [kg]; None: moving mass at mid payload.
-    reference_delay
-        τ [s]; None: chosen so that feed-forward and feedback meet.
-    position_cycle, velocity_cycle
-        [s]; the position cycle is a whole multiple of the velocity cycle.
-    tcp_sensor
-        Second encoder.
-    state_feedback
-        Auto, off, or given by ``state_gains``.
-    state_gains
-        Gains for ``StateFeedback.GIVEN``.
-    setpoint_filter
-        Behind the setpoint generator, as given; None: none given.
-    seeks_setpoint_filter
-        Whether one is chosen together with the limits; else it is ``setpoint_filter``, or none.
-    force_filters
-        Filters in the set-force path, in order.
-    seeks_force_filters
-        Whether those that let Kp rise are used; otherwise they are only suggested.
-    minimum_bandwidth_hz
-        What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0 = none.
-    """
-
-    kind: ControlKind = GENERIC
-    position_loop: PositionLoop = PositionLoop.CONTROL
-    position_gain: float | None = None
-    velocity_gain: float | None = None
-    integral_time: float | None = None
-    reference_model_time: float = 0.0
-    velocity_feedforward: float = 1.0
-    acceleration_feedforward: float = 1.0
-    jerk_feedforward: float = 0.0
-    feedforward_mass: float | None = None
-    reference_delay: float | None = None
-    position_cycle: float = 2e-3
-    velocity_cycle: float = 125e-6
-    tcp_sensor: TcpSensor = TcpSensor.NONE
-    state_feedback: StateFeedback = StateFeedback.OFF
-    state_gains: tuple[StateGain, ...] = ()
-    setpoint_filter: SetpointFilter | None = None
+    kind: ControlKind = GENERIC  # what it lacks is neither tuned nor simulated nor exported
+    position_loop: PositionLoop = PositionLoop.CONTROL  # where it closes
+    position_gain: float | None = None  # Kv [1/s]
+    velocity_gain: float | None = None  # Kp [N s/m]
+    integral_time: float | None = None  # Tn [s]
+    reference_model_time: float = 0.0  # time constant in the integral branch [s]; 0: none
+    velocity_feedforward: float = 1.0  # weight [-]
+    acceleration_feedforward: float = 1.0  # weight [-]
+    jerk_feedforward: float = 0.0  # weight [-]
+    feedforward_mass: float | None = None  # [kg]; None: moving mass at mid payload
+    reference_delay: float | None = None  # τ [s]; None: chosen so that feed-forward meets feedback
+    position_cycle: float = 2e-3  # [s], a whole multiple of the velocity cycle
+    velocity_cycle: float = 125e-6  # [s]
+    tcp_sensor: TcpSensor = TcpSensor.NONE  # second encoder
+    state_feedback: StateFeedback = StateFeedback.OFF  # auto, off, or given by ``state_gains``
+    state_gains: tuple[StateGain, ...] = ()  # for ``StateFeedback.GIVEN``
+    setpoint_filter: SetpointFilter | None = None  # behind the generator, as given; None: no filter
     seeks_setpoint_filter: bool = False
-    force_filters: tuple[ForceFilter, ...] = ()
+    """Whether one is chosen together with the limits; else it is ``setpoint_filter``, or none."""
+    force_filters: tuple[ForceFilter, ...] = ()  # in the set-force path, in order
     seeks_force_filters: bool = False
+    """Whether those that let Kp rise are used; otherwise they are only suggested."""
     minimum_bandwidth_hz: float = 0.0
+    """What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0: none."""
 
     @property
     def has_given_gains(self) -> bool:

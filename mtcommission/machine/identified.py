@@ -8,18 +8,10 @@ from math import inf
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
-    """A value and its standard error, in the same unit.
-
-    Parameters
-    ----------
-    value
-        Best estimate.
-    sigma
-        Standard error of this measurement; what differs between machines is not in it.
-    """
+    """A value and its standard error, in the same unit."""
 
     value: float
-    sigma: float
+    sigma: float  # standard error of this measurement; what differs between machines is not in it
 
     @property
     def relative(self) -> float:
@@ -29,70 +21,35 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredMode:
-    """A mode as it was measured.
+    """A mode as it was measured."""
 
-    Parameters
-    ----------
-    name
-        As the profile calls it; "" where it has no name yet.
-    frequency_hz, damping_ratio
-        f [Hz] and ζ [-].
-    measured_gain, tcp_gain
-        Share at encoder and tool [1/kg]; None where no sensor with a force tells.
-    """
-
-    name: str = ""
-    frequency_hz: Estimate
-    damping_ratio: Estimate
+    name: str = ""  # as the profile calls it; "" where it has no name yet
+    frequency_hz: Estimate  # f [Hz]
+    damping_ratio: Estimate  # ζ [-]
     measured_gain: Estimate | None = None
-    tcp_gain: Estimate | None = None
+    """Share at the encoder [1/kg]; None where no sensor with a force tells."""
+    tcp_gain: Estimate | None = None  # share at the tool [1/kg]; likewise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredFile:
-    """A file that was read.
+    """A file that was read."""
 
-    Parameters
-    ----------
-    name
-        As it was given, with its label where a file holds several measurements.
-    sensor
-        "encoder" or "tcp".
-    sha256
-        Of its bytes, 64 hexadecimal digits.
-    """
-
-    name: str
-    sensor: str
-    sha256: str
+    name: str  # as it was given, with its label where a file holds several measurements
+    sensor: str  # "encoder" or "tcp"
+    sha256: str  # of its bytes, 64 hexadecimal digits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShaperProposal:
-    """A shaper as Klipper's calibrate_shaper would set it.
+    """A shaper as Klipper's calibrate_shaper would set it."""
 
-    Parameters
-    ----------
-    shaper
-        Kind of setpoint filter.
-    frequency_hz
-        [Hz].
-    vibration
-        Share of the measured power that it leaves, by that script's measure [-].
-    smoothing
-        By how much it rounds a corner at 5 m/s^2, by the same measure [m].
-    max_acceleration
-        At which that is 0.12 mm [m/s^2].
-    is_recommended
-        Whether the script would recommend this one.
-    """
-
-    shaper: str
+    shaper: str  # kind of setpoint filter
     frequency_hz: float
-    vibration: float
-    smoothing: float
-    max_acceleration: float
-    is_recommended: bool = False
+    vibration: float  # share of the measured power that it leaves, by that script's measure [-]
+    smoothing: float  # by how much it rounds a corner at 5 m/s², by the same measure [m]
+    max_acceleration: float  # at which that is 0.12 mm [m/s²]
+    is_recommended: bool = False  # whether the script would recommend this one
 
 
 MOST_MISFIT = 10.0
@@ -101,38 +58,17 @@ MOST_MISFIT = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
-    """What was measured when the profile was written; values may have been changed since.
+    """What was measured when the profile was written; values may have been changed since."""
 
-    Parameters
-    ----------
-    date
-        Day, ISO 8601.
-    files
-        From which it comes.
-    band_hz
-        Lowest and highest line that was fitted [Hz]; None where nothing was fitted.
-    misfit
-        Weighted rms of the residuals by the noise [-]; None where it is not known.
-    moving_mass, delay, lag
-        [kg, s, s]; None where nothing tells.
-    modes
-        By frequency.
-    evidence
-        Name of the file beside the profile with points and advice; "" for none.
-    checksum
-        Of that file's content.
-    proposals
-        What Klipper's calibrate_shaper would choose from the same files; empty where it could not.
-    """
-
-    date: str
-    files: tuple[MeasuredFile, ...]
-    band_hz: tuple[float, float] | None
-    misfit: float | None
-    moving_mass: Estimate | None
-    delay: Estimate | None
-    lag: Estimate | None
-    modes: tuple[MeasuredMode, ...]
-    evidence: str
-    checksum: str
+    date: str  # day, ISO 8601
+    files: tuple[MeasuredFile, ...]  # from which it comes
+    band_hz: tuple[float, float] | None  # lowest and highest fitted line [Hz]; None: nothing fitted
+    misfit: float | None  # weighted rms of the residuals by the noise [-]; None: not known
+    moving_mass: Estimate | None  # [kg]; None where nothing tells, like the two below
+    delay: Estimate | None  # [s]
+    lag: Estimate | None  # [s]
+    modes: tuple[MeasuredMode, ...]  # by frequency
+    evidence: str  # name of the file beside the profile with points and advice; "" for none
+    checksum: str  # of that file's content
     proposals: tuple[ShaperProposal, ...] = ()
+    """What Klipper's calibrate_shaper would choose from the same files; empty: it could not."""

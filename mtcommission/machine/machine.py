@@ -44,46 +44,23 @@ class Drive:
 
     A position source follows its setpoint whatever force that takes. What drives the plant is
     then its acceleration: that stands for every force here, in m/s², and the moving mass is 1.
-
-    Parameters
-    ----------
-    kind
-        A force behind a loop, or a motor that simply follows.
-    force_lag
-        Time constant T of the force loop [s]; 0 of a position source.
-    max_force
-        F_max [N].
-    max_velocity
-        Of a position source, by its step rate or its torque [m/s]; inf: none was given.
-    force_velocity
-        Velocity at which ``max_force`` was read off the motor's curve [m/s]; None: it was stated.
-    continuous_force
-        Thermal (RMS) limit over move and dwell [N]; inf if none was given.
-    static_load
-        Weight or process force [N]; its amount is not available for motion.
-    coulomb_friction, viscous_friction
-        Of the guides, on the line of the drive [N, N s/m]; 0: not stated.
-    lead
-        Travel of a linear axis per turn of the screw or pinion [m]; None: a linear motor, a
-        rotary axis, or not stated.
-    gear
-        Turns of the motor per turn of the screw, the pinion or the rotary axis [-].
-    encoder_resolution
-        Smallest step of the measured position [m]; 0: not stated.
     """
 
-    kind: DriveKind = DriveKind.SERVO
-    force_lag: float
-    max_force: float
-    max_velocity: float = inf
+    kind: DriveKind = DriveKind.SERVO  # a force behind a loop, or a motor that simply follows
+    force_lag: float  # time constant T of the force loop [s]; 0 of a position source
+    max_force: float  # F_max [N]
+    max_velocity: float = inf  # of a position source, by step rate or torque [m/s]; inf: none
     force_velocity: float | None = None
-    continuous_force: float = inf
-    static_load: float = 0.0
-    coulomb_friction: float = 0.0
-    viscous_friction: float = 0.0
+    """Velocity at which ``max_force`` was read off the motor's curve [m/s]; None: it was stated."""
+    continuous_force: float = inf  # thermal (RMS) limit over move and dwell [N]; inf: not given
+    static_load: float = 0.0  # weight or process force [N]; its amount is not available for motion
+    coulomb_friction: float = 0.0  # of the guides, on the line of the drive [N]; 0: not stated
+    viscous_friction: float = 0.0  # likewise [N s/m]; 0: not stated
     lead: float | None = None
-    gear: float = 1.0
-    encoder_resolution: float = 0.0
+    """Travel of a linear axis per turn of the screw or pinion [m]; None: a linear motor, a rotary
+    axis, or not stated."""
+    gear: float = 1.0  # turns of the motor per turn of the screw, the pinion or the rotary axis [-]
+    encoder_resolution: float = 0.0  # smallest step of the measured position [m]; 0: not stated
 
     @property
     def follows(self) -> bool:
@@ -108,37 +85,19 @@ class Drive:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VelocityStep:
-    """Accelerate from rest to a velocity; the end position is free.
+    """Accelerate from rest to a velocity; the end position is free."""
 
-    Parameters
-    ----------
-    velocity_step
-        Velocity at the end [m/s], > 0.
-    dwell
-        Rest after the move, for the RMS force [s].
-    """
-
-    velocity_step: float
-    dwell: float = 0.0
+    velocity_step: float  # velocity at the end [m/s], > 0
+    dwell: float = 0.0  # rest after the move, for the RMS force [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Positioning:
-    """Move from rest to rest.
+    """Move from rest to rest."""
 
-    Parameters
-    ----------
-    distance
-        Length of the move [m], > 0.
-    max_velocity
-        Velocity limit [m/s]; inf if none was given.
-    dwell
-        Rest after the move, for the RMS force [s].
-    """
-
-    distance: float
-    max_velocity: float = inf
-    dwell: float = 0.0
+    distance: float  # length of the move [m], > 0
+    max_velocity: float = inf  # velocity limit [m/s]; inf: none was given
+    dwell: float = 0.0  # rest after the move, for the RMS force [s]
 
 
 Move = VelocityStep | Positioning
@@ -146,49 +105,27 @@ Move = VelocityStep | Positioning
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Peak:
-    """A bound on a state or output over the whole closed-loop response.
+    """A bound on a state or output over the whole closed-loop response."""
 
-    Parameters
-    ----------
-    name
-        State or output of the plant, e.g. ``v_phi``.
-    bound
-        Largest allowed magnitude, in the SI unit of that signal.
-    """
-
-    name: str
-    bound: float
+    name: str  # state or output of the plant, e.g. ``v_phi``
+    bound: float  # largest allowed magnitude, in the SI unit of that signal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Modes:
-    """Allowed residual deviation in each machining mode [m].
+    """Allowed residual deviation (the band) in each machining mode [m]."""
 
-    Parameters
-    ----------
-    surface, accuracy, speed
-        The band for finishing, for contour accuracy and for roughing [m].
-    """
-
-    surface: float
-    accuracy: float
-    speed: float
+    surface: float  # for finishing
+    accuracy: float  # for contour accuracy
+    speed: float  # for roughing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reserve:
-    """Share of what is allowed that recommendations may use; given limits are judged by all of it.
+    """Share of what is allowed that recommendations may use; given limits may use all of it."""
 
-    Parameters
-    ----------
-    band
-        Of band, contour and peaks [-].
-    force
-        Of the set force and of the RMS force [-].
-    """
-
-    band: float = 0.8
-    force: float = 0.95
+    band: float = 0.8  # of band, contour and peaks [-]
+    force: float = 0.95  # of the set force and of the RMS force [-]
 
 
 NO_RESERVE = Reserve(band=1.0, force=1.0)
@@ -230,64 +167,30 @@ class Requirements:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Weight:
-    """Weight of one squared state in the damping functional, eq. (5).
-
-    Parameters
-    ----------
-    state
-        Name of the state.
-    value
-        c_i in N² per squared unit of the state.
-    """
+    """Weight of one squared state in the damping functional, eq. (5)."""
 
     state: str
-    value: float
+    value: float  # c_i [N² per squared unit of the state]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampingOptimal:
-    """Settings of the damping-optimal control.
-
-    Parameters
-    ----------
-    t_f
-        Final time [s]; None: that of the constrained optimum where there are peaks, else
-        1.2 x t_f,min.
-    weights
-        Explicit weights; empty means "balanced".
-    """
+    """Settings of the damping-optimal control."""
 
     t_f: float | None = None
-    weights: tuple[Weight, ...] = ()
+    """Final time [s]; None: that of the constrained optimum where there are peaks, else 1.2 x
+    t_f,min."""
+    weights: tuple[Weight, ...] = ()  # explicit weights; empty means "balanced"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:
-    """One axis: mechanics, drive, moves, requirements and control.
+    """One axis: mechanics, drive, moves, requirements and control."""
 
-    Parameters
-    ----------
-    name, axis, source
-        For the sheet; ``source`` says where the numbers come from.
-    motion
-        Linear or rotary.
-    mechanics
-        The plant, of any kind.
-    drive, moves, requirements, damping_optimal, control, today
-        See the classes.
-    illustrative
-        Whether the numbers are plausible ones, not those of a real machine.
-    assumed
-        Keys and tables of the profile whose values nobody stated or measured, spelt as in
-        messages, e.g. ``plant.modes[1].damping_ratio``.
-    identified
-        What was measured; None where the numbers come from elsewhere.
-    """
-
-    name: str
+    name: str  # for the sheet, like axis and source
     axis: str
-    source: str
-    mechanics: Mechanics
+    source: str  # where the numbers come from
+    mechanics: Mechanics  # the plant, of any kind
     drive: Drive
     moves: tuple[Move, ...]
     requirements: Requirements
@@ -295,9 +198,11 @@ class Machine:
     damping_optimal: DampingOptimal = field(default_factory=DampingOptimal)
     control: Control = field(default_factory=Control)
     today: Today | None = None
-    illustrative: bool = False
+    illustrative: bool = False  # whether the numbers are plausible, not those of a real machine
     assumed: tuple[str, ...] = ()
-    identified: Identification | None = None
+    """Keys and tables of the profile whose values nobody stated or measured, spelt as in messages,
+    e.g. ``plant.modes[1].damping_ratio``."""
+    identified: Identification | None = None  # what was measured; None: numbers from elsewhere
 
     def is_assumed(self, key: str) -> bool:
         """Return whether a key, or a table that holds it, is one of ``assumed``."""

@@ -31,29 +31,17 @@ moment equations of the two modes are dependent to half of double precision)."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlexibleMode:
-    """One mode q'' + 2 ζ ω q' + ω² q = F.
+    """One mode q'' + 2 ζ ω q' + ω² q = F."""
 
-    Parameters
-    ----------
-    name
-        Identifier, used in state names.
-    natural_frequency
-        ω of the undamped mode [rad/s].
-    damping_ratio
-        ζ [-], 0 <= ζ < 1.
-    tcp_gain, measured_gain
-        Share of q in the tool and in the encoder position, signed [1/kg].
-    """
-
-    name: str = keyed(None, "Name of the mode.", "column")
+    name: str = keyed(None, "Name of the mode.", "column")  # used in state names
     natural_frequency: float = keyed(
         FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
-    )
-    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.03")
-    tcp_gain: float = keyed(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")
+    )  # ω [rad/s]
+    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.03")  # ζ [-]
+    tcp_gain: float = keyed(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")  # of q, signed
     measured_gain: float = keyed(
         MODE_GAINS, "Share in the encoder position.", "0.001 1/kg", default=0.0
-    )
+    )  # of q, signed [1/kg]
 
     @property
     def frequency_hz(self) -> float:
@@ -75,32 +63,20 @@ class FlexibleMode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeldMode:
-    """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''.
+    """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''."""
 
-    Parameters
-    ----------
-    name
-        Identifier, used in state names.
-    natural_frequency
-        ω of the undamped mode, motor held [rad/s].
-    damping_ratio
-        ζ [-], 0 <= ζ < 1.
-    tcp_gain
-        Share of q in the tool position, signed [-].
-    """
-
-    name: str = keyed(None, "Name of the mode.", "belt")
+    name: str = keyed(None, "Name of the mode.", "belt")  # used in state names
     natural_frequency: float = keyed(
         FREQUENCIES,
         "Eigenfrequency with the motor held, undamped.",
         "48 Hz",
         key="frequency",
         factor=2.0 * pi,
-    )
-    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")
+    )  # ω [rad/s]
+    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")  # ζ [-]
     tcp_gain: float = keyed(
         RATIOS, "Share in the tool position; 1 where one mode is all of it.", "1", default=1.0
-    )
+    )  # of q, signed [-]
 
     def find_faults(self) -> list[Misfit]:
         """Return key and message of what cannot be."""
@@ -119,19 +95,11 @@ class HeldMode:
 
 @dataclass(frozen=True, slots=True)
 class ModeStates:
-    """Where the coordinate q of a mode stands in the plant.
+    """Where the coordinate q of a mode stands in the plant."""
 
-    Parameters
-    ----------
-    deflection, rate
-        Names of the two states.
-    scale
-        Factor from q to the state.
-    """
-
-    deflection: str
-    rate: str
-    scale: float = 1.0
+    deflection: str  # name of the state that is scale times q
+    rate: str  # name of the state that is scale times q'
+    scale: float = 1.0  # factor from q to the state
 
 
 class Mechanics(Protocol):

@@ -41,18 +41,10 @@ SHORTEST_VELOCITY_CYCLE = 20e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Remark:
-    """Something unusual in a machine.
+    """Something unusual in a machine."""
 
-    Parameters
-    ----------
-    key
-        Key of the profile, elements of arrays counted from 1.
-    message
-        What was found, and what it means.
-    """
-
-    key: str
-    message: Message
+    key: str  # of the profile, elements of arrays counted from 1
+    message: Message  # what was found, and what it means
 
     def with_key(self) -> Message:
         """Return the remark with its key, as warnings are listed."""
@@ -60,17 +52,9 @@ class Remark:
 
 
 def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
-    """Return what a commissioning engineer would ask about.
+    """Return what a commissioning engineer would ask about a machine; empty if nothing is unusual.
 
-    Parameters
-    ----------
-    machine
-        Nominal machine, valid.
-
-    Returns
-    -------
-    tuple of Remark
-        Empty if nothing is unusual.
+    The machine is nominal and valid.
 
     Examples
     --------

@@ -24,39 +24,21 @@ from mtcommission.units.quantities import (
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A dimension with the values that make sense; the ends are generous.
-
-    Parameters
-    ----------
-    dimension
-        What is measured.
-    low, high
-        Smallest and largest value [SI].
-    above
-        Physical bound that is not itself allowed [SI]; -inf if there is none.
-    """
+    """A dimension with the values that make sense; the ends are generous."""
 
     dimension: Dimension
-    low: float
-    high: float
-    above: float = -inf
+    low: float  # [SI]
+    high: float  # [SI]
+    above: float = -inf  # physical bound that is not itself allowed [SI]; -inf if there is none
 
 
 @dataclass(frozen=True, slots=True)
 class AxisRange:
-    """What is allowed on a linear and on a rotary axis.
-
-    Parameters
-    ----------
-    linear, rotary
-        The ranges of the two.
-    word
-        Text accepted in place of a number, e.g. "auto"; "" for none.
-    """
+    """What is allowed on a linear and on a rotary axis."""
 
     linear: Range
     rotary: Range
-    word: str = ""
+    word: str = ""  # text accepted in place of a number, e.g. "auto"; "" for none
 
     def on(self, axis: AxisUnits) -> Range:
         """Return the range on one kind of axis."""

@@ -10,14 +10,7 @@ from mtcommission.messages.message import Message
 
 
 def peak_velocity(move: Move, acceleration: float) -> float:
-    """Return the largest velocity of a move under an acceleration limit alone [m/s].
-
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    acceleration
-        [m/s²], > 0.
+    """Return the largest velocity [m/s] of a move under an acceleration limit [m/s²], > 0, alone.
 
     Examples
     --------
@@ -33,17 +26,8 @@ def peak_velocity(move: Move, acceleration: float) -> float:
 def least_motion_time(move: Move, acceleration: float) -> float:
     """Return how long a rigid axis needs for a move at this acceleration, without jerk limit [s].
 
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    acceleration
-        [m/s²], > 0.
-
-    Returns
-    -------
-    float
-        v/a, and for positioning L/v on top, with the largest velocity v that is reached.
+    It is v/a, and for positioning L/v on top, with the largest velocity v that is reached;
+    ``acceleration``: a [m/s²], > 0.
 
     Examples
     --------

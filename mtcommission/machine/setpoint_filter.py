@@ -16,27 +16,15 @@ from mtcommission.machine.shapers import Impulses, shape
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetpointFilter:
-    """One filter behind the setpoint generator.
+    """One filter behind the setpoint generator."""
 
-    Parameters
-    ----------
-    kind
-        ``"moving_average"``, ``"two_moving_averages"``, ``"fir"`` or one of ``SHAPERS``.
-    time, second_time
-        Lengths of the averages [s]; 0 where there is none.
-    frequency_hz, damping_ratio
-        What a shaper is designed for [Hz, -].
-    taps, spacing
-        Weights of a finite impulse response, whose sum is 1 [-], and the time between them [s].
-    """
-
-    kind: str
-    time: float = 0.0
-    second_time: float = 0.0
-    frequency_hz: float = 0.0
-    damping_ratio: float = 0.0
-    taps: tuple[float, ...] = ()
-    spacing: float = 0.0
+    kind: str  # ``"moving_average"``, ``"two_moving_averages"``, ``"fir"`` or one of ``SHAPERS``
+    time: float = 0.0  # length of the average [s]; 0: there is none
+    second_time: float = 0.0  # length of the second average [s]; 0: there is none
+    frequency_hz: float = 0.0  # what a shaper is designed for [Hz]
+    damping_ratio: float = 0.0  # likewise [-]
+    taps: tuple[float, ...] = ()  # weights of a finite impulse response, whose sum is 1 [-] ...
+    spacing: float = 0.0  # ... and the time between them [s]
 
     @property
     def averages(self) -> tuple[float, ...]:

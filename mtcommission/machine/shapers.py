@@ -31,30 +31,17 @@ changes it."""
 
 
 class Impulses(NamedTuple):
-    """A sum of delayed copies.
+    """A sum of delayed copies."""
 
-    Parameters
-    ----------
-    delays
-        The first is 0 [s].
-    shares
-        Their sum is 1 [-].
-    """
-
-    delays: tuple[float, ...] = (0.0,)
-    shares: tuple[float, ...] = (1.0,)
+    delays: tuple[float, ...] = (0.0,)  # the first is 0 [s]
+    shares: tuple[float, ...] = (1.0,)  # their sum is 1 [-]
 
 
 @lru_cache(maxsize=4096)
 def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
-    """Return the impulses of a shaper.
+    """Return the impulses of a shaper, whose kind is one of ``SHAPERS``.
 
-    Parameters
-    ----------
-    kind
-        One of ``SHAPERS``.
-    frequency_hz, damping_ratio
-        Natural frequency [Hz] and damping ratio [-] of the mode that shall stay at rest.
+    Natural frequency [Hz] and damping ratio [-] are those of the mode that shall stay at rest.
 
     Source: Singer & Seering 1990 (ZV, ZVD and more derivatives); Singhose, Seering & Singer 1994
     (EI) and 1997 (two and three humps); MZV, the correction for damping and the EI family with
@@ -86,20 +73,11 @@ def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
 def frequencies_told_apart(
     kind: str, *, frequency_hz: float, damping_ratio: float
 ) -> tuple[float, ...]:
-    """Return the frequencies around one that a control tells apart.
+    """Return the frequencies around one that a control tells apart with a kind of shaper [Hz].
 
-    Parameters
-    ----------
-    kind
-        Of the shaper.
-    frequency_hz, damping_ratio
-        What it is wanted for [Hz, -].
-
-    Returns
-    -------
-    tuple of float
-        The same one; on a grid the middles of the ranges that give the nearest spacing of the
-        copies, one sample less and one more [Hz].
+    The same one; on a grid the middles of the ranges that give the nearest spacing of the copies,
+    one sample less and one more. ``frequency_hz`` and ``damping_ratio`` [-] are what the shaper is
+    wanted for.
 
     Examples
     --------

@@ -16,19 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Corner:
-    """One variation of the machine in which the requirements must hold.
+    """One variation of the machine in which the requirements must hold."""
 
-    Parameters
-    ----------
-    payload
-        [kg].
-    frequency_factor, damping_factor
-        Factors on all eigenfrequencies and damping ratios [-].
-    """
-
-    payload: float = 0.0
-    frequency_factor: float = 1.0
-    damping_factor: float = 1.0
+    payload: float = 0.0  # [kg]
+    frequency_factor: float = 1.0  # on all eigenfrequencies [-]
+    damping_factor: float = 1.0  # on all damping ratios [-]
 
 
 NOMINAL = Corner()
@@ -36,22 +28,10 @@ NOMINAL = Corner()
 
 
 def vary(machine: Machine, corner: Corner) -> Machine:
-    """Return the machine in a corner.
+    """Return the nominal machine as it is in a corner: with mechanics changed, all else the same.
 
     Payload adds to the moving mass (and to the rotary inertia if ``payload_radius`` is given);
     the frequency factor s acts through stiffness with damping ratios fixed: k s², d s.
-
-    Parameters
-    ----------
-    machine
-        The nominal machine.
-    corner
-        Payload and factors.
-
-    Returns
-    -------
-    Machine
-        With mechanics changed, all else the same.
 
     Source: the project's definition of corners.
     """
@@ -67,15 +47,8 @@ def vary(machine: Machine, corner: Corner) -> Machine:
 def corners(machine: Machine) -> tuple[Corner, ...]:
     """Return the nominal machine and every combination of the ends of the stated ranges.
 
-    Parameters
-    ----------
-    machine
-        The nominal machine; its requirements hold the ranges.
-
-    Returns
-    -------
-    tuple of Corner
-        First the nominal one, then payload ends x frequency ends x damping ends, none twice.
+    First the nominal one, then payload ends x frequency ends x damping ends, none twice; the
+    machine's requirements hold the ranges.
     """
     needs = machine.requirements
 
@@ -94,19 +67,11 @@ def corners(machine: Machine) -> tuple[Corner, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Variations:
-    """Machines that differ from the nominal one.
+    """Machines that differ from the nominal one."""
 
-    Parameters
-    ----------
-    payload
-        Shape (n_samples,) [kg].
-    frequency_factor, damping_factor
-        Factors on all eigenfrequencies and damping ratios, shape (n_samples,) [-].
-    """
-
-    payload: Array
-    frequency_factor: Array
-    damping_factor: Array
+    payload: Array  # shape (n_samples,) [kg]
+    frequency_factor: Array  # on all eigenfrequencies, shape (n_samples,) [-]
+    damping_factor: Array  # on all damping ratios, shape (n_samples,) [-]
 
     def corner(self, index: int) -> Corner:
         """Return one sample as a corner."""
@@ -118,17 +83,7 @@ class Variations:
 
 
 def draw_variations(machine: Machine, *, samples: int, seed: int) -> Variations:
-    """Return machines drawn uniformly from the stated ranges.
-
-    Parameters
-    ----------
-    machine
-        Its requirements state payload and spreads.
-    samples
-        How many.
-    seed
-        Of the generator.
-    """
+    """Return machines drawn uniformly from the payloads and spreads that the requirements state."""
     generator, needs = np.random.default_rng(seed), machine.requirements
 
     def factor(spread: float) -> Array:

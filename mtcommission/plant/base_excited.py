@@ -34,12 +34,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BaseExcited:
-    """Modes on a motor that follows its setpoint.
-
-    Parameters
-    ----------
-    held_modes
-        One to eight modes with distinct poles.
+    """Modes on a motor that follows its setpoint; their poles are distinct.
 
     Examples
     --------

@@ -35,22 +35,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manipulator:
-    """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1).
+    """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1); fields in SI.
 
-    Parameters
-    ----------
-    base_mass, slider_mass
-        m_b, m_s [kg].
-    rotary_inertia
-        J of the slider tower about the fictive rotary joint [kg m²].
-    lever_arm
-        r, from the joint to the line of the drive force [m].
-    tcp_height
-        h, tool centre point above the joint, signed [m]; the paper gives no sign.
-    base_stiffness, base_damping
-        k_b [N/m], d_b [N s/m].
-    rotary_stiffness, rotary_damping
-        k [N m/rad], d [N m s/rad].
+    ``lever_arm`` reaches to the line of the drive force; the paper gives no sign of ``tcp_height``.
 
     Examples
     --------
@@ -76,7 +63,7 @@ class Manipulator:
         "Tool centre point above the joint, h; negative if the tower tilts backwards.",
         "0.21 m",
     )
-    base_stiffness: float = keyed(STIFFNESSES, "Stiffness k_b.", "44.41 N/um")
+    base_stiffness: float = keyed(STIFFNESSES, "Stiffness k_b.", "44.41 N/um")  # [N/m]
     base_damping: float = keyed(DAMPINGS, "Damping d_b.", "8500 N s/m")
     rotary_stiffness: float = keyed(ROTARY_STIFFNESSES, "Stiffness k.", "8.2e6 N m/rad")
     rotary_damping: float = keyed(ROTARY_DAMPINGS, "Damping d.", "1800 N m s/rad")

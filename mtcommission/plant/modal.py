@@ -29,15 +29,7 @@ MOST_MODES = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Modal:
-    """A rigid mass with flexible modes, as read from a Bode plot.
-
-    Parameters
-    ----------
-    moving_mass
-        Total rigid mass [kg].
-    modes
-        One to eight modes with distinct poles.
-    """
+    """A rigid mass [kg] with flexible modes of distinct poles, as read from a Bode plot."""
 
     kind: ClassVar = "modal"
     position: ClassVar = "x"

@@ -38,31 +38,16 @@ class PlantMode:
 
     The modal coordinate obeys q'' + 2 ζ ω q' + ω² q = F; the plant's states are
     x[deflection] = scale q and x[rate] = scale q'.
-
-    Parameters
-    ----------
-    name
-        Identifier.
-    natural_frequency
-        ω [rad/s].
-    damping_ratio
-        ζ [-].
-    tcp_gain, measured_gain
-        Shares of q in tool and encoder position [1/kg].
-    scale
-        Factor from q to the plant's state.
-    deflection, rate
-        Indices of the two states.
     """
 
     name: str
-    natural_frequency: float
-    damping_ratio: float
-    tcp_gain: float
-    measured_gain: float
-    scale: float
-    deflection: int
-    rate: int
+    natural_frequency: float  # ω [rad/s]
+    damping_ratio: float  # ζ [-]
+    tcp_gain: float  # share of q in the tool position [1/kg]
+    measured_gain: float  # share of q in the encoder position [1/kg]
+    scale: float  # factor from q to the plant's state
+    deflection: int  # index of the state that is scale times q
+    rate: int  # index of the state that is scale times q'
 
     @property
     def frequency_hz(self) -> float:
@@ -78,47 +63,23 @@ class PlantMode:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Plant:
-    """Linear model of an axis.
+    """Linear model of an axis."""
 
-    Parameters
-    ----------
-    states
-        Names of the states; the last one is the force F, but of ``driven_at_once``.
-    A, B
-        Shapes (n, n) and (n,); B is the column of F_set, or of the jerk of a motor that follows.
-    outputs
-        Names of the rows of C: ``tcp``, ``encoder``, ``tcp_vibration`` (the elastic part of tcp).
-    C
-        Shape (n_outputs, n) [m per unit of state].
-    modes
-        The flexible modes.
-    moving_mass
-        Rigid mass [kg].
-    force_lag
-        T [s]; 0 where the motor follows.
-    position, velocity
-        Indices of the rigid position and velocity.
-    signal_units
-        SI units of ``signals``, for messages and sheets.
-    force_unit
-        SI unit of the set force: N, N m, or that of the acceleration of a motor that follows.
-    follows
-        Whether the motor follows its setpoint: the force is its acceleration, the input its jerk.
-    """
-
-    states: tuple[str, ...]
-    A: Array
-    B: Array
+    states: tuple[str, ...]  # names; the last one is the force F, but of ``driven_at_once``
+    A: Array  # shape (n, n)
+    B: Array  # column of F_set, or of the jerk of a motor that follows, shape (n,)
     outputs: tuple[str, ...]
-    C: Array
+    """Names of the rows of C: ``tcp``, ``encoder``, ``tcp_vibration`` (the elastic part of tcp)."""
+    C: Array  # shape (n_outputs, n) [m per unit of state]
     modes: tuple[PlantMode, ...]
-    moving_mass: float
-    force_lag: float
-    position: int
-    velocity: int
-    signal_units: tuple[str, ...]
+    moving_mass: float  # rigid mass [kg]
+    force_lag: float  # T [s]; 0 where the motor follows
+    position: int  # index of the rigid position ...
+    velocity: int  # ... and velocity
+    signal_units: tuple[str, ...]  # SI units of ``signals``, for messages and sheets
     force_unit: str
-    follows: bool = False
+    """SI unit of the set force: N, N m, or that of the acceleration of a motor that follows."""
+    follows: bool = False  # the force is then the motor's acceleration, the input its jerk
 
     @property
     def order(self) -> int:
@@ -157,30 +118,11 @@ class Plant:
         return self.force_unit.replace("s^2", "s^3")
 
     def unit(self, signal: str) -> str:
-        """Return the SI unit of a signal.
-
-        Parameters
-        ----------
-        signal
-            A name from ``signals``.
-
-        Returns
-        -------
-        str
-        """
+        """Return the SI unit of one of ``signals``."""
         return self.signal_units[self.signals.index(signal)]
 
     def row(self, signal: str) -> Array:
-        """Return the row c with signal = c x.
-
-        Parameters
-        ----------
-        signal
-            A name from ``signals``.
-
-        Returns
-        -------
-        ndarray, shape (n,)
+        """Return the row c with signal = c x, shape (n,).
 
         Raises
         ------
@@ -197,18 +139,10 @@ class Plant:
 
 
 def build_plant(machine: Machine) -> Plant:
-    """Return the state space of an axis.
+    """Return the state space of an axis, nominal or in a corner.
 
-    Parameters
-    ----------
-    machine
-        A machine, nominal or in a corner.
-
-    Returns
-    -------
-    Plant
-        States of the manipulator: x_b, x_s, phi, v_b, v_s, v_phi, F; of a modal axis:
-        x, v, q_<name>, v_<name>, ..., F. Where the motor follows, its jerk is the input.
+    States of the manipulator: x_b, x_s, phi, v_b, v_s, v_phi, F; of a modal axis: x, v, q_<name>,
+    v_<name>, ..., F. Where the motor follows, its jerk is the input.
 
     Raises
     ------
@@ -294,16 +228,8 @@ def build_plant(machine: Machine) -> Plant:
 def driven_at_once(plant: Plant) -> Plant:
     """Return the plant that the set force drives, as optimal controls know it.
 
-    Parameters
-    ----------
-    plant
-        From ``build_plant``.
-
-    Returns
-    -------
-    Plant
-        The same behind a force lag; where the motor follows, without the state F: the input is
-        the set acceleration, and acts at once, on position and modes alike.
+    Behind a force lag the plant stays the same; where the motor follows, it goes without the state
+    F: the input is the set acceleration, and acts at once, on position and modes alike.
 
     Examples
     --------
@@ -337,15 +263,7 @@ def kalman_rank(plant: Plant) -> int:
     The states are scaled by the fastest pole first; unscaled, the entries of the paper's
     plant span 18 decades and every numerical rank is meaningless.
 
-    Parameters
-    ----------
-    plant
-        Any plant.
-
-    Returns
-    -------
-    int
-        n if the plant is completely controllable.
+    The rank is n if the plant is completely controllable.
 
     Source: Kalman's criterion; Christiansen, Maurer & Zirn, eq. (10).
     """
@@ -364,15 +282,7 @@ def kalman_rank(plant: Plant) -> int:
 def dominant_mode(plant: Plant) -> PlantMode:
     """Return the mode with the largest static deflection of the tool per newton.
 
-    Parameters
-    ----------
-    plant
-        Any plant.
-
-    Returns
-    -------
-    PlantMode
-        The one that a setpoint excites most: max |tcp_gain| / ω².
+    The one that a setpoint excites most: max |tcp_gain| / ω².
     """
     return max(plant.modes, key=lambda mode: abs(mode.tcp_gain) / mode.natural_frequency**2)
 

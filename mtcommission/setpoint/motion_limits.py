@@ -14,21 +14,11 @@ sampling cycle."""
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionLimits:
-    """What the engineer types into the control.
+    """What the engineer types into the control."""
 
-    Parameters
-    ----------
-    acceleration
-        a [m/s²].
-    jerk
-        j [m/s³].
-    setpoint_filter
-        Typed in with them; None: the one that the control has already, if any.
-    """
-
-    acceleration: float
-    jerk: float
-    setpoint_filter: SetpointFilter | None = None
+    acceleration: float  # a [m/s²]
+    jerk: float  # j [m/s³]
+    setpoint_filter: SetpointFilter | None = None  # None: the one that the control has already
 
     @property
     def jerk_time(self) -> float:
@@ -37,21 +27,10 @@ class MotionLimits:
 
 
 def without_jerk_limit(machine: Machine, acceleration: float) -> MotionLimits:
-    """Return an acceleration without a jerk limit as a control sends it.
+    """Return an acceleration [m/s²] without a jerk limit as a control sends it.
 
     A control sees its setpoint once in a position cycle, so the acceleration is there after one
     cycle; a faster ramp would hand the feed-forward a jerk that no control ever computes.
-
-    Parameters
-    ----------
-    machine
-        Its position cycle counts.
-    acceleration
-        [m/s²].
-
-    Returns
-    -------
-    MotionLimits
     """
     return MotionLimits(
         acceleration=acceleration, jerk=acceleration / machine.control.position_cycle

@@ -20,34 +20,19 @@ jerk before or after it must not hang on the last bit of a sum."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pieces:
-    """Some setpoints, piece by piece.
+    """Some setpoints, piece by piece."""
 
-    Parameters
-    ----------
-    knots
-        In rising order, shape (n_knots, n_setpoints) [s].
-    values
-        Position and its derivatives just after each knot, before the first at first: at rest; shape
-        (n_knots + 1, order + 1, n_setpoints).
-    """
-
-    knots: Array
+    knots: Array  # in rising order, shape (n_knots, n_setpoints) [s]
     values: Array
+    """Position and its derivatives just after each knot, before the first at first: at rest; shape
+    (n_knots + 1, order + 1, n_setpoints)."""
 
     def sample(self, t: Array, *, derivatives: int) -> Array:
-        """Return position and its first derivatives.
+        """Return position and its first derivatives, shape (derivatives, ..., n_setpoints).
 
-        Parameters
-        ----------
-        t
-            Each setpoint's own times, shape (..., n_setpoints) [s].
-        derivatives
-            How many, the position included; those above the order are zero.
-
-        Returns
-        -------
-        ndarray, shape (derivatives, ..., n_setpoints)
-            At a knot as after it.
+        ``t``: each setpoint's own times, shape (..., n_setpoints) [s]; at a knot the values are
+        those after it. ``derivatives``: how many, the position included; those above the order are
+        zero.
         """
         piece = np.zeros(t.shape, dtype=np.intp)
         for knot in self.knots:
@@ -65,17 +50,9 @@ class Pieces:
 def cut(times: Array, steps: Array, *, order: int) -> Pieces:
     """Return the pieces of setpoints whose highest derivative steps.
 
-    Parameters
-    ----------
-    times, steps
-        Instants, in any order, and sizes of the steps, shape (n_setpoints, n_steps).
-    order
-        Which derivative steps: 3 the jerk.
-
-    Returns
-    -------
-    Pieces
-        After the last step at rest or coasting, whatever rounding leaves.
+    ``times`` [s], in any order, and ``steps`` have the shape (n_setpoints, n_steps); ``order`` is
+    that of the derivative that steps: 3 the jerk. After the last step the setpoints are at rest or
+    coast, whatever rounding leaves.
     """
     rising = np.argsort(times, axis=1, kind="stable")
     knots = np.take_along_axis(times, rising, axis=1).T
@@ -95,15 +72,7 @@ def cut(times: Array, steps: Array, *, order: int) -> Pieces:
 
 
 def taylor(derivatives: Array | list[Array], age: Array) -> Array:
-    """Return what has some derivatives, from itself upwards, some time later.
-
-    Parameters
-    ----------
-    derivatives
-        Each of the shape of ``age``.
-    age
-        [s].
-    """
+    """Return a quantity ``age`` [s] later from it and its derivatives, each of that shape."""
     total = np.zeros_like(age)
     for k in range(len(derivatives) - 1, 0, -1):
         total = (total + derivatives[k]) * age / k

@@ -33,21 +33,11 @@ the exact border at which a phase vanishes, and next to it it does not."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JerkSteps:
-    """Setpoints of one move for many limits at once.
+    """Setpoints of one move for many limits at once."""
 
-    Parameters
-    ----------
-    times
-        Instants of the steps, shape (n_limits, n_steps) [s].
-    steps
-        Change of the highest derivative there, shape (n_limits, n_steps) [m/s³, ...].
-    order
-        Which derivative steps: 3 the jerk, and one more for each moving average.
-    """
-
-    times: Array
-    steps: Array
-    order: int = 3
+    times: Array  # instants of the steps, shape (n_limits, n_steps) [s]
+    steps: Array  # change of the highest derivative there, shape (n_limits, n_steps) [m/s³, ...]
+    order: int = 3  # which derivative steps: 3 the jerk, and one more for each moving average
 
     @property
     def duration(self) -> Array:
@@ -57,33 +47,16 @@ class JerkSteps:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Setpoint:
-    """One jerk-limited motion from rest.
-
-    Parameters
-    ----------
-    move
-        What was asked for.
-    limits
-        With which limits.
-    segment_durations, segment_jerks
-        Ruckig's profile before filtering, shape (n_segments,) [s, m/s³].
-    setpoint_filter
-        Behind it; None: none.
-    knot_times, knot_steps
-        Instants at which the highest derivative steps, and by how much, shape (n_knots,) [s, m/s³
-        or more seconds below].
-    order
-        Which derivative steps: 3 the jerk, and one more for each moving average.
-    """
+    """One jerk-limited motion from rest."""
 
     move: Move
     limits: MotionLimits
-    segment_durations: Array
-    segment_jerks: Array
-    setpoint_filter: SetpointFilter | None
-    knot_times: Array
-    knot_steps: Array
-    order: int
+    segment_durations: Array  # of Ruckig's profile before filtering, shape (n_segments,) [s]
+    segment_jerks: Array  # likewise, shape (n_segments,) [m/s³]
+    setpoint_filter: SetpointFilter | None  # behind that profile; None: none
+    knot_times: Array  # instants at which the highest derivative steps, shape (n_knots,) [s]
+    knot_steps: Array  # by how much, shape (n_knots,) [m/s³, m/s⁴, ...]
+    order: int  # which derivative steps: 3 the jerk, and one more for each moving average
 
     @property
     def duration(self) -> float:
@@ -94,16 +67,8 @@ class Setpoint:
 def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
     """Return the fastest jerk-limited motion, computed by Ruckig.
 
-    Parameters
-    ----------
-    move
-        Velocity step (velocity interface) or positioning (position interface).
-    limits
-        Acceleration and jerk limits, and the setpoint filter.
-
-    Returns
-    -------
-    Setpoint
+    A velocity step goes to Ruckig's velocity interface, positioning to its position interface; the
+    setpoint filter of ``limits`` comes behind.
 
     Raises
     ------
@@ -191,17 +156,8 @@ def _assemble(move: Move, limits: MotionLimits, durations: Array, jerks: Array) 
 def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     """Return the setpoint at any times; at rest before 0, coasting after t_e.
 
-    Parameters
-    ----------
-    setpoint
-        A setpoint.
-    times
-        Shape (n_samples,) [s], in any order.
-
-    Returns
-    -------
-    ndarray, shape (n_samples, 4)
-        Columns x_ref, v_ref, a_ref, j_ref [m, m/s, m/s², m/s³]; at a knot the jerk after it.
+    ``times``: shape (n_samples,) [s], in any order. Columns x_ref, v_ref, a_ref, j_ref [m, m/s,
+    m/s², m/s³], shape (n_samples, 4); at a knot the jerk after it.
 
     Examples
     --------
@@ -239,19 +195,9 @@ def jerk_steps(
     The same motions as ``plan_setpoint`` (a test holds the two together), some thousand
     times faster; for the search only.
 
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    acceleration, jerk
-        Limits, shape (n_limits,) [m/s², m/s³].
-    size
-        Velocity steps or distances in place of the move's own, shape (n_limits,) [m/s or m].
-
-    Returns
-    -------
-    JerkSteps
-        4 steps for a velocity step, 8 for positioning; zero-length segments stay in.
+    ``acceleration`` [m/s²], ``jerk`` [m/s³] and ``size``, velocity steps or distances in place of
+    the move's own [m/s or m], have the shape (n_limits,). There are 4 steps for a velocity step, 8
+    for positioning; zero-length segments stay in.
 
     Source: the seven-segment profile, e.g. Biagiotti & Melchiorri, Trajectory Planning for
     Automatic Machines and Robots, 2008, sec. 3.4.
@@ -270,20 +216,10 @@ def jerk_steps(
 
 
 def filter_steps(steps: JerkSteps, item: SetpointFilter | None) -> JerkSteps:
-    """Return the steps of the same setpoints behind a filter.
+    """Return the steps of the same setpoints behind a filter; None: none.
 
-    Parameters
-    ----------
-    steps
-        In front of it.
-    item
-        The filter; None: none.
-
-    Returns
-    -------
-    JerkSteps
-        A shaper multiplies the steps, an average raises the derivative that steps; the last instant
-        is the end of the filtered setpoint.
+    A shaper multiplies the steps, an average raises the derivative that steps; the last instant is
+    the end of the filtered setpoint.
     """
     if item is None:
         return steps

@@ -157,17 +157,8 @@ def show_state_feedback(
 ) -> LoopChoice:
     """Return the same choice with what state feedback would add where it is not used.
 
-    Parameters
-    ----------
-    machine, plant, settings
-        As for ``settle_on_loop``.
-    choice
-        The loop that is used stays.
-
-    Returns
-    -------
-    LoopChoice
-        With variants, unless the sensors see no mode or nothing keeps the margins.
+    The loop that is used stays; variants are added unless the sensors see no mode or nothing keeps
+    the margins. The other arguments are as for ``settle_on_loop``.
     """
     if choice.variants or choice.tuned.controller.state_gains.any():
         return choice

@@ -20,74 +20,40 @@ PUSH_TIME = 0.3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisturbedTool:
-    """The disturbance step response of the tool, nominal machine.
+    """The disturbance step response of the tool, nominal machine."""
 
-    Parameters
-    ----------
-    name
-        Which loop.
-    step
-        The response.
-    """
-
-    name: Message
+    name: Message  # which loop
     step: DisturbanceStep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JerkFeedforward:
-    """The recommended limits with some weight of the jerk feed-forward, worst case.
+    """The recommended limits with some weight of the jerk feed-forward, worst case."""
 
-    Parameters
-    ----------
-    weight
-        1 cancels the drive lag [-].
-    is_used
-        Whether everything else in the record uses this weight.
-    reference_delay
-        τ [s].
-    max_force
-        Largest |F_set| that the loop asks for [N].
-    settling_time, residual_deviation
-        [s, m].
-    """
-
-    weight: float
-    is_used: bool
-    reference_delay: float
-    max_force: float
-    settling_time: float
-    residual_deviation: float
+    weight: float  # 1 cancels the drive lag [-]
+    is_used: bool  # whether everything else in the record uses this weight
+    reference_delay: float  # τ [s]
+    max_force: float  # largest |F_set| that the loop asks for [N]
+    settling_time: float  # [s]
+    residual_deviation: float  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopStudy:
-    """All of it.
-
-    Parameters
-    ----------
-    disturbed
-        The loop without and with state feedback, or the one there is; empty where the motor
-        follows its setpoint, whatever pushes.
-    jerk_feedforward
-        Without, with, and as the profile has it; empty where the control has none.
-    """
+    """The response of the tool to a disturbance, and the effect of the jerk feed-forward."""
 
     disturbed: tuple[DisturbedTool, ...]
+    """The loop without and with state feedback, or the one there is; empty where the motor follows
+    its setpoint, whatever pushes."""
     jerk_feedforward: tuple[JerkFeedforward, ...]
+    """Without, with, and as the profile has it; empty where the control has none."""
 
 
 def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> LoopStudy:
     """Return the response to a disturbance and the effect of the jerk feed-forward.
 
-    Parameters
-    ----------
-    machine
-        Nominal.
-    loop
-        The loop that is used, and its variants.
-    limits
-        The recommended ones.
+    ``machine``: nominal; ``loop``: the loop that is used, and its variants; ``limits``: the
+    recommended ones.
     """
     if machine.drive.follows:
         return LoopStudy(disturbed=(), jerk_feedforward=())

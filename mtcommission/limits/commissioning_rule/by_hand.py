@@ -27,74 +27,35 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleFormula:
-    """One of the rule's formulas.
-
-    Parameters
-    ----------
-    tree
-        The formula.
-    aside
-        Where it holds; None: everywhere.
-    """
+    """One of the rule's formulas."""
 
     tree: Relation
-    aside: Message | None = None
+    aside: Message | None = None  # where it holds; None: everywhere
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleStep:
-    """One line of the hand calculation.
+    """One line of the hand calculation."""
 
-    Parameters
-    ----------
-    name
-        What is computed.
-    formula
-        How.
-    value
-        Result.
-    unit
-        SI unit of the result.
-    """
-
-    name: Message
+    name: Message  # what is computed
     formula: Expression | Message
     value: float
-    unit: str
+    unit: str  # SI unit of ``value``
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
-    """A setpoint filter, or none, with the jerk and the acceleration that go with it.
+    """A setpoint filter, or none, with the jerk and the acceleration that go with it."""
 
-    Parameters
-    ----------
-    name
-        Which filter.
-    limits
-        Acceleration, jerk, and the filter where it is the rule's to choose.
-    average
-        Length T_F of the moving average [s]; 0: none.
-    allowed_jerk
-        What the band allows, however short the ramp is [m/s³].
-    by_force
-        What the force allows at that jerk [m/s²].
-    bound_by
-        What bounds the acceleration: the force, or the reach (a is just reached by a move).
-    duration
-        Of the slowest move, filter included, t_e [s].
-    residual_deviation
-        Predicted by the rule, worst size and corner [m].
-    """
-
-    name: Message
-    limits: MotionLimits
-    average: float
-    allowed_jerk: float
-    by_force: float
+    name: Message  # which filter
+    limits: MotionLimits  # acceleration, jerk, and the filter where it is the rule's to choose
+    average: float  # length T_F of the moving average [s]; 0: none
+    allowed_jerk: float  # what the band allows, however short the ramp is [m/s³]
+    by_force: float  # what the force allows at that jerk [m/s²]
     bound_by: Message
-    duration: float
-    residual_deviation: float
+    """What bounds the acceleration: the force, or the reach (a is just reached by a move)."""
+    duration: float  # of the slowest move, filter included, t_e [s]
+    residual_deviation: float  # predicted by the rule, worst size and corner [m]
 
 
 def _formulas(*names: str) -> tuple[Expression, ...]:
@@ -121,18 +82,7 @@ FORCE = (
 
 
 def formulas_for(moves: Sequence[Move]) -> tuple[RuleFormula, ...]:
-    """Return the rule's formulas for some moves.
-
-    Parameters
-    ----------
-    moves
-        Velocity steps, positioning moves, or both.
-
-    Returns
-    -------
-    tuple of RuleFormula
-        With the distance where there is a positioning move.
-    """
+    """Return the rule's formulas for some moves, with the distance where one is positioning."""
     found: list[tuple[Relation, Message | None]] = [
         (RESIDUAL, None),
         (C_i.equals(m * abs(g_i) / omega_i**3), None),
@@ -148,15 +98,7 @@ def formulas_for(moves: Sequence[Move]) -> tuple[RuleFormula, ...]:
 
 
 def calculate_by_hand(axis: AxisEstimate, found: Tried) -> tuple[RuleStep, ...]:
-    """Return the calculation of what the rule gives, in order.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-    found
-        What the rule gives.
-    """
+    """Return the calculation of what the rule found for an axis, in order."""
     average, limits = found.average, found.limits
     impulse = call("max", 0.4 * T**2, 0.18 * T_p**2) + 0.8 * Sum(m * c / omega**2)
     swing = call("min", 2.4, 6 / (omega_v * T_F)) if average else Number("2.4")

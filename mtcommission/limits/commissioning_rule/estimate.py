@@ -52,26 +52,14 @@ FORCE_RESERVE = 1.17
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeEstimate:
-    """A mode as the formulas need it.
-
-    Parameters
-    ----------
-    name
-        Identifier.
-    low_hz, high_hz
-        What the closed loop rings with lies between: the lower end with the encoder held still
-        and the spread [Hz].
-    damping
-        Least damping ratio [-].
-    jerk_sensitivity
-        m |g|/ω³ at the lower end, deviation per jerk step [s³].
-    """
+    """A mode as the formulas need it."""
 
     name: str
     low_hz: float
-    high_hz: float
-    damping: float
-    jerk_sensitivity: float
+    """Lower end of what the closed loop rings with: encoder held still, and the spread [Hz]."""
+    high_hz: float  # upper end [Hz]
+    damping: float  # least damping ratio [-]
+    jerk_sensitivity: float  # m |g|/ω³ at the lower end, deviation per jerk step [s³]
 
     @property
     def middle_hz(self) -> float:
@@ -81,41 +69,22 @@ class ModeEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServoEstimate:
-    """The following-error transient of the servo.
+    """The following-error transient of the servo."""
 
-    Parameters
-    ----------
-    speed
-        ω_v with the largest mass [1/s].
-    impulse
-        Acceleration that the feed-forward misses, times time, per jerk of one step [s²].
-    missing
-        Largest share of the force that the feed-forward does not know [-].
-    drag
-        Deviation per jerk by it [s³].
-    """
-
-    speed: float
+    speed: float  # ω_v with the largest mass [1/s]
     impulse: float
-    missing: float
-    drag: float
+    """Acceleration that the feed-forward misses, times time, per jerk of one step [s²]."""
+    missing: float  # largest share of the force that the feed-forward does not know [-]
+    drag: float  # deviation per jerk by it [s³]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AxisEstimate:
-    """An axis with all numbers that the formulas need.
+    """An axis with all numbers that the formulas need."""
 
-    Parameters
-    ----------
-    machine, plant, controller
-        Nominal machine, its plant, and the gains of its loop.
-    modes, servo
-        See the classes.
-    """
-
-    machine: Machine
+    machine: Machine  # nominal
     plant: Plant
-    controller: Controller
+    controller: Controller  # the gains of its loop
     modes: tuple[ModeEstimate, ...]
     servo: ServoEstimate
 
@@ -123,12 +92,7 @@ class AxisEstimate:
 def estimate_axis(machine: Machine, plant: Plant, controller: Controller) -> AxisEstimate:
     """Return the numbers behind the formulas for one axis.
 
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-    controller
-        Its gains.
+    Machine and plant are nominal.
     """
     return AxisEstimate(
         machine=machine,
@@ -145,19 +109,8 @@ def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
     |1 - exp(p t)| with the eigenfrequency anywhere within its spread: an upper bound, exact
     without damping or without spread.
 
-    Parameters
-    ----------
-    cycles
-        f t, time between the pushes in periods of the mode [-].
-    damping
-        ζ [-].
-    spread
-        Relative uncertainty of f [-].
-
-    Returns
-    -------
-    float
-        0 ... 2.
+    It is 0 ... 2. ``cycles``: f t, time between the pushes in periods of the mode [-]; ``damping``:
+    ζ [-]; ``spread``: relative uncertainty of f [-].
 
     Source: derived in ``docs/commissioning-rule.md``.
 
@@ -219,19 +172,9 @@ def masses_in_corners(machine: Machine) -> list[float]:
 
 
 def servo_sensitivity(axis: AxisEstimate, average: float) -> float:
-    """Return the deviation per jerk by the servo, after the worst of all sizes.
+    """Return the jerk sensitivity C_S of the servo, deviation per jerk after the worst size [s³].
 
-    Parameters
-    ----------
-    axis
-        The axis.
-    average
-        Length T_F of the moving average behind the setpoint, 0 for none [s].
-
-    Returns
-    -------
-    float
-        Jerk sensitivity C_S [s³].
+    ``average``: length T_F of the moving average behind the setpoint, 0 for none [s].
     """
     servo = axis.servo
     passed = min(ALL_STEPS, SMOOTHED / (servo.speed * average)) if average else ALL_STEPS
@@ -241,17 +184,7 @@ def servo_sensitivity(axis: AxisEstimate, average: float) -> float:
 def passed_by_average(mode: ModeEstimate, average: float) -> float:
     """Return the share of a mode's vibration behind a moving average, worst within its range.
 
-    Parameters
-    ----------
-    mode
-        The mode.
-    average
-        Length T_F, 0 for none [s].
-
-    Returns
-    -------
-    float
-        W = R(f T_F)/(ω T_F), at most 1 [-].
+    W = R(f T_F)/(ω T_F), at most 1 [-]; ``average``: length T_F, 0 for none [s].
     """
     if not average:
         return 1.0
@@ -268,15 +201,7 @@ def count_ramps(moves: Sequence[Move]) -> int:
 
 
 def duration(move: Move, limits: MotionLimits) -> float:
-    """Return the end t_e of a setpoint [s].
-
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    limits
-        Acceleration and jerk.
-    """
+    """Return the end t_e of the setpoint of a move with these limits [s]."""
     steps = jerk_steps(
         move, acceleration=np.array([limits.acceleration]), jerk=np.array([limits.jerk])
     )
@@ -284,22 +209,12 @@ def duration(move: Move, limits: MotionLimits) -> float:
 
 
 def force_acceleration(axis: AxisEstimate, jerk: float) -> float:
-    """Return the largest acceleration within the force: inertia, velocity ripple and modes.
+    """Return the largest acceleration within the force [m/s²]: inertia, velocity ripple and modes.
 
     The velocity setpoint is held for T_p, so it is off by a T_p/2, and a visible mode adds its
     rate, that of a step of the acceleration or of two of the jerk; Kp answers both.
 
-    Parameters
-    ----------
-    axis
-        The axis.
-    jerk
-        j [m/s³].
-
-    Returns
-    -------
-    float
-        a [m/s²].
+    ``jerk``: j [m/s³].
     """
     machine, controller = axis.machine, axis.controller
     m, Kp = controller.feedforward_mass, controller.velocity_gain

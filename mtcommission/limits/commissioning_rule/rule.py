@@ -64,30 +64,15 @@ VALIDITY = Message("rule-validity")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleResult:
-    """The rule applied to a machine.
+    """The rule applied to a machine."""
 
-    Parameters
-    ----------
-    best
-        What has the shortest motion.
-    tried
-        All that was tried.
-    predicted_settling_time
-        t_e + τ of the slowest move [s].
-    formulas
-        The rule.
-    steps
-        The hand calculation, in order.
-    warnings
-        Why it may not hold for this machine; empty inside its range of validity.
-    """
-
-    best: Tried
+    best: Tried  # what has the shortest motion
     tried: tuple[Tried, ...]
-    predicted_settling_time: float
+    predicted_settling_time: float  # t_e + τ of the slowest move [s]
     formulas: tuple[RuleFormula, ...]
-    steps: tuple[RuleStep, ...]
+    steps: tuple[RuleStep, ...]  # the hand calculation, in order
     warnings: tuple[Message, ...]
+    """Why it may not hold for this machine; empty inside its range of validity."""
 
     @property
     def limits(self) -> MotionLimits:
@@ -98,12 +83,8 @@ class RuleResult:
 def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -> RuleResult:
     """Return limits and filter by the commissioning rule, with the hand calculation.
 
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-    tuned
-        Only its gains are used: Kv, Kp, Tn, cycles and feed-forward.
+    Machine and plant are nominal; of ``tuned`` only the gains are used: Kv, Kp, Tn, cycles and
+    feed-forward.
 
     Source: derived and validated in ``docs/commissioning-rule.md``.
 

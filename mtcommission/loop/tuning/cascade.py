@@ -28,21 +28,12 @@ from mtcommission.plant.plant import Plant
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """What a loop is beside its Kp; the defaults are the classic rule.
+    """What a loop is beside its Kp; the defaults are the classic rule."""
 
-    Parameters
-    ----------
-    position_ratio
-        Kv m / Kp [-]; 1/4: speed loop damping 1.
-    integral_ratio
-        Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop.
-    mode_weight
-        Of the state feedback, see ``state_feedback.add_state_feedback`` [-]; 0: none.
-    """
-
-    position_ratio: float = 0.25
-    integral_ratio: float = 4.0
+    position_ratio: float = 0.25  # Kv m / Kp [-]; 1/4: speed loop damping 1
+    integral_ratio: float = 4.0  # Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop
     mode_weight: float = 0.0
+    """Of the state feedback, see ``state_feedback.add_state_feedback`` [-]; 0: none."""
 
 
 CLASSIC = Shape()
@@ -53,14 +44,8 @@ def build_cascade(
 ) -> Controller:
     """Return the cascade without state feedback: given gains as given, the rest by its shape.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal machine and its plant.
-    fraction
-        f, Kp over the symmetrical optimum [-]; without effect where Kp is given.
-    shape
-        Kv and Tn over Kp; without effect where they are given.
+    Machine and plant are nominal. ``fraction``: f, Kp over the symmetrical optimum [-], without
+    effect where Kp is given; ``shape``: Kv and Tn over Kp, without effect where they are given.
     """
     given, drive = machine.control, machine.drive
     mass = moving_mass(machine) + mid_payload(machine)
@@ -111,12 +96,7 @@ def build_cascade(
 
 
 def symmetrical_optimum(machine: Machine) -> float:
-    """Return Kp = m / (2 T_σ) with the mass at mid payload [N s/m].
-
-    Parameters
-    ----------
-    machine
-        Nominal.
+    """Return Kp = m / (2 T_σ) of a nominal machine with the mass at mid payload [N s/m].
 
     Source: symmetrical optimum (Kessler 1958), T_σ as the sum of the small time constants.
     """
@@ -127,13 +107,7 @@ def symmetrical_optimum(machine: Machine) -> float:
 
 
 def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, ...]:
-    """Return by which rules the gains were chosen.
-
-    Parameters
-    ----------
-    machine, controller
-        The controller that was built for the machine.
-    """
+    """Return by which rules the gains of a machine's controller were chosen."""
     given, remarks = machine.control, []
     Kp = controller.velocity_gain
     mass = moving_mass(machine) + mid_payload(machine)

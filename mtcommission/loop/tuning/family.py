@@ -51,11 +51,6 @@ class LoopFamily:
 def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
     """Return the cascades of a machine, with its state gains where these are given.
 
-    Parameters
-    ----------
-    machine, settings
-        As for ``tune_loop``.
-
     Raises
     ------
     ComputationError
@@ -76,17 +71,10 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
 
 
 def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
-    """Return the same with an observer, and state feedback by weight.
+    """Return the family with an observer, and state feedback by weight.
 
-    Parameters
-    ----------
-    cascades
-        From ``cascade_family``, without given state gains.
-
-    Returns
-    -------
-    LoopFamily or None
-        None if the sensors see no mode that moves the tool.
+    None if the sensors see no mode that moves the tool. ``cascades``: from ``cascade_family``,
+    without given state gains.
 
     Raises
     ------
@@ -105,14 +93,8 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
 def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
     """Return a controller of the family.
 
-    Parameters
-    ----------
-    family
-        What it shares with the others.
-    shape
-        Its weight counts where the family damps.
-    fraction
-        Kp over the symmetrical optimum [-].
+    The weight of ``shape`` counts where the family damps; ``fraction``: Kp over the symmetrical
+    optimum [-].
     """
     model = family.bench.model
     cascade = build_cascade(family.machine, model, fraction=fraction, shape=shape)

@@ -24,17 +24,8 @@ def follow(machine: Machine, bench: CornerPlants) -> TunedLoop:
     Between two setpoints it moves by the cubic that has position and velocity of both, so that no
     impulse gets lost, wherever in a cycle the acceleration steps.
 
-    Parameters
-    ----------
-    machine
-        With a position source.
-    bench
-        From ``corner_plants``.
-
-    Returns
-    -------
-    TunedLoop
-        Without gains, responses and analyses: there is no loop whose margins could be told.
+    The machine has a position source; what comes out has no gains, responses and analyses: there is
+    no loop whose margins could be told.
     """
     control = machine.control
     controller = Controller(

@@ -30,17 +30,8 @@ UNDAMPED = 0.5
 def judge_given(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
     """Return what is poor about a loop with given gains, and which of them to lower.
 
-    Parameters
-    ----------
-    family
-        Of the machine with the given gains.
-    tuned
-        Its loop in every corner.
-
-    Returns
-    -------
-    tuple of Message
-        Empty if margins and bandwidth suffice.
+    Empty if margins and bandwidth suffice. ``family``: of the machine with the given gains;
+    ``tuned``: its loop in every corner.
 
     Raises
     ------
@@ -70,14 +61,7 @@ def judge_given(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
 def warn_of_filters(tuned: TunedLoop, unfiltered: TunedLoop) -> Iterator[Message]:
     """Yield what set-force filters cost in bandwidth, if that is much.
 
-    Parameters
-    ----------
-    tuned, unfiltered
-        The loops with and without them, both by the same rules.
-
-    Yields
-    ------
-    Message
+    ``tuned`` and ``unfiltered`` are the loops with and without them, both by the same rules.
     """
     with_them, without = tuned.least_bandwidth_hz, unfiltered.least_bandwidth_hz
     if with_them < SOFTENED * without:
@@ -85,17 +69,7 @@ def warn_of_filters(tuned: TunedLoop, unfiltered: TunedLoop) -> Iterator[Message
 
 
 def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
-    """Yield the modes that the loop damps much less than the structure does.
-
-    Parameters
-    ----------
-    bench, tuned
-        The machine in every corner and its loop there.
-
-    Yields
-    ------
-    Message
-    """
+    """Yield the modes that the loop damps much less than the structure does."""
     for index, mode in enumerate(bench.model.modes):
         own = [plant.modes[index].damping_ratio for plant in bench.plants]
         closed = [float(analysis.mode_damping[index]) for analysis in tuned.analyses]

@@ -19,57 +19,29 @@ CLEARLY_LESS = 0.8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swing:
-    """One pair of closed-loop poles as part of a mode.
+    """One pair of closed-loop poles as part of a mode."""
 
-    Parameters
-    ----------
-    frequency_hz
-        |s| / (2 π) [Hz].
-    damping_ratio
-        [-].
-    share
-        Participation of the mode in the pair, relative to that in all poles [-].
-    """
-
-    frequency_hz: float
-    damping_ratio: float
-    share: float
+    frequency_hz: float  # |s| / (2 π) [Hz]
+    damping_ratio: float  # [-]
+    share: float  # participation of the mode in the pair, relative to that in all poles [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MixedMode:
-    """A mode whose shown damping ratio does not tell all.
-
-    Parameters
-    ----------
-    name
-        Of the mode.
-    shown
-        The pair whose damping ratio is shown as the mode's: the least damped of those that hold
-        a notable part of it.
-    larger
-        The pair that holds most of it.
-    """
+    """A mode whose shown damping ratio does not tell all."""
 
     name: str
     shown: Swing
-    larger: Swing
+    """The pair whose damping ratio is shown as the mode's: the least damped of those that hold a
+    notable part of it."""
+    larger: Swing  # the pair that holds most of it
 
 
 def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]:
     """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
 
-    Parameters
-    ----------
-    loop
-        Of one corner.
-    damping
-        Damping ratio shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
-
-    Returns
-    -------
-    tuple of MixedMode
-        Empty where the shown ratios tell all.
+    Empty where the shown ratios tell all. ``loop``: of one corner; ``damping``: damping ratio shown
+    for each mode, from ``analyse_loop``, shape (n_modes,) [-].
 
     Examples
     --------
@@ -91,13 +63,7 @@ def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]
 
 
 def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[Message, ...]:
-    """Return one remark for each mode.
-
-    Parameters
-    ----------
-    mixed
-        From ``find_mixed_modes``.
-    """
+    """Return one remark for each mode from ``find_mixed_modes``."""
     return tuple(
         Message(
             "loop-mixed-mode",

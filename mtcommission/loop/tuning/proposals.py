@@ -34,51 +34,26 @@ HALF_STEP = sqrt(2.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
-    """A loop with all margins.
+    """A loop with all margins."""
 
-    Parameters
-    ----------
-    shape, tuned
-        How it was built, and the loop in every corner.
-    """
-
-    shape: Shape
-    tuned: TunedLoop
+    shape: Shape  # how it was built
+    tuned: TunedLoop  # the loop in every corner
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposals:
-    """The loops worth a trial.
+    """The loops worth a trial."""
 
-    Parameters
-    ----------
-    family
-        What they share.
-    classic
-        The cascade by the classic rule; None if that lacks the margins.
-    loops
-        Those that keep what the classic one has, that one first.
-    fastest_hz
-        Largest bandwidth of all loops with the margins [Hz]; 0 if there is none.
-    remark
-        Why there is no loop with state feedback, if that was sought in vain.
-    """
-
-    family: LoopFamily
-    classic: TunedLoop | None
-    loops: tuple[Proposal, ...]
-    fastest_hz: float
+    family: LoopFamily  # what they share
+    classic: TunedLoop | None  # the cascade by the classic rule; None if that lacks the margins
+    loops: tuple[Proposal, ...]  # those that keep what the classic one has, that one first
+    fastest_hz: float  # largest bandwidth of all loops with the margins [Hz]; 0: there is none
     remark: Message | None = None
+    """Why there is no loop with state feedback, if that was sought in vain."""
 
 
 def propose_cascades(family: LoopFamily) -> Proposals:
-    """Return cascades of all shapes that the settings name, and the one by the classic rule.
-
-    Parameters
-    ----------
-    family
-        From ``cascade_family``.
-    """
+    """Return cascades of all shapes that the settings name, and the one by the classic rule."""
     classic = tune_shape(family, CLASSIC, largest=1.0)
     settings = family.settings
     shapes = [
@@ -91,19 +66,10 @@ def propose_cascades(family: LoopFamily) -> Proposals:
 def propose_feedback(
     cascades: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]
 ) -> Proposals:
-    """Return loops with state feedback.
+    """Return loops with state feedback, with a remark why there is none, if so.
 
-    Parameters
-    ----------
-    cascades, classic
-        Without state feedback.
-    shapes
-        Of the cascade in it; each is tried with each of the settings' weights.
-
-    Returns
-    -------
-    Proposals
-        With a remark why there is none, if so.
+    ``cascades`` and ``classic`` are without it; ``shapes`` are those of the cascade in it, each
+    tried with each of the settings' weights.
     """
     try:
         family = feedback_family(cascades)
@@ -124,32 +90,15 @@ def propose_feedback(
 def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ...]:
     """Return the shapes for which state feedback is worth a try.
 
-    Parameters
-    ----------
-    settings
-        With the shapes tried.
-    near
-        That which serves best without it.
-
-    Returns
-    -------
-    tuple of Shape
-        That one, and two with a short integral time: state feedback damps what that shakes.
+    They are ``near``, which serves best without it, and two with a short integral time: state
+    feedback damps what that shakes.
     """
     gentle = replace(CLASSIC, position_ratio=min(settings.position_ratios))
     return tuple(dict.fromkeys((near, CLASSIC, gentle)))
 
 
 def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
-    """Return loops half a step away from a good one.
-
-    Parameters
-    ----------
-    proposals
-        That the good one is from.
-    shape
-        Of the good one.
-    """
+    """Return loops half a step away from the good one of this shape among the proposals."""
     steps = (1.0 / HALF_STEP, HALF_STEP)
     near = [replace(shape, position_ratio=step * shape.position_ratio) for step in steps]
     near += [
@@ -216,15 +165,7 @@ def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bo
 def integral_gain(controller: Controller) -> float:
     """Return Kp Kv / Tn: a lasting force F deflects by an integral over time of F over it.
 
-    Parameters
-    ----------
-    controller
-        State feedback does not change it.
-
-    Returns
-    -------
-    float
-        [N/(m s)].
+    The unit is N/(m s); state feedback does not change it.
 
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4: the integrated error after a
     step of load is one over the integral gain.

@@ -23,16 +23,9 @@ eigenvalue on the imaginary axis by some 1e-8, the root of the machine accuracy.
 def regulator_gains(A: Array, B: Array, Q: Array) -> Array:
     """Return the K of u = -K x that minimises the integral of xᵀ Q x + u² under ẋ = A x + B u.
 
-    Parameters
-    ----------
-    A, B, Q
-        Shapes (n, n), (n,), (n, n), Q symmetric and not negative; scaled to numbers near 1.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        K = Bᵀ X, where the columns of (I; X) span what of the Hamiltonian matrix
-        H = (A, -B Bᵀ; -Q, -Aᵀ) decays: with an ordered Schur basis (U₁; U₂) of it, X = U₂ U₁⁻¹.
+    A, B, Q have the shapes (n, n), (n,), (n, n), Q is symmetric and not negative; all scaled to
+    numbers near 1. K = Bᵀ X, shape (n,), where the columns of (I; X) span what of the Hamiltonian
+    matrix H = (A, -B Bᵀ; -Q, -Aᵀ) decays: with an ordered Schur basis (U₁; U₂) of it, X = U₂ U₁⁻¹.
 
     Raises
     ------
@@ -72,16 +65,9 @@ def _decays(rate: float, _: float) -> bool:
 def observer_gains(A: Array, G: Array, C: Array) -> Array:
     """Return the L of x̂⁺ = A x̂ + L (y - C x̂) with the least error under white noises.
 
-    Parameters
-    ----------
-    A, G, C
-        x⁺ = A x + G w, y = C x + v; shapes (n, n), (n, n_noises), (n_sensors, n). All noises
-        have variance 1.
-
-    Returns
-    -------
-    ndarray, shape (n, n_sensors)
-        A P Cᵀ (C P Cᵀ + I)⁻¹, the predicting form, with P from the Riccati equation.
+    The plant is x⁺ = A x + G w, y = C x + v; A, G, C have the shapes (n, n), (n, n_noises),
+    (n_sensors, n), and all noises variance 1. L = A P Cᵀ (C P Cᵀ + I)⁻¹, shape (n, n_sensors), the
+    predicting form, with P from the Riccati equation.
 
     Raises
     ------

@@ -22,32 +22,14 @@ Array = NDArray[np.float64]
 
 
 def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
-    """Return whether a mode shows in any of the sensors.
-
-    Parameters
-    ----------
-    mode
-        Of the plant.
-    sensors
-        Names of measured outputs.
-    """
+    """Return whether a mode shows in any of the sensors (names of measured outputs)."""
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
 
 def moving_modes(plant: Plant, sensors: tuple[str, ...]) -> tuple[PlantMode, ...]:
     """Return the visible modes that move the tool, the one that moves it most first.
 
-    Parameters
-    ----------
-    plant
-        Nominal.
-    sensors
-        Names of measured outputs.
-
-    Returns
-    -------
-    tuple of PlantMode
-        By |tcp_gain| / ω.
+    Ordered by |tcp_gain| / ω of the nominal plant; ``sensors``: names of measured outputs.
     """
     visible = [mode for mode in plant.modes if is_seen(mode, sensors) and mode.tcp_gain]
     return tuple(sorted(visible, key=_tool_share, reverse=True))
@@ -68,17 +50,9 @@ def add_state_feedback(
 ) -> Controller:
     """Return the cascade with the state feedback that damps what moves the tool.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal machine and its plant.
-    cascade
-        Without state feedback.
-    weight
-        Of the squared vibration of the tool against the squared force, in units of what F_max
-        does to the mode that moves the tool most [-].
-    observer
-        From ``design_observer``.
+    Machine and plant are nominal, ``cascade`` is without state feedback. ``weight``: of the squared
+    vibration of the tool against the squared force, in units of what F_max does to the mode that
+    moves the tool most [-]; ``observer``: from ``design_observer``.
     """
     gains = _gains(machine, plant, cascade, weight, observer.states)
     return replace(cascade, state_gains=gains, observer=observer)
@@ -89,14 +63,8 @@ def given_state_feedback(
 ) -> Controller:
     """Return the cascade with the state gains that the profile gives.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal machine and its plant.
-    cascade
-        Without state feedback.
-    settings
-        Assumed noises of the observer.
+    Machine and plant are nominal, ``cascade`` is without state feedback; ``settings``: assumed
+    noises of the observer.
 
     Raises
     ------
@@ -121,14 +89,8 @@ def design_observer(
 ) -> Observer:
     """Return the stationary Kalman observer at the velocity cycle for all that the sensors see.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal machine and its plant.
-    cascade
-        Its sensors and its velocity cycle count.
-    settings
-        Assumed noises.
+    Machine and plant are nominal; of ``cascade`` its sensors and its velocity cycle count, of
+    ``settings`` the assumed noises.
     """
     modes = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
     states = [plant.position, plant.velocity]

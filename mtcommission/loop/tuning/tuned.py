@@ -26,65 +26,45 @@ from mtcommission.plant.plant import Plant, build_plant
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TuningSettings:
-    """What a tuned loop must reach, and how its observer sees noise.
+    """What a tuned loop must reach, and how its observer sees noise."""
 
-    Parameters
-    ----------
-    gain_margin_db, phase_margin_deg, sensitivity_peak
-        Required in every corner; Åström & Hägglund recommend 6 ... 14 dB, 30 ... 60 degrees and
-        1.2 ... 2.0.
-    position_ratios, integral_ratios
-        Kv m / Kp and Tn Kp / m of the loops that are tried; Tn is never shorter than by the
-        classic rule, and no longer than engineers type (Yaskawa: 40 ms at 50 Hz is a ratio of
-        12.6, 120 ms at 20 Hz one of 15).
-    mode_weights
-        Weights of the squared vibration of the tool against the squared force, see
-        ``state_feedback.add_state_feedback``; each is tried.
-    least_integral_share
-        Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
-        displaces, summed over time, is the reciprocal (design choice).
-    longest_integral_time
-        Tn beyond it is not proposed, but by the classic rule [s]: engineers type 5 to 120 ms, the
-        longest on soft axes (Yaskawa).
-    largest_fraction
-        Where Kp begins, as a multiple of the symmetrical optimum (empirical: margins end the
-        search before).
-    reduction
-        Factor from one try of Kp to the next, until the margins hold.
-    force_noise, mode_noise, position_noise
-        Standard deviations that the observer assumes: unknown force of the drive, and on each
-        mode, relative to F_max [-], and encoder error [m] (empirical: they set its bandwidth,
-        not the loop's accuracy; without the second one the observer itself rings at the
-        frequencies at which the encoder stands still).
-    """
-
-    gain_margin_db: float = 6.0
-    phase_margin_deg: float = 30.0
-    sensitivity_peak: float = 2.0
-    position_ratios: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5)
+    gain_margin_db: float = 6.0  # in every corner; Åström & Hägglund recommend 6 ... 14 dB
+    phase_margin_deg: float = 30.0  # in every corner; they recommend 30 ... 60 degrees
+    sensitivity_peak: float = 2.0  # in every corner [-]; they recommend 1.2 ... 2.0
+    position_ratios: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5)  # Kv m / Kp that are tried [-]
     integral_ratios: tuple[float, ...] = (4.0, 8.0, 12.0)
+    """Tn Kp / m that are tried [-]; Tn is never shorter than by the classic rule, and no longer
+    than engineers type (Yaskawa: 40 ms at 50 Hz is a ratio of 12.6, 120 ms at 20 Hz one of 15)."""
     mode_weights: tuple[float, ...] = (1.0, 10.0)
+    """Weights of the squared vibration of the tool against the squared force, see
+    ``state_feedback.add_state_feedback``; each is tried."""
     least_integral_share: float = 0.5
+    """Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
+    displaces, summed over time, is the reciprocal (design choice)."""
     longest_integral_time: float = 0.12
+    """Tn beyond it is not proposed, but by the classic rule [s]: engineers type 5 to 120 ms, the
+    longest on soft axes (Yaskawa)."""
     largest_fraction: float = 4.0
-    reduction: float = 0.85
+    """Where Kp begins, as a multiple of the symmetrical optimum (empirical: margins end the search
+    before)."""
+    reduction: float = 0.85  # from one try of Kp to the next, until the margins hold [-]
     force_noise: float = 0.05
+    """Standard deviation of the unknown force of the drive that the observer assumes, relative to
+    F_max [-] (empirical, like the two below: they set its bandwidth, not the accuracy of the
+    loop)."""
     mode_noise: float = 0.01
-    position_noise: float = 1e-7
+    """Likewise of the force on each mode, relative to F_max [-]; without it the observer itself
+    rings at the frequencies at which the encoder stands still."""
+    position_noise: float = 1e-7  # standard deviation of the encoder error [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CornerPlants:
-    """The machine as it is in every corner.
-
-    Parameters
-    ----------
-    corners, plants
-        The nominal machine first, which is what the controller believes in.
-    """
+    """The machine as it is in every corner."""
 
     corners: tuple[Corner, ...]
-    plants: tuple[Plant, ...]
+    """The nominal machine first, which is what the controller believes in."""
+    plants: tuple[Plant, ...]  # likewise
 
     @property
     def model(self) -> Plant:
@@ -94,29 +74,15 @@ class CornerPlants:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TunedLoop:
-    """A controller in every corner of the machine.
+    """A controller in every corner of the machine."""
 
-    Parameters
-    ----------
-    controller
-        With every gain resolved.
-    corners
-        The nominal machine first.
-    loops, responses, analyses
-        One for each corner.
-    remarks
-        What was chosen, by which rule, and what could not be done.
-    warnings
-        What is poor about the loop; belongs beside the verdict.
-    """
-
-    controller: Controller
-    corners: tuple[Corner, ...]
-    loops: tuple[SampledLoop, ...]
+    controller: Controller  # with every gain resolved
+    corners: tuple[Corner, ...]  # the nominal machine first
+    loops: tuple[SampledLoop, ...]  # one for each corner, like responses and analyses
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
-    remarks: tuple[Message, ...]
-    warnings: tuple[Message, ...] = ()
+    remarks: tuple[Message, ...]  # what was chosen, by which rule, and what could not be done
+    warnings: tuple[Message, ...] = ()  # what is poor about the loop; belongs beside the verdict
 
     @property
     def model(self) -> Any:
@@ -150,13 +116,7 @@ class TunedLoop:
 
 
 def corner_plants(machine: Machine) -> CornerPlants:
-    """Return the plant of a machine in every corner.
-
-    Parameters
-    ----------
-    machine
-        Nominal; its requirements hold the ranges.
-    """
+    """Return the plant of a nominal machine in every corner; its requirements hold the ranges."""
     places = corners(machine)
     return CornerPlants(
         corners=places, plants=tuple(build_plant(vary(machine, corner)) for corner in places)
@@ -179,21 +139,9 @@ def close_loop(
 
 
 def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
-    """Return a loop with one machine more behind its corners.
+    """Return a loop with one machine more behind its corners, under the same controller.
 
-    Parameters
-    ----------
-    tuned
-        The loop in every corner.
-    machine
-        Nominal.
-    place
-        Where the machine that is added differs from it.
-
-    Returns
-    -------
-    TunedLoop
-        The same controller.
+    ``machine`` is the nominal one, ``place`` where the machine that is added differs from it.
     """
     plant, model = build_plant(vary(machine, place)), tuned.loops[0].plant
     response = frequency_response(plant, tuned.controller)
@@ -248,15 +196,7 @@ def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Close
 
 
 def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
-    """Return whether one loop is stable with the required margins.
-
-    Parameters
-    ----------
-    analysis
-        Of the loop.
-    settings
-        Required margins.
-    """
+    """Return whether one loop is stable with the required margins."""
     return (
         analysis.is_stable
         and analysis.gain_margin_db >= settings.gain_margin_db
@@ -266,13 +206,7 @@ def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
 
 
 def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
-    """Return the worst margins over some corners; a loop that is unstable in one has none.
-
-    Parameters
-    ----------
-    analyses
-        At least one.
-    """
+    """Return the worst margins over some corners; a loop that is unstable in one has none."""
     if not all(analysis.is_stable for analysis in analyses):
         return Message("loop-without-margins")
     return Message(

@@ -39,18 +39,8 @@ __all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
 def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> TunedLoop:
     """Return the controller of a machine, given gains as given and the rest by the classic rule.
 
-    Parameters
-    ----------
-    machine
-        Machine with its control block.
-    settings
-        Required margins; None: the defaults.
-
-    Returns
-    -------
-    TunedLoop
-        Where the motor follows its setpoint, just that. With state feedback "auto" the stiffest
-        with one of the weights, where there is one.
+    Where the motor follows its setpoint, just that. With state feedback "auto" the stiffest with
+    one of the weights, where there is one. ``settings``: required margins; None: the defaults.
 
     Raises
     ------
@@ -79,16 +69,8 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
 def check_loop(machine: Machine) -> tuple[Message, ...]:
     """Return what is poor about the loop that a profile asks for, whichever is chosen.
 
-    Parameters
-    ----------
-    machine
-        With its control block; state feedback "auto" counts as "off", to be quick, unless a
-        minimum bandwidth may need it.
-
-    Returns
-    -------
-    tuple of Message
-        Empty where nothing is, and at once where the profile leaves all to tuning.
+    Empty where nothing is, and at once where the profile leaves all to tuning. State feedback
+    "auto" counts as "off", to be quick, unless a minimum bandwidth may need it.
     """
     given = machine.control
     if machine.drive.follows or given.leaves_all_to_rules:
@@ -108,14 +90,7 @@ def check_loop(machine: Machine) -> tuple[Message, ...]:
 
 
 def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
-    """Return a loop with what there is to say about it.
-
-    Parameters
-    ----------
-    family
-        Of the loop.
-    tuned
-        Without remarks and warnings.
+    """Return a loop without remarks and warnings with what there is to say about it.
 
     Raises
     ------
@@ -157,12 +132,7 @@ def _explain_feedback(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ..
 def require_bandwidth(machine: Machine, reached: float) -> None:
     """Refuse loops that are too slow; given gains are only warned about.
 
-    Parameters
-    ----------
-    machine
-        With the minimum bandwidth.
-    reached
-        By the fastest loop with the margins [Hz].
+    ``reached``: by the fastest loop with the margins [Hz].
 
     Raises
     ------
@@ -177,11 +147,6 @@ def require_bandwidth(machine: Machine, reached: float) -> None:
 
 def close_as_given(family: LoopFamily) -> TunedLoop:
     """Return the loop with the given gains where these keep no margins, the rest without them.
-
-    Parameters
-    ----------
-    family
-        From ``cascade_family``.
 
     Raises
     ------
