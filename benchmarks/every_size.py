@@ -33,15 +33,10 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.loop.respond import (
-    LoopPoles,
-    extremes,
-    find_poles,
-    free_motion,
-    lay_grid,
-    outputs_at,
-    set_in_motion,
-)
+from mtcommission.loop.extremes import extremes
+from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.motions import outputs_at, set_in_motion
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
 from mtcommission.machine.setpoint_filter import SetpointFilter

@@ -6,16 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mtcommission.loop import respond
+from mtcommission.loop import poles as pole_module
+from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.mean_response import average_phases
-from mtcommission.loop.respond import (
-    LoopPoles,
-    find_poles,
-    free_motion,
-    lay_grid,
-    set_in_motion,
-    tool_deviation,
-)
+from mtcommission.loop.motions import OUTPUTS, set_in_motion, tool_deviation
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -44,7 +39,7 @@ def poles_of(name: str) -> LoopPoles:
 
 def both(poles: LoopPoles, move: Move, item: SetpointFilter | None) -> tuple[Array, Array]:
     """Worst corner of moves that end at every phase of a cycle: averaged, and as it is."""
-    order = len(poles.loops[0].outputs) - respond.OUTPUTS
+    order = len(poles.loops[0].outputs) - OUTPUTS
     mean = average_phases(poles, tool_deviation(order).row[None])
     a, t_j = (axis.ravel() for axis in np.meshgrid([0.5, 2.0], np.linspace(0.008, 0.05, 40)))
     steps = jerk_steps(move, acceleration=a, jerk=a / t_j)
@@ -73,11 +68,11 @@ def test_equal_poles_are_seen_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     loops = tune_loop(read_shipped("ball-screw").machine).loops
     stepped = find_poles.__wrapped__
     find_poles.cache_clear()
-    limit = respond.ILL_CONDITIONED
-    monkeypatch.setattr(respond, "ILL_CONDITIONED", 1.0)
+    limit = pole_module.ILL_CONDITIONED
+    monkeypatch.setattr(pole_module, "ILL_CONDITIONED", 1.0)
     table = stepped(loops)
     assert not table.factors.size
-    monkeypatch.setattr(respond, "ILL_CONDITIONED", limit)
+    monkeypatch.setattr(pole_module, "ILL_CONDITIONED", limit)
     found, exact = both(table, MOVES[1], None)
     assert found == pytest.approx(usual, rel=5e-3)
     assert found == pytest.approx(exact, rel=0.05, abs=0.01 * exact.max())

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.choose import choose_limits
-from mtcommission.loop.respond import Signal, output_of_states
+from mtcommission.loop.motions import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed

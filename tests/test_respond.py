@@ -9,16 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
-from mtcommission.loop import respond
-from mtcommission.loop.respond import (
-    LoopPoles,
-    extremes,
-    find_poles,
-    free_motion,
-    lay_grid,
-    outputs_at,
-    set_in_motion,
-)
+from mtcommission.loop.extremes import extremes
+from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.motions import outputs_at, set_in_motion
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import TcpSensor
@@ -173,7 +167,7 @@ def test_where_poles_coincide_the_loop_is_stepped(monkeypatch: pytest.MonkeyPatc
     machine = paper_machine()
     tuned = tune_loop(machine)
     by_poles = find_poles(tuned.loops)
-    monkeypatch.setattr(respond, "ILL_CONDITIONED", 1.0)
+    monkeypatch.setattr(pole_module, "ILL_CONDITIONED", 1.0)
     find_poles.cache_clear()
     by_steps = find_poles(tuned.loops)
     find_poles.cache_clear()

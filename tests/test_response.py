@@ -8,7 +8,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from mtcommission.loop.respond import following_states
+from mtcommission.loop.poles import following_states
 from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep

@@ -7,10 +7,11 @@ times apart, the tool's deviation after the end of a jerk-limited move behind a 
 
 G(p) = (e^(p t₁) - 1) (e^(p t₂) - 1) (e^(p t₃) - 1) with t₁ the ramp of the acceleration, t₂ from
 its rise to its fall, t₃ from the start to the braking (a velocity step lacks the last one); F(p):
-the same of the filter's own steps. Within 0.1 % of ``loop.respond`` where cycles are short against
-what rings, within some per cent elsewhere, at a tenth of the time: for searching, never to judge.
+the same of the filter's own steps. Within 0.1 % of ``loop.free_motion`` where cycles are short
+against what rings, within some per cent elsewhere, at a tenth of the time: for searching, never to
+judge.
 
-Source: derived here; held to ``loop.respond`` by tests/test_mean_response.py.
+Source: derived here; held to ``loop.free_motion`` by tests/test_mean_response.py.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from math import factorial, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.extremes import RAMPS
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.respond import RAMPS, LoopPoles, find_poles
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 

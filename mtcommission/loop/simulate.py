@@ -6,7 +6,7 @@ At every velocity cycle, in long stretches without a step at evenly spread ones,
 closed-loop mode has decayed below 1 % of the band at the tool, and below 1 % of what the tool still
 moves: a residual far within the band is followed to its peak, too, and no further where that lasts.
 What takes longer than the horizon to decay so far is settled
-if it can leave the band no more; else it is "not settled". By poles (``loop.respond``); stepped
+if it can leave the band no more; else it is "not settled". By poles (``loop.free_motion``); stepped
 where the force saturates.
 """
 
@@ -20,19 +20,11 @@ from math import ceil, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.free_motion import free_motion, last_crossing, lay_grid
 from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.loop.motions import Motions, outputs_at, set_in_motion
 from mtcommission.loop.nonlinear import step_linear, step_through
-from mtcommission.loop.respond import (
-    Cycles,
-    LoopPoles,
-    Motions,
-    find_poles,
-    free_motion,
-    last_crossing,
-    lay_grid,
-    outputs_at,
-    set_in_motion,
-)
+from mtcommission.loop.poles import Cycles, LoopPoles, find_poles
 from mtcommission.machine.machine import Drive
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 

@@ -9,7 +9,7 @@ import numpy as np
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.respond import OUTPUTS
+from mtcommission.loop.motions import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.analysis.quantisation import SIGMAS, EncoderNoise
-from mtcommission.loop.respond import LoopPoles, outputs_at, set_in_motion
+from mtcommission.loop.motions import outputs_at, set_in_motion
+from mtcommission.loop.poles import LoopPoles
 from mtcommission.loop.simulate import rms_force, window_shares
 from mtcommission.machine.machine import Machine, Move, heaviest_mass
 from mtcommission.messages.message import Message

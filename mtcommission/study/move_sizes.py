@@ -15,7 +15,9 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.respond import LoopPoles, find_poles, free_motion, lay_grid, set_in_motion
+from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.motions import set_in_motion
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.messages.message import Message

@@ -8,15 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.bench import build_bench
+from mtcommission.loop.extremes import extremes
+from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.model.assembly import build_loop
-from mtcommission.loop.respond import (
-    LoopPoles,
-    extremes,
-    find_poles,
-    free_motion,
-    lay_grid,
-    set_in_motion,
-)
+from mtcommission.loop.motions import set_in_motion
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Variations, vary

@@ -23,16 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
-from mtcommission.loop.respond import (
-    LoopPoles,
-    Signal,
-    extremes,
-    find_poles,
-    free_motion,
-    lay_grid,
-    set_in_motion,
-    where_signals_lead,
-)
+from mtcommission.loop.extremes import extremes, where_signals_lead
+from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.motions import Signal, set_in_motion
+from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter
