@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
+from mtcommission.loop import poles as pole_module
 from mtcommission.loop.extremes import extremes
 from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.motions import outputs_at, set_in_motion
