@@ -89,7 +89,9 @@ def test_a_residual_far_within_the_band_is_followed_to_its_peak(
     """Moves compared by their residual would be ranked by when each simulation ended."""
     drive = paper_machine().drive
     ours = respond(tuned, STEP, a, t_j, drive)
-    theirs = respond_again(tuned, STEP, a, t_j, len(ours.t) + 4000, drive.max_force)
+    # A long move is not looked at in every cycle.
+    count = round(float(ours.t[-1]) / tuned.controller.velocity_cycle)
+    theirs = respond_again(tuned, STEP, a, t_j, count + 4000, drive.max_force)
     assert ours.residual_deviation < 0.01 * BAND
     assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-4)
     # The verdict still rests on the band alone: a wider one settles no later.
