@@ -194,7 +194,7 @@ class Explorer:
             if hope.duration > latest:
                 continue
             found = self.known[place] = self._settle(*place, hope.acceleration, latest)
-            if found is not None:
+            if found is not None and found.duration <= latest:
                 best, latest = found, found.duration
         return best
 
