@@ -276,7 +276,8 @@ class Explorer:
         likely = a * max(self.rests.values(), default=inf)
         if likely > SAFELY:
             likely = max(use.of_rest(a), CLOSE)
-            self.rests[use.behind.item, float(use.t_j)] = likely / a
+            place = use.behind.item, float(use.t_j)
+            self.rests[place] = max(self.rests.get(place, 0.0), likely / a)
         return likely
 
     def _capped(self, place: Place) -> Found:
