@@ -225,7 +225,8 @@ class Use:
         jerk, kind, t_j = a / self.t_j, type(move), np.broadcast_to(self.t_j, a.shape)
         steps = jerk_steps(move, acceleration=a, jerk=jerk)
         if not self.bench.every_size:
-            return self._worst_share(self.behind.worst_after(steps))
+            # One size alone may lie in a notch: a little less acceleration can leave more.
+            return self._worst_share(self.behind.worst_exactly(steps))
         ramp, rise = steps.times[:, 1], steps.times[:, 2]
         worst = self.behind.worst_pointed(kind, ramp)
         reached = ramp >= t_j * (1.0 - 1e-9)

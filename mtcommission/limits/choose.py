@@ -21,6 +21,7 @@ from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of
@@ -217,8 +218,7 @@ class _Typing:
         (a, jerk_time), item = _reached(self.machine, found), found.setpoint_filter
         grows, before, first = 1.0, (inf, inf), nan
         for _ in range(MOST_SCALED):
-            limits = round_limits(self.machine, a, jerk_time, digits=DIGITS)
-            limits = replace(limits, setpoint_filter=item)
+            limits = self._nearest(a, jerk_time, item)
             if _duration(self.machine, limits) >= self.latest:
                 return None, first
             used, sizes = _use_of_bounds(self.machine, self.plant, self.tuned, limits)
@@ -241,6 +241,19 @@ class _Typing:
                 duration = _duration(self.machine, raised)
                 return Typed(limits=raised, sizes=sizes, duration=duration), first
         return best, first
+
+    def _nearest(self, a: float, jerk_time: float, item: SetpointFilter | None) -> MotionLimits:
+        """The nearest limits to type in that are not faster; of one size alone the soonest kept."""
+        machine = self.machine
+        nearest = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
+        if machine.requirements.every_size:
+            return nearest
+        about = limits_about(machine, a, jerk_time, digits=DIGITS, reach=REACH)
+        for each in sorted(about, key=partial(_duration, machine)):
+            use, own = self.bench.use(item, each.jerk_time), np.array([each.acceleration])
+            if use.of_after(own)[0] <= 1.0 and use.of_rest(each.acceleration) <= 1.0:
+                return replace(each, setpoint_filter=item)
+        return nearest
 
     def _above(
         self, limits: MotionLimits, used: float, jerk_time: float, largest_jerk: float
