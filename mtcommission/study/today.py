@@ -11,6 +11,7 @@ from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.robustness import FrequencyError, find_frequency_error
 from mtcommission.study.settings import RobustnessSettings
@@ -66,13 +67,14 @@ def judge_today(
     filtered = replace(machine, control=control)
     candidate, error, failure = None, None, None
     try:
+        require_short_moves(filtered, acceleration=limits.acceleration)
         loop = close_loop(corner_plants(machine), controller) if gains else tuned
         failure = _find_instability(loop)
         if failure is None:
             candidate = evaluate(filtered, plant, loop, limits)
             error = find_frequency_error(filtered, plant, loop, limits, settings=settings)
     except ComputationError as fault:
-        failure = fault.message
+        failure = Message("today-not-judged", why=fault.message)
     return TodaysValues(
         today=today,
         limits=limits,

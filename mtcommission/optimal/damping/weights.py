@@ -13,7 +13,7 @@ from mtcommission.plant.plant import Plant
 SAMPLING_ANGLE = 0.02
 """Sampling step times the fastest natural frequency [-]: the quadrature then errs by 1e-8."""
 
-MOST_RADIANS = 2e3
+MOST_RADIANS = 1e4
 """Of the fastest mode over the motion: a hundred thousand samples (empirical)."""
 
 

@@ -267,6 +267,7 @@ def _options(
         "error_on_fail": False,
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
+        "ipopt.max_iter": settings.max_iterations,
         "ipopt.tol": settings.tolerance * _weight(problem, settings.intervals),
         # not scaled with the objective: errors of all intervals add up at t_f
         "ipopt.constr_viol_tol": settings.tolerance,

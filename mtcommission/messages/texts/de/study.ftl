@@ -79,6 +79,7 @@ why-controls-take-limits = Das Band ist { LENGTH($band, digits: 3) }, die Maschi
 today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: die heutigen Grenzwerte wurden mit dem empfohlenen Regelkreis simuliert, verglichen werden also nur Beschleunigung, Ruck und Filter.
 today-in-own-loop = Simuliert mit heutigem Kv, Kp und Tn; Vorsteuerung und Takte wie empfohlen.
 today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht angegeben, sowie Vorsteuerung und Takte wie empfohlen.
+today-not-judged = Die in [today] angegebenen Werte wurden nicht beurteilt: { $why }
 today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
 
 # what would bring more
