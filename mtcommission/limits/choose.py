@@ -217,8 +217,8 @@ class _Typing:
         """
         (a, jerk_time), item = _reached(self.machine, found), found.setpoint_filter
         grows, before, first = 1.0, (inf, inf), nan
+        limits = self._nearest(a, jerk_time, item)
         for _ in range(MOST_SCALED):
-            limits = self._nearest(a, jerk_time, item)
             if _duration(self.machine, limits) >= self.latest:
                 return None, first
             used, sizes = _use_of_bounds(self.machine, self.plant, self.tuned, limits)
@@ -230,6 +230,7 @@ class _Typing:
                 grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
             before = now
             a = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
+            limits = _rounded(self.machine, a, jerk_time, item)
         else:
             return None, first
         best = Typed(limits=limits, sizes=sizes, duration=_duration(self.machine, limits))
@@ -245,7 +246,7 @@ class _Typing:
     def _nearest(self, a: float, jerk_time: float, item: SetpointFilter | None) -> MotionLimits:
         """The nearest limits to type in that are not faster; of one size alone the soonest kept."""
         machine = self.machine
-        nearest = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
+        nearest = _rounded(machine, a, jerk_time, item)
         if machine.requirements.every_size:
             return nearest
         about = limits_about(machine, a, jerk_time, digits=DIGITS, reach=REACH)
@@ -274,6 +275,12 @@ class _Typing:
         ]
         likely = [each for each in above if used * share(each) / now <= ALMOST]
         return sorted(likely, key=partial(_duration, self.machine))[:MOST_RAISED]
+
+
+def _rounded(
+    machine: Machine, a: float, jerk_time: float, item: SetpointFilter | None
+) -> MotionLimits:
+    return replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
 
 
 def _reached(machine: Machine, found: Found) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from mtcommission.machine.machine import Machine, heaviest_mass
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields
 
-SAFE = 2.0
+SAFE = 2.5
 """Factor by which a loop may ask for more force than the rigid axis, at most [-] (empirical)."""
 
 
