@@ -1005,6 +1005,7 @@ def test_bands_and_summary_speak_of_requirements_where_limits_are_chosen(tmp_pat
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     assert table.frame["certified"].all()
     assert table.frame["requirements_met"].to_list() == [False, True]
+    assert table.frame["obstacle"].to_list() == ["settling time", ""]
     summary = summarise_table(table)
     assert "requirements met: 1" in summary.text
     assert not summary.is_met

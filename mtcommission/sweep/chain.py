@@ -69,7 +69,7 @@ def chain_cells(
     slowest = max((item.time for item in optima), key=lambda time: time.t_f)
     responses = [response for move in moves for response in move.responses]
     largest = np.max([response.peaks for response in responses], axis=0)
-    peaks = dict(zip(plant.signals, largest.tolist(), strict=True))
+    peaks: dict[str, float] = dict(zip(plant.signals, largest.tolist(), strict=True))
     return (
         *proof_cells(slowest.t_f, slowest.certificate.t_f_lower_bound),
         limits.acceleration,
@@ -82,5 +82,5 @@ def chain_cells(
         max(response.max_force for response in responses),
         candidate.assessment.is_met,
         Catalogue().say(bound_by),
-        limiting.value if limiting else "",
+        limiting.key if limiting else "",
     )
