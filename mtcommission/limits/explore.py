@@ -163,9 +163,16 @@ class Explorer:
         hopes = self._hopes(places, inf)
         self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, inf)
         first: dict[SetpointFilter | None, Place] = {}
-        for place in hopes:
+        for place in sorted(hopes, key=self._promise):
             first.setdefault(place[0], place)
         return list(first.values())
+
+    def _promise(self, place: Place) -> float:
+        """Duration of what was settled there, inf where nothing was; of what is hoped else [s]."""
+        if place not in self.known:
+            return self.hoped[place].duration
+        found = self.known[place]
+        return found.duration if found else inf
 
     def look_at(self, places: list[Place], *, latest: float) -> Found | None:
         """Find the best of some places; None where none is as soon as asked for."""
