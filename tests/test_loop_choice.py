@@ -82,7 +82,7 @@ def test_state_feedback_is_shown_beside_and_not_used() -> None:
 
 
 def test_the_choice_changes_gradually_with_the_spread() -> None:
-    """Between 0.1 and 0.2 % a loop fell out by the name of a pole: stiffness 12.6 to 8.05 N/um.
+    """Between 0.1 and 0.2 % a loop fell out by the name of a pole.
 
     A look that misses a narrow valley at some spreads takes another loop: 82.7 ms, or 89.3 ms.
     """
@@ -93,7 +93,6 @@ def test_the_choice_changes_gradually_with_the_spread() -> None:
         machine = replace(machine, requirements=needs)
         choice = settle_on_loop(machine, build_plant(machine), SETTINGS)
         (used,) = (item for item in choice.trials if item.is_used)
-        found.append((used.tuned.least_stiffness, used.candidate.settling_time))
-    for (stiffness, settling), (other, later) in pairwise(found):
-        assert other == pytest.approx(stiffness, rel=0.05)
-        assert later == pytest.approx(settling, rel=0.1)
+        found.append(used.candidate.settling_time)
+    for settling, later in pairwise(found):
+        assert later == pytest.approx(settling, rel=0.03)

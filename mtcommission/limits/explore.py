@@ -307,7 +307,8 @@ class Explorer:
         for _ in range(STEPS):
             # The time to max_velocity may cancel a mode: what is allowed has gaps.
             steps = a * np.array(FALLING)
-            steps = steps[(bench.durations(item, steps, t_j) <= latest) & (steps > low[0])]
+            steps = steps[steps > max(low[0], self.ladder[0])]
+            steps = steps[bench.durations(item, steps, t_j) <= latest] if len(steps) else steps
             if not len(steps):
                 break
             for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
