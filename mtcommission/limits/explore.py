@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from math import inf
 
 import numpy as np
@@ -95,10 +96,9 @@ def explore(
 ) -> tuple[Found, ...]:
     """Return limits with the shortest motion that keep all bounds, behind each filter, best first.
 
-    Of those equally soon the one with the least jerk. ``near``: what is known
-    of a loop much like this one; then only its neighbourhood is looked at, and ``beside`` its
-    filter others. ``refined``: how many places are; 0 for a first look. Empty where nothing keeps
-    the bounds.
+    Of those equally soon the one with the least jerk. ``near``: what is known of a loop much like
+    this one; then only its neighbourhood is looked at, and ``beside`` its filter others.
+    ``refined``: how many places are; 0 for a first look. Empty where nothing keeps the bounds.
     """
     explorer = Explorer.about(bench, largest_jerk=largest_jerk, is_rough=not refined)
     control, machine = bench.machine.control, bench.machine
@@ -114,10 +114,10 @@ def explore(
         if is_free:
             jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
-    for place in begins[:refined]:
-        found = explorer.look_at([place], latest=WORTHWHILE * explorer.soonest())
-        if found is not None:
-            explorer.refine(found, is_free=is_free)
+    # One after the other: what was refined before decides what is worth it.
+    looks = (explorer.look_at([p], latest=WORTHWHILE * explorer.soonest()) for p in begins)
+    for begin in islice((found for found in looks if found is not None), refined):
+        explorer.refine(begin, is_free=is_free)
     return explorer.ranked()
 
 
@@ -170,7 +170,7 @@ class Explorer:
     def _promise(self, place: Place) -> float:
         """Duration of what was settled there, inf where nothing was; of what is hoped else [s]."""
         if place not in self.known:
-            return self.hoped[place].duration
+            return self._capped(place).duration
         found = self.known[place]
         return found.duration if found else inf
 

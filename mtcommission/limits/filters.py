@@ -70,10 +70,12 @@ def _of_kind(
             if times:
                 yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
     elif kind in SHAPERS:
+        # What rings faster than half a sample of the setpoint no shaper of the setpoint reaches.
+        highest = min(choice.most_frequency_hz, 0.5 / control.position_cycle)
         for frequency, damping in ringing:
             damping = min(max(damping, choice.least_damping), choice.most_damping)
             for hz in frequencies_told_apart(kind, frequency_hz=frequency, damping_ratio=damping):
-                if choice.least_frequency_hz <= hz <= choice.most_frequency_hz:
+                if choice.least_frequency_hz <= hz <= highest:
                     yield SetpointFilter(kind=kind, frequency_hz=hz, damping_ratio=damping)
 
 
