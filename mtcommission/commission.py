@@ -1,7 +1,7 @@
 """The whole chain as a list of verbs: read ``commission`` first.
 
-machine -> plant -> optima -> starting limits -> tuned loop -> chosen limits
-        -> setpoints -> responses in every corner -> assessment -> studies, with what is known
+machine -> plant -> tuned loop -> chosen limits -> setpoints -> responses in every corner
+        -> assessment -> optima, and studies with what is known
 """
 
 from __future__ import annotations
@@ -10,30 +10,28 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mtcommission.glance import plot_moves, say_verdict, show_html
-from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
-from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.limits.choose import Choice, choose_for_listed
+from mtcommission.limits.commissioning_rule.rule import RuleResult
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant
 from mtcommission.profile.read import ProfileSource
-from mtcommission.recommend import Announce, Progress
-from mtcommission.setpoint.duration import require_short_moves
+from mtcommission.recommend import Announce, Progress, recommend
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
 from mtcommission.study.friction import FrictionEffect, examine_friction
 from mtcommission.study.improvements import Improvement, find_improvements
-from mtcommission.study.loop_choice import settle_on_loop, show_alternatives
+from mtcommission.study.loop_choice import show_alternatives
 from mtcommission.study.loop_study import LoopStudy, study_loop
 from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
-from mtcommission.study.rules import compare_shapers, evaluate_rules
+from mtcommission.study.rules import compare_shapers
 from mtcommission.study.settings import Settings
-from mtcommission.study.today import TodaysValues, judge_today
+from mtcommission.study.today import TodaysValues
 from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
 from mtcommission.study.variations import Row, judge
 from mtcommission.study.within_band import WithinBand, find_within_band
@@ -137,16 +135,12 @@ def commission(
         A stage ended with a named outcome; the message tells the remedy.
     """
     settings = settings or Settings()
-    require_force(machine)
-    require_short_moves(machine)
-    plant = build_plant(machine)
-    progress(Message("stage-feedback-loop"))
-    loop = settle_on_loop(machine, plant, settings)
-    tuned = loop.tuned
-    progress(Message("stage-limits"))
-    choice = loop.choice or choose_limits(machine, plant, tuned)
-    announce(choice.candidate)
-    loop = show_alternatives(machine, plant, loop, settings)
+    answer = recommend(
+        machine, with_rules=True, settings=settings, progress=progress, announce=announce
+    )
+    plant, tuned, choice, rule = answer.plant, answer.tuned, answer.choice, answer.rule
+    assert rule is not None  # asked for
+    loop = show_alternatives(machine, plant, answer.loop, settings)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     within_band = tuple(
@@ -159,8 +153,6 @@ def commission(
     alternatives = [
         Row(label=name, machine=machine, tuned=tuned, limits=limits) for name, limits in condensed
     ]
-    rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = evaluate_rules(machine, tuned, rule)
     shapers = compare_shapers(machine, tuned, near=choice.limits)
     attainable: tuple[Attainable, ...] = ()
     if not choice.meets_requirements:
@@ -185,7 +177,7 @@ def commission(
         choice=choice,
         listed=listed,
         alternatives=tuple(map(judge, alternatives)),
-        rules=(*rules, *shapers),
+        rules=(*answer.rules, *shapers),
         comparisons=comparisons,
         modes=modes,
         rule=rule,
@@ -197,7 +189,7 @@ def commission(
         ),
         attainable=attainable,
         friction=examine_friction(machine, tuned, choice.moves),
-        today=judge_today(machine, plant, tuned, settings.robustness),
+        today=answer.today,
         tool_sensor=value_tool_sensor(machine, tuned, choice),
         profile=profile,
     )

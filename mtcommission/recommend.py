@@ -1,4 +1,4 @@
-"""Loop and limits without the rest of the chain: what ``limits`` and its page need.
+"""Loop and limits: what ``limits`` and its page need, and what ``commission`` begins with.
 
 A module of its own, since the optima and studies of ``commission`` load as long as this computes.
 """
@@ -17,6 +17,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.rules import evaluate_rules
 from mtcommission.study.settings import Settings
 from mtcommission.study.today import TodaysValues, judge_today
@@ -34,11 +35,16 @@ class Recommendation:
 
     machine: Machine
     plant: Plant  # nominal
-    tuned: TunedLoop  # the loop that is used, in every corner
+    loop: LoopChoice  # the one that is used
     choice: Choice
     today: TodaysValues | None  # None where the profile states none
     rule: RuleResult | None  # where asked for
     rules: tuple[Candidate, ...]
+
+    @property
+    def tuned(self) -> TunedLoop:
+        """The loop that is used, in every corner."""
+        return self.loop.tuned
 
 
 def recommend(
@@ -51,13 +57,13 @@ def recommend(
 ) -> Recommendation:
     """Return loop and limits, and with them the rules of makers and textbooks if asked for.
 
-    The search knows nothing of the optima, so the limits may be others than in a record, never
-    ones that are judged otherwise.
+    ``progress``: called with the name of each stage as it begins; ``announce``: with the
+    recommended limits, judged, as soon as they are known.
 
     Raises
     ------
     ComputationError
-        As ``commission``.
+        A stage ended with a named outcome; the message tells the remedy.
     """
     settings = settings or Settings()
     require_force(machine)
@@ -74,7 +80,7 @@ def recommend(
     return Recommendation(
         machine=machine,
         plant=plant,
-        tuned=tuned,
+        loop=loop,
         choice=choice,
         today=judge_today(machine, plant, tuned, settings.robustness),
         rule=rule,

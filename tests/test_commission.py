@@ -176,7 +176,7 @@ def test_terminal_shows_the_peak_of_every_row(
         Recommendation(
             machine=machine,
             plant=found.plant,
-            tuned=found.tuned,
+            loop=found.loop,
             choice=found.choice,
             today=found.today,
             rule=found.rule,
