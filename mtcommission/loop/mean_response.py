@@ -33,7 +33,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 PHASES = 8
-"""Of a step within a position cycle, over which the mean is taken (exact to 1e-6 at πT/2 each)."""
+"""Of a step within a position cycle, over which the mean is taken (empirical: 64 of them change it
+by 0.03 % at most)."""
 
 SAMPLES = 12
 """Instants to a period: the peak of a swing is missed by 3 % at most."""
