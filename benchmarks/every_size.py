@@ -7,7 +7,7 @@ Random machines over all kinds of control and drive, with the loop of ``tune_loo
 kept. The grid: filters of the control, jerk times from 1 ms to 3 s, accelerations, judged from the
 fastest on, then refined about the best. The judge is this file's own: plain
 sizes of each move, dense ones before anything counts; with the search it shares the loop's response
-alone (``mtcommission.loop.respond``), which tests/test_respond.py holds to the stepped loop.
+alone (``mtcommission.loop.free_motion``), which tests/test_respond.py holds to the stepped loop.
 
 The former benchmark found nothing where others found a seventh of all machines 2 % behind: its
 machines had the control ``generic`` alone, at cycles of 1 ms mostly; its grid ended at a jerk time

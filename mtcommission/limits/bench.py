@@ -330,7 +330,8 @@ class Use:
 
 
 SIZES = (0.03, 0.2, 0.5, 1.0)
-"""Sizes of a move at which swings are looked at, beside where a is reached."""
+"""Sizes of a move at which swings are looked at, beside where a is reached
+(empirical)."""
 
 
 def _just_reached(move: Move, a: float, t_j: float) -> float:
@@ -340,7 +341,8 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
 
 NEAR, MEAN_CYCLES = 0.9, 600
 """Share of a mean from which it is corrected by what the loop adds to that of the rigid axis, much
-the same for all limits; position cycles that are summed for that."""
+the same for all limits; position cycles that are summed for that (empirical)."""
 
 MEAN_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
-"""Sizes of a move at which means are looked at, as shares of the listed one."""
+"""Sizes of a move at which means are looked at, as shares of the listed one
+(empirical)."""

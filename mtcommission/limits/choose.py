@@ -16,7 +16,7 @@ import numpy as np
 from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.bench import Bench, build_bench
 from mtcommission.limits.digits import limits_about, round_limits
-from mtcommission.limits.explore import REFINED, Found, explore
+from mtcommission.limits.explore import LEAST_GROWTH, REFINED, Found, explore
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -39,30 +39,31 @@ DIGITS = 3
 """Significant digits of what is typed in."""
 
 MOST_TYPED, MOST_SCALED = 4, 8
-"""Filters whose limits are typed and judged, best first, and how often each is scaled."""
+"""Filters whose limits are typed and judged, best first, and how often each is scaled
+(empirical)."""
 
 FEW = 1
 """Places that are refined, and typed, where the best of a loop much like this one is known."""
 
 JUST_LESS = 0.9995
-"""What the next limits use of what is allowed, if all is in proportion."""
-
-LEAST_GROWTH = 0.2
-"""Power of the acceleration with which what is used grows, at least, when it is scaled [-]."""
+"""What the next limits use of what is allowed, if all is in proportion (empirical)."""
 
 MOST_RAISED, REACH, ALMOST, NOTICEABLE = 3, 2, 1.002, 0.9995
 """Faster limits that are judged last, the fastest first; how far about in steps of the last digit;
-what of a bound they may seem to use; and what is not worth it [-]."""
+what of a bound they may seem to use; and what is not worth it [-] (empirical)."""
 
 ROUNDS, WORTH_A_ROUND, CLOSE_ENOUGH, MOST_EXCESS = 3, 1.01, 1.003, 1.3
 """Searches, where the exact verdict finds that much more than the search saw and what is typed in
-ends so much later than what was found; and by how much the next one is stricter at most [-]."""
+ends so much later than what was found; and by how much the next one is stricter at most [-]
+(empirical)."""
 
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
-"""Factors in turn on what yields first, for which limits are sought where nothing keeps it."""
+"""Factors in turn on what yields first, for which limits are sought where nothing keeps it
+(empirical)."""
 
 RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
-"""Factors of acceleration and jerk with which it is seen what forbids more."""
+"""Factors of acceleration and jerk with which it is seen what forbids more (design
+choice)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -26,13 +26,13 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 Array = NDArray[np.float64]
 
 JERK_TIMES = 13
-"""Jerk times tried with each filter at first, logarithmic."""
+"""Jerk times tried with each filter at first, logarithmic (empirical)."""
 
 SHORTEST, LONGEST = 1e-3, 3.0
 """Of them [s]; a longer one only makes moves longer."""
 
 LEAST_SHARE, LADDER = 1e-5, 160
-"""Least acceleration looked at, as a share of the largest, and rungs up to that."""
+"""Least acceleration looked at, as a share of the largest, and rungs up to that (empirical)."""
 
 EQUALLY_SOON = 1.0015
 """Limits that settle within this factor of the soonest settle equally soon: then less jerk is
@@ -42,36 +42,37 @@ AS_SOON = 1.006
 """Quick looks within this factor of the soonest may be the soonest, judged exactly (empirical)."""
 
 ROUGH = 2
-"""Places that are settled where a loop is only looked at."""
+"""Places that are settled where a loop is only looked at (empirical)."""
 
 STEPS = 8
-"""Towards the largest acceleration allowed, at most."""
+"""Towards the largest acceleration allowed, at most (empirical)."""
 
 FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
-"""Shares of an acceleration that are looked at together."""
+"""Shares of an acceleration that are looked at together (empirical)."""
 
 WORTHWHILE = 1.05
-"""What takes longer than the best so far by this factor is not followed further."""
+"""What takes longer than the best so far by this factor is not followed further (empirical)."""
 
 NOTICEABLE = 0.9997
-"""What is not shorter than the best so far by this factor is not worth the next step."""
+"""What is not shorter than the best so far by this factor is not worth the next step (empirical)."""
 
 LEAST_GROWTH = 0.2
-"""Power of the acceleration with which a mean grows, at least [-]."""
+"""Power of the acceleration with which what is used grows, at least [-] (empirical)."""
 
 CLOSE, NEARLY = 0.002, 0.01
-"""Share of a bound that may be left over, and by which limits are scaled without a look [-]."""
+"""Share of a bound that may be left over, and by which limits are scaled without a look [-]
+(empirical)."""
 
 SAFELY = 0.85
 """Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
-again [-]."""
+again [-] (empirical)."""
 
 REFINED, REACHES = 4, (0.35, 0.16, 0.08, 0.04, 0.02, 0.01)
-"""Best places, of different filters, that are refined, and how far about them [-]."""
+"""Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
 
 NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)
 """How far a filter, and by what factors the jerk time, may lie from what is known of a loop much
-like this one [-]."""
+like this one [-] (empirical)."""
 
 Place = tuple[SetpointFilter | None, float]
 

@@ -12,7 +12,7 @@ from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields
 
 SAFE = 2.5
-"""Factor by which a loop may ask for more force than the rigid axis, at most [-] (empirical)."""
+"""Factor by which a loop may ask for more force than the rigid axis [-] (empirical: up to 2.03)."""
 
 
 def _with_force(machine: Machine, force: float) -> Machine:

@@ -43,7 +43,7 @@ STIFFER = 1.2
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
     """Return the loop that serves the moves best, with state feedback only where that pays.
 
-    By the rule of ``pick_loop``; by the classic rule where given gains keep no margins. Filters of
+    By the least price (``loop_trials.priced``); by the classic rule where given gains keep no margins. Filters of
     the set force that let Kp rise come first where they may be chosen: no engineer leaves a
     resonance unfiltered.
 
