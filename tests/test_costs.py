@@ -122,6 +122,8 @@ def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: floa
 def test_the_remedy_for_too_long_a_move_helps() -> None:
     """If it failed, the message would send the user into the next refusal."""
     machine = with_force(1.0)
+    with pytest.raises(ComputationError):
+        require_short_moves(machine)
     require_short_moves(replace(machine, moves=(VelocityStep(velocity_step=0.01),)))
 
 

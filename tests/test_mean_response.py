@@ -67,7 +67,6 @@ def test_equal_poles_are_seen_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     usual, _ = both(poles_of("ball-screw"), MOVES[1], None)
     loops = tune_loop(read_shipped("ball-screw").machine).loops
     stepped = find_poles.__wrapped__
-    find_poles.cache_clear()
     limit = pole_module.ILL_CONDITIONED
     monkeypatch.setattr(pole_module, "ILL_CONDITIONED", 1.0)
     table = stepped(loops)
@@ -76,18 +75,3 @@ def test_equal_poles_are_seen_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     found, exact = both(table, MOVES[1], None)
     assert found == pytest.approx(usual, rel=5e-3)
     assert found == pytest.approx(exact, rel=0.05, abs=0.01 * exact.max())
-    find_poles.cache_clear()
-
-
-def test_twice_the_acceleration_in_the_same_times_leaves_twice_as_much() -> None:
-    poles = poles_of("ball-screw")
-    mean = average_phases(poles, tool_deviation(len(poles.loops[0].outputs) - 3).row[None])
-    t_j, behind = np.linspace(0.005, 0.03, 7), mean.behind(FILTERS[1])
-    small, large = (
-        mean.residual(
-            jerk_steps(Positioning(distance=0.1 * n), acceleration=n + 0.0 * t_j, jerk=n / t_j),
-            behind,
-        )
-        for n in (1.0, 2.0)
-    )
-    assert large == pytest.approx(2.0 * small, rel=1e-5)

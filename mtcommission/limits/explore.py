@@ -54,7 +54,7 @@ WORTHWHILE = 1.05
 """What takes longer than the best so far by this factor is not followed further (empirical)."""
 
 NOTICEABLE = 0.9997
-"""What is not shorter than the best so far by this factor is not worth the next step (empirical)."""
+"""What is not shorter than the best so far by this factor is not worth a step (empirical)."""
 
 LEAST_GROWTH = 0.2
 """Power of the acceleration with which what is used grows, at least [-] (empirical)."""

@@ -8,8 +8,8 @@ times apart, the tool's deviation after the end of a jerk-limited move behind a 
 G(p) = (e^(p t₁) - 1) (e^(p t₂) - 1) (e^(p t₃) - 1) with t₁ the ramp of the acceleration, t₂ from
 its rise to its fall, t₃ from the start to the braking (a velocity step lacks the last one); F(p):
 the same of the filter's own steps. Within 0.1 % of ``loop.free_motion`` on the ball
-screw (1 ms), within some per cent where cycles are long against what rings, at a tenth of the time: for searching, never to
-judge.
+screw (1 ms), within some per cent where cycles are long against what rings, at a tenth of the time:
+for searching, never to judge.
 
 Source: derived here; held to ``loop.free_motion`` by tests/test_mean_response.py.
 """

@@ -95,8 +95,8 @@ class Requirement:
     )
     """Values, with what the steps of the encoder add to them."""
     at_most: Callable[[Machine, float], float] = field(default=lambda *_: inf, compare=False)
-    """What limits with an acceleration [m/s²] are not expected to exceed: below the bound the search
-    does not look, and only the judge decides; inf: only a response tells."""
+    """What limits with an acceleration [m/s²] are not expected to exceed: where that is below the
+    bound the search does not look, and the judge decides; inf: only a response tells."""
     rests_on: tuple[str, str] = field(default=("", ""), compare=False)
     """Beginning and end of the keys of data that decide it where nobody stated them; "": none."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf, pi
 
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import (
@@ -26,7 +27,6 @@ from mtcommission.study.loop_trials import (
     LoopSearch,
     LoopTrial,
     LoopVariant,
-    best_limits,
     in_order,
     judge_loop,
     say_settling,
@@ -43,9 +43,9 @@ STIFFER = 1.2
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
     """Return the loop that serves the moves best, with state feedback only where that pays.
 
-    By the least price (``loop_trials.priced``); by the classic rule where given gains keep no margins. Filters of
-    the set force that let Kp rise come first where they may be chosen: no engineer leaves a
-    resonance unfiltered.
+    By the least price (``loop_trials.priced``); by the classic rule where given gains keep no
+    margins. Filters of the set force that let Kp rise come first where they may be chosen: no
+    engineer leaves a resonance unfiltered.
 
     Raises
     ------
@@ -168,9 +168,9 @@ def show_state_feedback(
     found = propose_feedback(cascade_family(machine, settings.tuning), classic, [shape])
     if found.remark is not None:
         return replace(choice, remarks=(*choice.remarks, found.remark))
-    without = used.candidate if used else best_limits(machine, plant, choice.tuned, None)
+    without = used.candidate if used else choose_limits(machine, plant, choice.tuned).candidate
     tried = [
-        (item.tuned, best_limits(machine, plant, item.tuned, without.limits))
+        (item.tuned, choose_limits(machine, plant, item.tuned, near=without.limits).candidate)
         for item in found.loops
     ]
     tuned, best = min(tried, key=lambda item: item[1].settling_time)

@@ -217,13 +217,6 @@ def judge_loop(machine: Machine, plant: Plant, item: Finalist) -> LoopTrial:
     )
 
 
-def best_limits(
-    machine: Machine, plant: Plant, tuned: TunedLoop, near: MotionLimits | None
-) -> Candidate:
-    """Return the limits that suit a loop best near what is known of another, judged."""
-    return choose_limits(machine, plant, tuned, near=near).candidate
-
-
 def _explain(used: LoopTrial, number: int) -> tuple[Message, ...]:
     """Why a loop is used."""
     if number < 2:

@@ -15,7 +15,7 @@ from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
-from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.variations import Row, judge
 from mtcommission.verdict.evaluate import Candidate
 
@@ -94,7 +94,5 @@ def _of_klipper(machine: Machine, tuned: TunedLoop) -> Iterator[Row]:
             source=Message("source-calibrate-shaper"),
             machine=machine,
             tuned=tuned,
-            limits=MotionLimits(
-                acceleration=a, jerk=a / machine.control.position_cycle, setpoint_filter=item
-            ),
+            limits=replace(without_jerk_limit(machine, a), setpoint_filter=item),
         )
