@@ -156,7 +156,8 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
     assert np.all(found.residual_deviation[late] > band)
 
 
-def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
+@pytest.mark.parametrize("resolution", [1e-8, 5e-7])
+def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
     """If it failed, samples that saturate or exceed a peak would count as good ones."""
     machine = spread_paper_machine()
     needs = replace(
@@ -168,7 +169,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     machine = replace(
         machine,
         requirements=needs,
-        drive=replace(machine.drive, continuous_force=900.0, encoder_resolution=1e-8),
+        drive=replace(machine.drive, continuous_force=900.0, encoder_resolution=resolution),
     )
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)

@@ -90,7 +90,8 @@ def respond_varied(
                 for requirement, column in zip(swings.requirements, peaks.T, strict=True):
                     found[requirement] = requirement.with_noise(column, bench.noise)
             for requirement, mean in asked.means:
-                found[requirement] = mean.exact(machine, poles, move, own, MEAN_CYCLES)
+                values = mean.exact(machine, poles, move, own, MEAN_CYCLES)
+                found[requirement] = requirement.with_noise(values, bench.noise)
             for requirement, values in found.items():
                 worst[requirement][part] = np.maximum(worst[requirement][part], values)
     return VariedResponse(
