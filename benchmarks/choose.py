@@ -20,6 +20,7 @@ import numpy as np
 from benchmarks.population import demanding_machine
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -29,7 +30,6 @@ from mtcommission.setpoint.setpoint import (
     plan_setpoint,
 )
 from mtcommission.study.varied import respond_varied
-from mtcommission.verdict.evaluate import evaluate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

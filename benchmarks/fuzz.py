@@ -70,7 +70,7 @@ WARM = tuple(
         "cli.machine_view",
         "cli.optimum_view",
         "cli.results_view",
-        "verdict.evaluate",
+        "limits.judge",
         "wizard",
         "options",
         "export.write",

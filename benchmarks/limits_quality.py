@@ -25,6 +25,7 @@ from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
@@ -34,7 +35,6 @@ from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import compare_shapers
 from mtcommission.study.varied import respond_varied
-from mtcommission.verdict.evaluate import Candidate, evaluate
 
 GRID = 10
 """Points of the brute force in each direction."""

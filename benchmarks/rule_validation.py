@@ -36,6 +36,7 @@ from mtcommission.limits.commissioning_rule.estimate import (
     servo_sensitivity,
 )
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Positioning, moving_mass
 from mtcommission.machine.variations import corners
@@ -44,7 +45,6 @@ from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import evaluate
 
 NAME = "commissioning-rule-validation"
 

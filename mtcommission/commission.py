@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed
 from mtcommission.limits.commissioning_rule.rule import RuleResult
+from mtcommission.limits.judge import Assessment, Candidate, MoveResult
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -35,8 +36,6 @@ from mtcommission.study.today import TodaysValues
 from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
 from mtcommission.study.variations import Row, judge
 from mtcommission.study.within_band import WithinBand, find_within_band
-from mtcommission.verdict.assess import Assessment
-from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

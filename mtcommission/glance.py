@@ -10,12 +10,12 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.shapers import name_shaper
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import require_force
@@ -21,7 +22,6 @@ from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.rules import evaluate_rules
 from mtcommission.study.settings import Settings
 from mtcommission.study.today import TodaysValues, judge_today
-from mtcommission.verdict.evaluate import Candidate
 
 Progress = Callable[[Message], None]
 

@@ -8,6 +8,7 @@ from math import inf
 import numpy as np
 import pytest
 
+from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Motion, Peak, VelocityStep
@@ -20,8 +21,6 @@ from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.verdict.assess import Assessment, Check, assess, describe_place
-from mtcommission.verdict.evaluate import simulate_moves
 from tests.machines import paper_machine
 
 

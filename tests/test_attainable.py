@@ -8,6 +8,7 @@ import pytest
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
 from mtcommission.plant.plant import build_plant
@@ -15,7 +16,6 @@ from mtcommission.requirements.peak import peak_of
 from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 

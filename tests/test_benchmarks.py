@@ -22,10 +22,10 @@ from benchmarks.race import Entry, entries, is_late, race, run
 from benchmarks.report import compose_report
 from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import Bang, constant_arc
 from mtcommission.plant.plant import build_plant
-from mtcommission.verdict.evaluate import evaluate
 
 DOCS = Path(__file__).parent.parent / "docs"
 

@@ -14,6 +14,7 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.judge import Assessment, assess, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.extremes import extremes
@@ -49,8 +50,6 @@ from mtcommission.setpoint.setpoint import (
     jerk_steps,
     plan_within,
 )
-from mtcommission.verdict.assess import Assessment, assess
-from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import judge, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

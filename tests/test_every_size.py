@@ -10,6 +10,7 @@ import pytest
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
+from mtcommission.limits.every_size import COARSE, SizeCheck, judge_every_size
 from mtcommission.limits.explore import explore
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -23,7 +24,6 @@ from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import SMALLEST, lay_sizes, plan_sizes, size_of
-from mtcommission.verdict.every_size import COARSE, SizeCheck, judge_every_size
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 

@@ -18,6 +18,7 @@ from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.states import identify
 from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
@@ -26,7 +27,6 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import OUTPUTS, Plant, build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import Candidate, evaluate
 from tests import identify_files as made
 from tests.test_cli import Run, run
 

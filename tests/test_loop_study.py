@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mtcommission.limits.judge import evaluate, simulate_moves
 from mtcommission.loop.analysis.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
@@ -17,7 +18,6 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.feedforward import follow_setpoint
 from mtcommission.study.loop_study import study_loop
 from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.verdict.evaluate import evaluate, simulate_moves
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

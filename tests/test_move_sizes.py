@@ -8,6 +8,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
@@ -25,7 +26,6 @@ from mtcommission.study.move_sizes import (
     full_size,
     vary_move_sizes,
 )
-from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.5, jerk=30.0)

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.every_size import judge_every_size
+from mtcommission.limits.judge import simulate_moves
 from mtcommission.loop.motions import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -30,8 +32,6 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.study.varied import respond_varied
-from mtcommission.verdict.evaluate import simulate_moves
-from mtcommission.verdict.every_size import judge_every_size
 from tests import test_what_if as page
 
 

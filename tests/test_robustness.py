@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -42,7 +43,6 @@ from mtcommission.study.robustness import (
 )
 from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.varied import respond_varied
-from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine, slowly_decaying_machine
 
 

@@ -34,6 +34,8 @@ from mtcommission.limits.commissioning_rule.rule import (
     RuleResult,
     apply_commissioning_rule,
 )
+from mtcommission.limits.every_size import judge_every_size
+from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
@@ -58,8 +60,6 @@ from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
-from mtcommission.verdict.evaluate import evaluate
-from mtcommission.verdict.every_size import judge_every_size
 from tests.machines import paper_machine
 
 Array = NDArray[np.float64]

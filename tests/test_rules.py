@@ -8,6 +8,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning, VelocityStep
@@ -17,7 +18,6 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode, longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.variations import Row, judge
-from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import Vibration, profile_of
 from tests.machines import paper_machine, random_modal_machine
 

@@ -14,13 +14,13 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
-from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import behind, judge, profile_of, quiet_copy, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

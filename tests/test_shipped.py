@@ -13,6 +13,7 @@ import pytest
 from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
@@ -21,7 +22,6 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
-from mtcommission.verdict.evaluate import evaluate
 
 NAMES = shipped_names()
 

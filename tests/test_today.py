@@ -7,6 +7,7 @@ from math import inf
 
 import pytest
 
+from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine
@@ -17,7 +18,6 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.today import TodaysValues, judge_today
-from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 COARSE = RobustnessSettings(frequency_points=4)

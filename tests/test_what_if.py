@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from mtcommission.errors import InputError
+from mtcommission.limits.judge import assess, simulate_moves
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
@@ -38,8 +39,6 @@ from mtcommission.sheet.html import set_html
 from mtcommission.sheet.model import Document
 from mtcommission.sheet.panel import Panel
 from mtcommission.sheet.what_if_part import what_if
-from mtcommission.verdict.assess import assess
-from mtcommission.verdict.evaluate import simulate_moves
 
 from .test_cli import Run, run  # noqa: F401
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse

@@ -324,6 +324,7 @@ def simulate(
 
     from mtcommission.cli.results_view import describe_simulation
     from mtcommission.cli.terminal import show
+    from mtcommission.limits.judge import simulate_moves
     from mtcommission.loop.tuning.tuned import close_beside
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
@@ -331,7 +332,6 @@ def simulate(
     from mtcommission.setpoint.motion_limits import without_jerk_limit
     from mtcommission.study.loop_choice import describe_loop, settle_on_loop
     from mtcommission.study.settings import Settings
-    from mtcommission.verdict.evaluate import simulate_moves
 
     asked = chosen
     notes: list[Words] = []

@@ -12,7 +12,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
 if TYPE_CHECKING:  # the loop and its libraries take seconds, and writing a text needs none of them
-    from mtcommission.verdict.evaluate import MoveResult
+    from mtcommission.limits.judge import MoveResult
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from mtcommission.cli.language import say, words
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
+    from mtcommission.limits.judge import Candidate
     from mtcommission.machine.machine import Machine
-    from mtcommission.verdict.evaluate import Candidate
 
 
 @contextmanager

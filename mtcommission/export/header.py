@@ -16,13 +16,13 @@ from mtcommission.export.held import (
 from mtcommission.export.row import Row, Setting
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import name_mode, show_value, to_ascii
+from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
-from mtcommission.verdict.evaluate import Candidate
 
 WIDTH = 96
 """Columns of the header's sentences."""

@@ -15,6 +15,7 @@ from mtcommission.control_kinds.kind import (
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
+from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_planned
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import (
     Control,
@@ -30,7 +31,6 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
-from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
 
 ALWAYS = (
     Setting.POSITION_LOOP,

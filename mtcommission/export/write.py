@@ -39,13 +39,13 @@ from mtcommission.export.plc import FREE, PLC_CONTROLS
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.export.wording import to_ascii
+from mtcommission.limits.judge import Candidate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole
-from mtcommission.verdict.evaluate import Candidate
 
 CONTROLS: Mapping[str, Control] = {
     control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)

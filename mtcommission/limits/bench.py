@@ -6,7 +6,7 @@ the first depends on the jerk alone, of the second on t_j as well, both in propo
 each is computed once, for all accelerations. The third is computed for each.
 
 Looked at are all corners, and the first swings of each pole that counts, where several ramps add
-up most; later ones only grow less. ``verdict.every_size`` has the last word.
+up most; later ones only grow less. ``limits.every_size`` has the last word.
 """
 
 from __future__ import annotations

@@ -16,7 +16,16 @@ import numpy as np
 from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.bench import Bench, build_bench
 from mtcommission.limits.digits import limits_about, round_limits
+from mtcommission.limits.every_size import SizeCheck, judge_every_size
 from mtcommission.limits.explore import LEAST_GROWTH, REFINED, Found, explore
+from mtcommission.limits.judge import (
+    Assessment,
+    Candidate,
+    MoveResult,
+    assess,
+    evaluate_moves,
+    simulate_moves,
+)
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -29,9 +38,6 @@ from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
-from mtcommission.verdict.assess import Assessment, assess
-from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
-from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
 __all__ = ["Choice", "choose_limits"]
 

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.limits.commissioning_rule.rule import RuleResult as RuleOutcome
+from mtcommission.limits.judge import Candidate
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.recommend import Recommendation
 from mtcommission.record.data import filter_entry
@@ -31,7 +32,6 @@ from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.loop_choice import describe_loop
 from mtcommission.study.robustness import KeptRange
 from mtcommission.study.today import TodaysValues
-from mtcommission.verdict.evaluate import Candidate
 
 Judged = TypeVar("Judged", bound=JudgedLimits)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mtcommission.limits.judge import MoveResult
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.record.schema.comparisons import (
@@ -11,7 +12,6 @@ from mtcommission.record.schema.comparisons import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.study.comparison import MoveComparison
-from mtcommission.verdict.evaluate import MoveResult
 
 
 def comparison_entry(

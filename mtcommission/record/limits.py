@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
+from mtcommission.limits.judge import Candidate
 from mtcommission.machine.machine import Machine
 from mtcommission.record.answer import (
     ends_entry,
@@ -37,7 +38,6 @@ from mtcommission.study.attainable import Attainable
 from mtcommission.study.improvements import Improvement
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
-from mtcommission.verdict.evaluate import Candidate
 
 Array = NDArray[np.float64]
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mtcommission.limits.judge import Assessment, MoveResult, evaluate_moves
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
@@ -23,8 +24,6 @@ from mtcommission.record.schema.moves import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.setpoint import sample_setpoint
-from mtcommission.verdict.assess import Assessment
-from mtcommission.verdict.evaluate import MoveResult, evaluate_moves
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""

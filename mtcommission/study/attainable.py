@@ -13,6 +13,7 @@ from math import inf, sqrt
 from typing import TypeVar
 
 from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
 from mtcommission.plant.plant import Plant
@@ -20,7 +21,6 @@ from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import Candidate, evaluate
 
 Found = TypeVar("Found")
 

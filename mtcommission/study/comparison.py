@@ -15,6 +15,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.judge import MoveResult
 from mtcommission.limits.optima import Optima
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -31,7 +32,6 @@ from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
-from mtcommission.verdict.evaluate import MoveResult
 
 Array = NDArray[np.float64]
 

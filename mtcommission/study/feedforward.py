@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.limits.judge import MoveResult
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -23,7 +24,6 @@ from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.optimal.band.force import BandForce
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.verdict.evaluate import MoveResult
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from math import ceil, inf
 
 import numpy as np
 
+from mtcommission.limits.judge import MoveResult
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.nonlinear import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
-from mtcommission.verdict.evaluate import MoveResult
 
 FOLLOWED = 1.0
 """Time after the setpoint in which an axis must have settled with friction [s] (empirical: what

@@ -14,6 +14,7 @@ from math import ceil, floor, inf, log10, sqrt
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice
+from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
 from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family, tune_shape
 from mtcommission.loop.tuning.force_filters import find_filters
@@ -27,7 +28,6 @@ from mtcommission.study.comparison import ROBUST, MoveComparison
 from mtcommission.study.loop_choice import WITH, with_filters
 from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.variations import Row, choose, judge
-from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 KNOWN_SPREAD = 0.02
 """Frequency spread of a machine whose modes were measured [-] (empirical)."""

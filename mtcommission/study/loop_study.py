@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
+from mtcommission.limits.judge import simulate_moves
 from mtcommission.loop.analysis.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller, feedforward_delay
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
@@ -12,7 +13,6 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.verdict.evaluate import simulate_moves
 
 PUSH_TIME = 0.3
 """How long the response to a step of force is followed [s]."""

@@ -11,6 +11,7 @@ from typing import Any
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.explore import REFINED, Found, explore
+from mtcommission.limits.judge import Candidate
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
@@ -21,7 +22,6 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import Candidate
 
 STIFFNESS_EXPONENT = 0.01
 """What a stiffer tool is worth: twice the stiffness as much as 0.7 % of the settling time (design

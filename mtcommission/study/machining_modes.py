@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.study.attainable import Attainable, find_least_residual
-from mtcommission.verdict.evaluate import Candidate
 
 NO_LIMITS = Message("no-limits-with-this-band")
 """Why a mode has no values."""

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mtcommission.limits.commissioning_rule.rule import RuleResult
+from mtcommission.limits.judge import Candidate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
@@ -17,7 +18,6 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.variations import Row, judge
-from mtcommission.verdict.evaluate import Candidate
 
 SOURCES = {
     "zv": "source-singer",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from mtcommission.errors import ComputationError
+from mtcommission.limits.judge import Candidate, describe_place, evaluate
 from mtcommission.loop.model.controller import Controller, no_observer
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import Today
@@ -15,8 +16,6 @@ from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.robustness import FrequencyError, find_frequency_error
 from mtcommission.study.settings import RobustnessSettings
-from mtcommission.verdict.assess import describe_place
-from mtcommission.verdict.evaluate import Candidate, evaluate
 
 SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
 """Gains as engineers write them."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_moves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.limits.optima import Optima, find_optima
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import require_force
@@ -17,7 +18,6 @@ from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
-from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 
 def choose_case(machine: Machine) -> tuple[Cell, ...]:

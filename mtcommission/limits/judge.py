@@ -1,4 +1,7 @@
-"""Limits through the loop: every move in every corner, judged like a recommendation."""
+"""Limits through the loop: every move in every corner, and the verdict on every requirement.
+
+A requirement that is missed is a result, not an error.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +11,131 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.every_size import SizeCheck, judge_every_size
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
-from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Move
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine, Move, Reserve, VelocityStep
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of
+from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_within
-from mtcommission.verdict.assess import Assessment, assess
-from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
 Array = NDArray[np.float64]
+
+LAST_DIGIT = 1e-9
+"""An acceleration of just what the motor follows comes back with rounding errors [-]."""
+
+ROUNDING = 1e-6
+"""Relative difference that search and simulation may have where a reserve is just kept."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """One requirement against the worst that was found."""
+
+    requirement: Requirement
+    value: float  # worst over all moves and corners [unit]; inf if the response never settles
+    limit: float  # largest allowed value [unit]
+    unit: str  # SI
+    is_met: bool
+    where: Message  # move and corner of the worst value
+
+    @property
+    def name(self) -> str:
+        """Name of the requirement in records."""
+        return self.requirement.key
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assessment:
+    """The verdict over all moves and corners: one check for each requirement."""
+
+    checks: tuple[Check, ...]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether every requirement is met."""
+        return all(check.is_met for check in self.checks)
+
+    @property
+    def limiting_requirement(self) -> Requirement | None:
+        """The requirement missed by the largest factor; None if all are met."""
+        missed = [check for check in self.checks if not check.is_met]
+        worst = max(missed, key=lambda check: check.value / check.limit, default=None)
+        return worst.requirement if worst else None
+
+    def keeps(self, reserve: Reserve) -> bool:
+        """Return whether no requirement needs more than a reserve leaves."""
+        return all(
+            check.value <= (1.0 + ROUNDING) * check.requirement.share(reserve) * check.limit
+            for check in self.checks
+        )
+
+    def check_of(self, requirement: Requirement) -> Check:
+        """Return the check of one requirement."""
+        return next(check for check in self.checks if check.requirement == requirement)
+
+
+def assess(
+    machine: Machine,
+    plant: Plant,
+    corners: Sequence[Corner],
+    values: Sequence[Array],
+    *,
+    sizes: Sequence[SizeCheck] = (),
+) -> Assessment:
+    """Return the verdict on all moves in all corners, encoder noise included.
+
+    ``values``: of each move, shape (n_requirements, n_corners), as ``requirements_of`` the machine
+    lists them; ``sizes``: the worst of all smaller moves, where they count.
+    """
+    smaller = {item.requirement: item for item in sizes}
+    checks = []
+    for requirement, found in zip(
+        requirements_of(machine), np.swapaxes(np.array(values), 0, 1), strict=True
+    ):
+        move, corner = divmod(int(found.argmax()), len(corners))
+        value, limit = float(found[move, corner]), requirement.bound(machine)
+        where = describe_place(move + 1, corners[corner], len(machine.moves))
+        item = smaller.get(requirement)
+        if item is not None and item.value > value:
+            value, where = item.value, _describe_size(machine, item)
+        checks.append(
+            Check(
+                requirement=requirement,
+                value=value,
+                limit=limit,
+                unit=requirement.unit(machine, plant),
+                is_met=value <= (1.0 + LAST_DIGIT) * limit,
+                where=where,
+            )
+        )
+    return Assessment(checks=tuple(checks))
+
+
+def _describe_size(machine: Machine, check: SizeCheck) -> Message:
+    is_step = isinstance(machine.moves[check.move - 1], VelocityStep)
+    size = Message("place-velocity-step" if is_step else "place-distance", size=check.size)
+    return describe_place(check.move, check.corner, len(machine.moves), size)
+
+
+def describe_place(move: int, corner: Corner, n_moves: int, size: Message | None = None) -> Message:
+    """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies × 0.95``."""
+    parts = [Message("place-move", number=move)] if n_moves > 1 else []
+    if size is not None:
+        parts.append(size)
+    if corner == NOMINAL:
+        return Message("place", parts=(*parts, Message("place-nominal")))
+    parts.append(Message("place-payload", payload=corner.payload))
+    if corner.frequency_factor != 1.0:
+        parts.append(Message("place-frequencies", factor=corner.frequency_factor))
+    if corner.damping_factor != 1.0:
+        parts.append(Message("place-damping", factor=corner.damping_factor))
+    return Message("place", parts=tuple(parts))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,1 +1,0 @@
-"""Limits through the loop, judged: the same moves, corners and requirements for all limits."""
