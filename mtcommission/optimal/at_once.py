@@ -24,21 +24,11 @@ SAMPLES = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PeaksWithForce:
-    """Peaks of a motion with that of what is set.
+    """Peaks of a motion with that of what is set."""
 
-    Parameters
-    ----------
-    motion
-        Of ``driven_at_once``.
-    arcs
-        The control.
-    force
-        Index of F among the plant's signals.
-    """
-
-    motion: MotionPeaks
-    arcs: tuple[Arc, ...]
-    force: int
+    motion: MotionPeaks  # Of ``driven_at_once``
+    arcs: tuple[Arc, ...]  # The control
+    force: int  # Index of F among the plant's signals
 
     @property
     def peaks(self) -> Array:
@@ -47,21 +37,7 @@ class PeaksWithForce:
 
 
 def time_optimum_on(plant: Plant, found: TimeOptimum) -> TimeOptimum:
-    """Return a time-optimal control in the states of the plant.
-
-    Parameters
-    ----------
-    plant
-        From ``build_plant``.
-    found
-        On ``driven_at_once`` of it.
-
-    Returns
-    -------
-    TimeOptimum
-        The same, but that a motor that follows has the set acceleration for its F: at rest at the
-        end, and without an adjoint (nan).
-    """
+    """Return a time-optimal control in the states of the plant."""
     if not plant.follows:
         return found
     proof = found.certificate
@@ -74,17 +50,7 @@ def time_optimum_on(plant: Plant, found: TimeOptimum) -> TimeOptimum:
 
 
 def damping_optimum_on(plant: Plant, found: DampingOptimum) -> DampingOptimum:
-    """Return a damping-optimal control in the states of the plant.
-
-    Parameters
-    ----------
-    plant, found
-        As for ``time_optimum_on``.
-
-    Returns
-    -------
-    DampingOptimum
-    """
+    """Return a damping-optimal control in the states of the plant."""
     if not plant.follows:
         return found
     return replace(
@@ -96,21 +62,7 @@ def damping_optimum_on(plant: Plant, found: DampingOptimum) -> DampingOptimum:
 
 
 def least_limit(plant: Plant, force_limit: float, bounds: Iterable[Bound]) -> float:
-    """Return the force limit, or a lower bound on the acceleration of a motor that follows.
-
-    Parameters
-    ----------
-    plant
-        From ``build_plant``.
-    force_limit
-        Force left for motion [N].
-    bounds
-        On states and outputs.
-
-    Returns
-    -------
-    float
-    """
+    """Return the force limit, or a lower bound on the acceleration of a motor that follows."""
     return min((force_limit, *(one.value for one in bounds if not _on_state(plant, one))))
 
 

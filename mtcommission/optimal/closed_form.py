@@ -19,17 +19,6 @@ def step_response(plant: Plant, tau: Array) -> Array:
 
     The input is the set force, or the jerk of a motor that follows.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    tau
-        Times since the step, any shape [s].
-
-    Returns
-    -------
-    ndarray, shape (*tau.shape, n)
-
     Source: partial fractions of the transfer functions.
 
     Examples
@@ -93,17 +82,6 @@ def _left(plant: Plant, mode: PlantMode, fall: Array) -> Array:
 def impulse_response(plant: Plant, tau: Array) -> Array:
     """Return expm(A τ) B in closed form.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    tau
-        Times >= 0, any shape [s].
-
-    Returns
-    -------
-    ndarray, shape (*tau.shape, n)
-
     Source: derivative of the step response.
 
     Examples
@@ -135,17 +113,6 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
 
 def transition(plant: Plant, tau: Array) -> Array:
     """Return expm(A τ) in closed form.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    tau
-        Times >= 0, any shape [s].
-
-    Returns
-    -------
-    ndarray, shape (*tau.shape, n, n)
 
     Source: free oscillation of each mode; the column of the force, if it has a lag, from B.
 

@@ -44,22 +44,6 @@ COARSE = replace(STANDARD.proof, radians_per_cell=0.15)
 def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
     """Return full force on and off, shaped so that the axis ends at rest.
 
-    Parameters
-    ----------
-    plant
-        The axis, at rest at t = 0.
-    move
-        Velocity step or positioning.
-    force_limit
-        Force left for motion [N].
-
-    Returns
-    -------
-    TimeOptimum
-        ``method`` is ``"composed"``. Its lower bound is the larger of the free optimum and the
-        rigid bound (both drop constraints, so no admissible control is faster); adjoint and
-        switching law do not apply.
-
     Raises
     ------
     ComputationError

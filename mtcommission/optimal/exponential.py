@@ -16,15 +16,6 @@ def balanced_expm(matrix: Array) -> Array:
     apart. The method scales by the norm and squares again: on a boundary arc of 50 ms twenty-seven
     times instead of five, with a relative error of 1e-9 instead of 1e-14.
 
-    Parameters
-    ----------
-    matrix
-        Shape (n, n).
-
-    Returns
-    -------
-    ndarray, shape (n, n)
-
     Source: Al-Mohy & Higham (2009), SIAM J. Matrix Anal. Appl. 31, 970 (overscaling); balancing
     by powers of two after Parlett & Reinsch (1969), which rounds nothing.
 

@@ -15,23 +15,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeldFlow:
-    """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly.
+    """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly."""
 
-    Parameters
-    ----------
-    matrix
-        G, shape (n, n) [1/s].
-    chart
-        T, shape (n, n); its first r rows are the chain.
-    inverse
-        T^-1, shape (n, n).
-    generator
-        T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
-    """
-
-    matrix: Array
-    chart: Array
-    inverse: Array
+    matrix: Array  # G, shape (n, n) [1/s]
+    chart: Array  # T, shape (n, n); its first r rows are the chain
+    inverse: Array  # T^-1, shape (n, n)
+    # T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
     generator: Array
 
     def over(self, span: float) -> Array:
@@ -45,21 +34,6 @@ def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> Held
     A boundary arc is such a motion: c x is constant on it because its derivatives are 0. In the
     states of the plant that is a difference of large numbers, and over a long arc the rounding
     of the matrix exponential lets c x drift by more than a finished control may miss.
-
-    Parameters
-    ----------
-    matrix
-        G, shape (n, n) [1/s].
-    chain
-        Rows c_j, shape (r, n), linearly independent.
-    rate
-        [1/s].
-    scale
-        Typical size of each state, shape (n,).
-
-    Returns
-    -------
-    HeldFlow
 
     Examples
     --------

@@ -11,17 +11,7 @@ Array = NDArray[np.float64]
 
 
 def signal_rows(plant: Plant) -> Array:
-    """Return the rows c with signal = c x for all ``Plant.signals``.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-
-    Returns
-    -------
-    ndarray, shape (n_signals, n)
-    """
+    """Return the rows c with signal = c x for all ``Plant.signals``."""
     return np.vstack([np.eye(plant.order), plant.C])
 
 
@@ -29,20 +19,6 @@ def unit_cubics(
     step: Array, start: Array, end: Array, *, start_rate: Array, end_rate: Array
 ) -> Array:
     """Return the cubic in each cell that takes the values and derivatives at its ends.
-
-    Parameters
-    ----------
-    step
-        Lengths of the cells, broadcastable to the values [s].
-    start, end
-        Values at the ends of the cells, any shape.
-    start_rate, end_rate
-        Derivatives there, same shape.
-
-    Returns
-    -------
-    ndarray, shape (4, ...)
-        Coefficients of s³, s², s, 1, with s from 0 to 1 over the cell.
 
     Examples
     --------
@@ -58,20 +34,6 @@ def hermite_peaks(
     step: Array, start: Array, end: Array, *, start_rate: Array, end_rate: Array
 ) -> Array:
     """Return the largest magnitude of each signal, interpolated cubically in each cell.
-
-    Parameters
-    ----------
-    step
-        Lengths of the cells, shape (n_cells,) [s].
-    start, end
-        Values at the ends of the cells, shape (n_cells, n_signals).
-    start_rate, end_rate
-        Derivatives there, taken inside the cell, same shape.
-
-    Returns
-    -------
-    ndarray, shape (n_signals,)
-        Relative error about (ω step)^4 / 384 for a signal of angular frequency ω.
 
     Examples
     --------

@@ -61,15 +61,6 @@ ArcControl = Bang | Boundary | Interior | Ramp
 def control_text(control: ArcControl) -> str:
     """Return what an arc does as records and the terminal name it.
 
-    Parameters
-    ----------
-    control
-        Of an arc.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> [control_text(control) for control in (Bang(-1), Boundary("v_phi", 1), Interior())]
@@ -93,21 +84,13 @@ def side_text(signal: str, side: int) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arc:
-    """One piece of the control, with F_set(t) = output expm(generator (t - t_start)) initial.
+    """One piece of the control, with F_set(t) = output expm(generator (t - t_start)) initial."""
 
-    Parameters
-    ----------
-    t_start, t_end
-        Ends of the arc [s].
-    control
-        What it does.
-    generator, initial, output
-        Shapes (k, k), (k,), (k,) [1/s, -, N].
-    """
-
+    # t_start, t_end: Ends of the arc [s].
     t_start: float
     t_end: float
-    control: ArcControl
+    control: ArcControl  # What it does
+    # generator, initial, output: Shapes (k, k), (k,), (k,) [1/s, -, N].
     generator: Array
     initial: Array
     output: Array
@@ -115,73 +98,32 @@ class Arc:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TouchPoint:
-    """An instant at which a bound is touched and left at once.
+    """An instant at which a bound is touched and left at once."""
 
-    Parameters
-    ----------
-    t
-        [s].
-    signal
-        The bounded signal.
-    side
-        +1 or -1.
-    """
-
-    t: float
-    signal: str
-    side: int
+    t: float  # [s]
+    signal: str  # The bounded signal
+    side: int  # +1 or -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bound:
-    """A symmetric bound on a state or output.
+    """A symmetric bound on a state or output."""
 
-    Parameters
-    ----------
-    name
-        State or output of the plant.
-    value
-        Largest magnitude, in the signal's SI unit.
-    """
-
-    name: str
-    value: float
+    name: str  # State or output of the plant
+    value: float  # Largest magnitude, in the signal's SI unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trajectory:
-    """Sampled motion.
+    """Sampled motion."""
 
-    Parameters
-    ----------
-    t
-        Shape (n_samples,) [s].
-    force
-        F_set, shape (n_samples,) [N]; at a switch the value after it.
-    states
-        Shape (n_samples, n), columns as ``Plant.states``.
-    """
-
-    t: Array
-    force: Array
-    states: Array
+    t: Array  # Shape (n_samples,) [s]
+    force: Array  # F_set, shape (n_samples,) [N]; at a switch the value after it
+    states: Array  # Shape (n_samples, n), columns as ``Plant.states``
 
 
 def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: float) -> Arc:
     """Return an arc of constant force.
-
-    Parameters
-    ----------
-    t_start, t_end
-        [s].
-    control
-        What it does.
-    force
-        [N].
-
-    Returns
-    -------
-    Arc
 
     Examples
     --------
@@ -201,18 +143,6 @@ def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: fl
 def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
     """Return the state after all arcs, starting at rest; exact up to rounding.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    arcs
-        In order, without gaps.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        A force that acts at once is over, 0.
-
     Source: variation of constants; the input is appended to the state (Van Loan 1978).
     """
     moved = driven_at_once(plant)
@@ -231,22 +161,7 @@ def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
 
 
 def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Trajectory:
-    """Return the motion under the arcs, sampled evenly inside each arc and at each switch.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    arcs
-        In order, without gaps, starting at t = 0 from rest.
-    step
-        Largest distance of samples [s].
-
-    Returns
-    -------
-    Trajectory
-        A switch appears once, with the force after it; the last sample ends the last arc.
-    """
+    """Return the motion under the arcs, sampled evenly inside each arc and at each switch."""
     moved = driven_at_once(plant)
     n = moved.order
     x, times, forces, states = np.zeros(n), [], [], []
@@ -290,33 +205,21 @@ def joint_system(plant: Plant, arc: Arc) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Certificate:
-    """What proves a time-optimal control; see docs/optimal-control.md for what each part means.
+    """What proves a time-optimal control; see docs/optimal-control.md for what each part means."""
 
-    Parameters
-    ----------
-    t_f_lower_bound
-        No admissible control reaches the target sooner [s]; from a dual feasible point.
-    relative_gap
-        (t_f - t_f_lower_bound) / t_f.
-    adjoint_initial
-        λ(0), shape (n,), normalised by H = 1 + λ(Ax + B F_set) = 0 as in the paper's eq. (7).
-    switching_slopes
-        dσ/dt at each switching time, σ = λB (λ_F / T behind a lag), shape (n_switches,).
-    switching_law_holds
-        Whether F_set = -sign(λB) F_max on the whole interval (off boundary arcs).
-    terminal_jacobian_rank
-        Rank of the Jacobian of the terminal conditions over switching times and t_f; -1 where
-        it is not square or does not apply.
-    terminal_jacobian_condition
-        Its condition number after scaling; nan where it does not apply.
-    """
-
+    # No admissible control reaches the target sooner [s]; from a dual feasible point.
     t_f_lower_bound: float
-    relative_gap: float
+    relative_gap: float  # (t_f - t_f_lower_bound) / t_f
+    # λ(0), shape (n,), normalised by H = 1 + λ(Ax + B F_set) = 0 as in the paper's eq. (7).
     adjoint_initial: Array
+    # dσ/dt at each switching time, σ = λB (λ_F / T behind a lag), shape (n_switches,).
     switching_slopes: Array
+    # Whether F_set = -sign(λB) F_max on the whole interval (off boundary arcs).
     switching_law_holds: bool
+    # Rank of the Jacobian of the terminal conditions over switching times and t_f; -1 where
+    # it is not square or does not apply.
     terminal_jacobian_rank: int
+    # Its condition number after scaling; nan where it does not apply.
     terminal_jacobian_condition: float
 
 
@@ -338,45 +241,20 @@ class MotionPeaks(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimeOptimum:
-    """A time-optimal control, free or under bounds.
+    """A time-optimal control, free or under bounds."""
 
-    Parameters
-    ----------
-    move
-        Velocity step or positioning move.
-    force_limit
-        Force left for motion [N].
-    bounds
-        Bounds on states and outputs; empty for the free optimum.
-    method
-        ``"exact"``, ``"transcription"``, or ``"composed"``: not optimal, with a proved bound.
-    t_f
-        Final time [s].
-    arcs
-        In order, without gaps, from 0 to t_f.
-    touch_points
-        Where a bound is touched without a boundary arc.
-    terminal_error
-        State at t_f minus target, shape (n,); 0 for a free state.
-    motion
-        Tells the peaks of all signals.
-    certificate
-        The proof.
-    jerk_limit
-        Of a motor that follows [m/s³]; inf: the acceleration may jump.
-    """
-
-    move: Move
-    force_limit: float
-    bounds: tuple[Bound, ...]
+    move: Move  # Velocity step or positioning move
+    force_limit: float  # Force left for motion [N]
+    bounds: tuple[Bound, ...]  # Bounds on states and outputs; empty for the free optimum
+    # ``"exact"``, ``"transcription"``, or ``"composed"``: not optimal, with a proved bound.
     method: str
-    t_f: float
-    arcs: tuple[Arc, ...]
-    touch_points: tuple[TouchPoint, ...]
-    terminal_error: Array
-    motion: MotionPeaks
-    certificate: Certificate
-    jerk_limit: float = inf
+    t_f: float  # Final time [s]
+    arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
+    touch_points: tuple[TouchPoint, ...]  # Where a bound is touched without a boundary arc
+    terminal_error: Array  # State at t_f minus target, shape (n,); 0 for a free state
+    motion: MotionPeaks  # Tells the peaks of all signals
+    certificate: Certificate  # The proof
+    jerk_limit: float = inf  # Of a motor that follows [m/s³]; inf: the acceleration may jump
 
     @property
     def peaks(self) -> Array:
@@ -394,72 +272,25 @@ class TimeOptimum:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DampingOptimum:
-    """A damping-optimal control: the saturated linear-quadratic problem, eq. (5).
+    """A damping-optimal control: the saturated linear-quadratic problem, eq. (5)."""
 
-    Parameters
-    ----------
-    move
-        Velocity step or positioning move.
-    force_limit
-        Force left for motion [N].
-    bounds
-        Bounds on states and outputs, which only a transcription takes.
-    method
-        ``"exact"`` or ``"transcription"``.
-    t_f
-        Final time [s].
-    weights
-        c_i by state.
-    arcs
-        In order, without gaps, from 0 to t_f.
-    cost
-        Value of the functional [N² s].
-    cost_terms
-        Its parts: first F_set², then one for each weight [N² s].
-    adjoint_initial
-        λ(0), shape (n,).
-    law_residual
-        Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
-    terminal_error
-        As in ``TimeOptimum``.
-    peaks
-        Largest magnitude of each of ``Plant.signals`` on [0, t_f].
-    """
-
-    move: Move
-    force_limit: float
-    bounds: tuple[Bound, ...]
-    method: str
-    t_f: float
-    weights: tuple[Weight, ...]
-    arcs: tuple[Arc, ...]
-    cost: float
-    cost_terms: Array
-    adjoint_initial: Array
-    law_residual: float
-    terminal_error: Array
-    peaks: Array
+    move: Move  # Velocity step or positioning move
+    force_limit: float  # Force left for motion [N]
+    bounds: tuple[Bound, ...]  # Bounds on states and outputs, which only a transcription takes
+    method: str  # ``"exact"`` or ``"transcription"``
+    t_f: float  # Final time [s]
+    weights: tuple[Weight, ...]  # c_i by state
+    arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
+    cost: float  # Value of the functional [N² s]
+    cost_terms: Array  # Its parts: first F_set², then one for each weight [N² s]
+    adjoint_initial: Array  # λ(0), shape (n,)
+    law_residual: float  # Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
+    terminal_error: Array  # As in ``TimeOptimum``
+    peaks: Array  # Largest magnitude of each of ``Plant.signals`` on [0, t_f]
 
 
 def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: float) -> Array:
-    """Return the states at 0, step, 2 step, ... up to a time after the last arc.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    arcs
-        In order, without gaps, starting at t = 0 from rest.
-    step
-        Distance of samples [s].
-    until
-        Last instant wanted [s]; after the last arc the set force is 0.
-
-    Returns
-    -------
-    ndarray, shape (n_samples, n)
-        Exact at every sample, wherever the switches lie between them.
-    """
+    """Return the states at 0, step, 2 step, ... up to a time after the last arc."""
     count = int(np.floor(until / step + 1e-9)) + 1
     moved = driven_at_once(plant)
     states, force = np.zeros((count, moved.order)), np.zeros(count)
@@ -482,20 +313,7 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
 
 
 def excess_velocity(plant: Plant, damping: DampingOptimum) -> float:
-    """Return the share by which a control exceeds its move's max_velocity, 0 where it does not.
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    damping
-        Its functional knows no limits on states.
-
-    Returns
-    -------
-    float
-        Relative to max_velocity.
-    """
+    """Return the share by which a control exceeds its move's max_velocity, 0 where it does not."""
     move = damping.move
     if not isinstance(move, Positioning):
         return 0.0

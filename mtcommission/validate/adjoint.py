@@ -23,10 +23,6 @@ GRID = 4000
 def printed_adjoint_matrix() -> Array:
     """Return the matrix M of the printed adjoint equations dλ/dt = M λ, λ as a column.
 
-    Returns
-    -------
-    ndarray, shape (7, 7)
-
     Source: Christiansen, Maurer & Zirn, eq. (8), coefficient by coefficient.
 
     Examples
@@ -56,18 +52,6 @@ def printed_adjoint_matrix() -> Array:
 def adjoint_from_switches(plant: Plant, switching_times: Array) -> Array:
     """Return the λ(0) for which λ_F vanishes at five switching times and H = 0.
 
-    Parameters
-    ----------
-    plant
-        The paper's plant.
-    switching_times
-        Shape (5,) [s].
-
-    Returns
-    -------
-    ndarray, shape (7,)
-        With λ_xs = 0, since the end position is free.
-
     Source: λ(t) = λ(0) e^{-At}, and H = 1 + λ(0) B F_max = 0 at rest.
 
     Examples
@@ -89,20 +73,7 @@ def adjoint_from_switches(plant: Plant, switching_times: Array) -> Array:
 
 
 def adjoint_uncertainty(plant: Plant, switching_times: Array, *, accuracy: float) -> Array:
-    """Return by how much λ(0) may err where each switching time errs by ``accuracy`` [s].
-
-    Parameters
-    ----------
-    plant, switching_times
-        As in ``adjoint_from_switches``.
-    accuracy
-        Of each time [s].
-
-    Returns
-    -------
-    ndarray, shape (7,)
-        Sum of the magnitudes over the five times, to first order.
-    """
+    """Return by how much λ(0) may err where each switching time errs by ``accuracy`` [s]."""
     base = adjoint_from_switches(plant, switching_times)
     total = np.zeros(plant.order)
     for i in range(switching_times.size):
@@ -113,22 +84,7 @@ def adjoint_uncertainty(plant: Plant, switching_times: Array, *, accuracy: float
 
 
 def zeros_forward(plant: Plant, initial: Array, *, t_f: float) -> Array:
-    """Return the zeros of λ_F if λ(0) is integrated forward.
-
-    Parameters
-    ----------
-    plant
-        The plant.
-    initial
-        λ(0), shape (n,).
-    t_f
-        End [s].
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        [s]. An error of λ(0) grows like e^{t/T}.
-    """
+    """Return the zeros of λ_F if λ(0) is integrated forward."""
     t, transition = np.linspace(0.0, t_f, GRID + 1), expm(-plant.A * (t_f / GRID))
     values, row = np.empty(GRID + 1), initial
     for i in range(GRID + 1):
@@ -138,18 +94,7 @@ def zeros_forward(plant: Plant, initial: Array, *, t_f: float) -> Array:
 
 
 def zeros_backward(plant: Plant, initial: Array, *, t_f: float) -> Array:
-    """Return the zeros of λ_F with λ_F(t_f) from H = 0, the other components from λ(0).
-
-    Parameters
-    ----------
-    plant, initial, t_f
-        As in ``zeros_forward``; λ_F(0) is not used.
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        [s]. Backwards errors decay, so this is as accurate as λ(0).
-    """
+    """Return the zeros of λ_F with λ_F(t_f) from H = 0, the other components from λ(0)."""
     end = initial @ expm(-plant.A * t_f)
     # At the target A x is λ_xs v_s = 0, so H = 1 + λ_F F_set / T with F_set = -F_max.
     end[plant.force] = plant.force_lag / FORCE_LIMIT
@@ -168,24 +113,12 @@ def _zeros(t: Array, values: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FollowedLaw:
-    """The adjoint that fits a damping-optimal control best, found from the control alone.
+    """The adjoint that fits a damping-optimal control best, found from the control alone."""
 
-    Parameters
-    ----------
-    t
-        Shape (n_samples,) [s].
-    force
-        F_set of the arcs, shape (n_samples,) [N].
-    wanted
-        -λ_F / 2T, shape (n_samples,) [N].
-    adjoint_initial
-        λ(0), shape (n,).
-    """
-
-    t: Array
-    force: Array
-    wanted: Array
-    adjoint_initial: Array
+    t: Array  # Shape (n_samples,) [s]
+    force: Array  # F_set of the arcs, shape (n_samples,) [N]
+    wanted: Array  # -λ_F / 2T, shape (n_samples,) [N]
+    adjoint_initial: Array  # λ(0), shape (n,)
 
     @property
     def residual(self) -> float:
@@ -199,17 +132,6 @@ def follow_law(plant: Plant, damping: DampingOptimum, *, samples: int) -> Follow
 
     States go forward and the adjoint backward from t_f, as errors decay. λ(t_f) is fitted to
     the force on the interior arcs, so nothing of the solver's own adjoint is used.
-
-    Parameters
-    ----------
-    plant, damping
-        The plant, and its control of sec. 6.
-    samples
-        Samples over t_f, besides the joints of arcs.
-
-    Returns
-    -------
-    FollowedLaw
 
     Source: Christiansen, Maurer & Zirn, sec. 6, with dλ/dt = -2 D x - λ A.
     """

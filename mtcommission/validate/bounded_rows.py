@@ -50,13 +50,7 @@ SAMPLES = 400
 
 
 def bounded_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return what the paper says of the bounded control, beside ours.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return what the paper says of the bounded control, beside ours."""
     return (
         *_times(cases),
         *_structure(cases.bounded),
@@ -107,18 +101,7 @@ def _times(cases: Cases) -> list[Row]:
 
 
 def arc_groups(optimum: TimeOptimum) -> tuple[int, ...]:
-    """Return the numbers of bang arcs before, between and after the boundary arcs.
-
-    Parameters
-    ----------
-    optimum
-        A bounded time-optimal control.
-
-    Returns
-    -------
-    tuple of int
-        One more than there are boundary arcs.
-    """
+    """Return the numbers of bang arcs before, between and after the boundary arcs."""
     at = [i for i, arc in enumerate(optimum.arcs) if isinstance(arc.control, Boundary)]
     ends = [-1, *at, len(optimum.arcs)]
     return tuple(after - before - 1 for before, after in pairwise(ends))
@@ -303,20 +286,7 @@ def _jump(before: float, after: float) -> Row:
 
 
 def adjoint_at_entry(optimum: TimeOptimum, plant: Plant, arc: Arc) -> Array:
-    """Return λ just inside the first boundary arc.
-
-    Parameters
-    ----------
-    optimum, plant
-        The bounded control and its plant.
-    arc
-        Its first boundary arc.
-
-    Returns
-    -------
-    ndarray, shape (7,)
-        λ_vφ jumps at entry so that dλ_F/dt = 0.
-    """
+    """Return λ just inside the first boundary arc."""
     entry = optimum.certificate.adjoint_initial @ expm(-plant.A * arc.t_start)
     J, r = MECHANICS.rotary_inertia, MECHANICS.lever_arm
     inside = np.asarray(entry, dtype=np.float64).copy()

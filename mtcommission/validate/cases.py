@@ -51,99 +51,53 @@ FREQUENCY_FACTORS = (0.8, 1.25)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoopCase:
-    """A setpoint of sec. 3 in the feedback loop.
+    """A setpoint of sec. 3 in the feedback loop."""
 
-    Parameters
-    ----------
-    limits
-        Acceleration and jerk of the setpoint.
-    response
-        What the nominal machine does.
-    measured
-        The same, measured as the optimal controls are.
-    """
-
-    limits: MotionLimits
-    response: LoopResponse
-    measured: ComparedControl
+    limits: MotionLimits  # Acceleration and jerk of the setpoint
+    response: LoopResponse  # What the nominal machine does
+    measured: ComparedControl  # The same, measured as the optimal controls are
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class VariedLoop:
-    """The loop of a machine that differs from Table 1 in one thing, tuned anew.
+    """The loop of a machine that differs from Table 1 in one thing, tuned anew."""
 
-    Parameters
-    ----------
-    frequencies
-        Natural frequencies of base and tower [Hz].
-    limits
-        Recommended acceleration and jerk.
-    damping
-        Damping ratios of base and tower in the closed loop, shape (2,).
-    rectangular_time
-        Settling time of the setpoint without jerk limit [s].
-    """
-
-    frequencies: Array
-    limits: MotionLimits
-    damping: Array
-    rectangular_time: float
+    frequencies: Array  # Natural frequencies of base and tower [Hz]
+    limits: MotionLimits  # Recommended acceleration and jerk
+    damping: Array  # Damping ratios of base and tower in the closed loop, shape (2,)
+    rectangular_time: float  # Settling time of the setpoint without jerk limit [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cases:
-    """Solutions of everything that the paper solves.
+    """Solutions of everything that the paper solves."""
 
-    Parameters
-    ----------
-    machine, plant
-        Of Table 1.
-    time
-        Sec. 5.1.
-    bounded
-        Sec. 5.2.
-    damping
-        Sec. 6, with the weights (17).
-    balanced
-        Our balanced weights.
-    rectangular, trapezoidal
-        Sec. 3: F_max/m without jerk limit, and our recommended limits.
-    condensed
-        The jerk-limited profile closest to each optimum, in the loop: time-optimal, bounded,
-        damping-optimal.
-    as_printed
-        The loop behind ``rectangular`` and ``trapezoidal``.
-    softer_base, stiffer_base, softer_tower, stiffer_tower
-        One eigenfrequency changed by ``FREQUENCY_FACTORS``, its damping ratio kept.
-    sensed
-        With a second encoder near the tool.
-    """
-
+    # machine, plant: Of Table 1.
     machine: Machine
     plant: Plant
-    time: TimeOptimum
-    bounded: TimeOptimum
-    damping: DampingOptimum
-    balanced: tuple[Weight, ...]
+    time: TimeOptimum  # Sec. 5.1.
+    bounded: TimeOptimum  # Sec. 5.2.
+    damping: DampingOptimum  # Sec. 6, with the weights (17).
+    balanced: tuple[Weight, ...]  # Our balanced weights
+    # rectangular, trapezoidal: Sec. 3: F_max/m without jerk limit, and our recommended
+    # limits.
     rectangular: LoopCase
     trapezoidal: LoopCase
+    # The jerk-limited profile closest to each optimum, in the loop: time-optimal, bounded,
+    # damping-optimal.
     condensed: tuple[LoopCase, ...]
-    as_printed: VariedLoop
+    as_printed: VariedLoop  # The loop behind ``rectangular`` and ``trapezoidal``
+    # softer_base, stiffer_base, softer_tower, stiffer_tower: One eigenfrequency changed by
+    # ``FREQUENCY_FACTORS``, its damping ratio kept.
     softer_base: VariedLoop
     stiffer_base: VariedLoop
     softer_tower: VariedLoop
     stiffer_tower: VariedLoop
-    sensed: VariedLoop
+    sensed: VariedLoop  # With a second encoder near the tool
 
 
 def solve_cases(progress: Progress = lambda _: None) -> Cases:
-    """Return the solutions of the paper's problems.
-
-    Parameters
-    ----------
-    progress
-        Called with the name of each stage as it begins.
-    """
+    """Return the solutions of the paper's problems."""
     machine = paper_machine()
     plant, move = build_plant(machine), machine.moves[0]
     progress("time-optimal control")

@@ -36,13 +36,7 @@ SAMPLES = 4000
 
 
 def damping_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return what the paper says of the damping-optimal control, beside ours.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return what the paper says of the damping-optimal control, beside ours."""
     return (
         *_peaks(cases),
         *_weights(cases),
@@ -124,18 +118,7 @@ def _magnitudes(cases: Cases) -> Row:
 
 
 def coasting_cost(cases: Cases) -> float:
-    """Return J of the time-optimal control followed by rest until the t_f of sec. 6.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-
-    Returns
-    -------
-    float
-        [N² s]; an admissible control of the same problem, so no optimum costs more.
-    """
+    """Return J of the time-optimal control followed by rest until the t_f of sec. 6."""
     motion = sample_trajectory(cases.plant, cases.time.arcs, step=cases.time.t_f / SAMPLES)
     cost = float(np.sum(np.diff(motion.t) * motion.force[:-1] ** 2))
     for weight in WEIGHTS:

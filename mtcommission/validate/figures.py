@@ -30,18 +30,7 @@ SHOWN_AFTER = 1.15
 
 
 def paper_figures(cases: Cases) -> tuple[LinePlot, ...]:
-    """Return the four figures of results.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-
-    Returns
-    -------
-    tuple of LinePlot
-        Figs. 3, 4, 5, 6; a switch is drawn as a step.
-    """
+    """Return the four figures of results."""
     return (
         _feedback(cases),
         _optimum(

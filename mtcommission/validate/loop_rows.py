@@ -19,13 +19,7 @@ LOOP_BASIS = "our loop"
 
 
 def loop_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return the claims on feedback control, beside simulated loops.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return the claims on feedback control, beside simulated loops."""
     return (
         _active_damping(cases),
         _overshoot(cases),
@@ -36,13 +30,7 @@ def loop_rows(cases: Cases) -> tuple[Row, ...]:
 
 
 def conclusion_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return the conclusions of sec. 7, beside ours.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return the conclusions of sec. 7, beside ours."""
     return (_damping_by_bounds(cases), _hints(cases))
 
 

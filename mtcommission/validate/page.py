@@ -34,20 +34,7 @@ SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool M
 
 
 def print_validation(validation: Validation, *, created: str) -> str:
-    """Return the comparison as one page that works offline.
-
-    Parameters
-    ----------
-    validation
-        The comparison.
-    created
-        When it was made (ISO 8601).
-
-    Returns
-    -------
-    str
-        HTML; every text is escaped.
-    """
+    """Return the comparison as one page that works offline."""
     text = Catalogue().text
     machine = validation.cases.machine
     sections = (

@@ -71,13 +71,6 @@ PEAKS = (0.008916, 0.005, 0.022444)
 def paper_machine() -> Machine:
     """Return the machine of Table 1 with the velocity step of eq. (3).
 
-    Returns
-    -------
-    Machine
-        The band of 5 µm, in which the loop of sec. 3 has to settle, is ours, and so are the
-        spreads of frequencies and damping: the paper states none. The sign of the height of the
-        tool is an assumption, too. The cascade is extended by state feedback, as sec. 3 proposes.
-
     Source: Table 1; eq. (3).
 
     Examples

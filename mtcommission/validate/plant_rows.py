@@ -18,13 +18,7 @@ ROUNDING = 1e-9
 
 
 def plant_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return what the paper says of the plant, beside ours.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return what the paper says of the plant, beside ours."""
     plant = cases.plant
     return (
         *_modes(plant),

@@ -30,34 +30,18 @@ PARTS: tuple[tuple[str, Callable[[Cases], tuple[Row, ...]]], ...] = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """Rows that belong together.
+    """Rows that belong together."""
 
-    Parameters
-    ----------
-    heading
-        What they are about.
-    rows
-        In the paper's order.
-    """
-
-    heading: str
-    rows: tuple[Row, ...]
+    heading: str  # What they are about
+    rows: tuple[Row, ...]  # In the paper's order
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Validation:
-    """The whole comparison.
+    """The whole comparison."""
 
-    Parameters
-    ----------
-    cases
-        Solutions behind it.
-    parts
-        Rows by part.
-    """
-
-    cases: Cases
-    parts: tuple[Part, ...]
+    cases: Cases  # Solutions behind it
+    parts: tuple[Part, ...]  # Rows by part
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -71,13 +55,7 @@ class Validation:
 
 
 def validate(progress: Progress = lambda _: None) -> Validation:
-    """Return the comparison of the paper with ours.
-
-    Parameters
-    ----------
-    progress
-        Called with the name of each stage as it begins.
-    """
+    """Return the comparison of the paper with ours."""
     cases = solve_cases(progress)
     parts = []
     for heading, rows_of in PARTS:
@@ -88,11 +66,6 @@ def validate(progress: Progress = lambda _: None) -> Validation:
 
 def count_verdicts(rows: Sequence[Row]) -> str:
     """Return how many rows have each verdict, in words.
-
-    Parameters
-    ----------
-    rows
-        Any rows.
 
     Examples
     --------
@@ -111,18 +84,7 @@ def count_verdicts(rows: Sequence[Row]) -> str:
 
 
 def validation_entry(validation: Validation) -> dict[str, object]:
-    """Return the comparison as it is written to JSON.
-
-    Parameters
-    ----------
-    validation
-        The comparison.
-
-    Returns
-    -------
-    dict
-        ``met`` and ``rows``; the numbers of a claim are nan (null in the file).
-    """
+    """Return the comparison as it is written to JSON."""
     return {
         "source": "Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators",
         "met": validation.is_met,

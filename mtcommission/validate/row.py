@@ -22,46 +22,24 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One number or claim.
+    """One number or claim."""
 
-    Parameters
-    ----------
-    place
-        Where the paper prints it.
-    quantity
-        What it is.
-    unit
-        SI unit; "" for a claim or a plain number.
-    printed, corrected, ours
-        As text; ``corrected`` is "" where nothing had to be corrected. Two digits of ours where
-        the printed number is 0: the rest is rounding.
-    printed_value, ours_value
-        As numbers in the unit; nan for a claim.
-    difference
-        Ours less the printed (or corrected) value; nan for a claim.
-    tolerance
-        Largest |difference| that agrees; nan for a claim.
-    basis
-        Where the tolerance comes from, or what a claim was tested by.
-    verdict
-        The judgement.
-    reason
-        Why paper and we differ, or what to know; "" where there is nothing to say.
-    """
-
-    place: str
-    quantity: str
-    unit: str
+    place: str  # Where the paper prints it
+    quantity: str  # What it is
+    unit: str  # SI unit; "" for a claim or a plain number
+    # printed, corrected, ours: As text; ``corrected`` is "" where nothing had to be
+    # corrected. Two digits of ours where the printed number is 0: the rest is rounding.
     printed: str
     corrected: str
     ours: str
+    # printed_value, ours_value: As numbers in the unit; nan for a claim.
     printed_value: float
     ours_value: float
-    difference: float
-    tolerance: float
-    basis: str
-    verdict: Verdict
-    reason: str
+    difference: float  # Ours less the printed (or corrected) value; nan for a claim
+    tolerance: float  # Largest |difference| that agrees; nan for a claim
+    basis: str  # Where the tolerance comes from, or what a claim was tested by
+    verdict: Verdict  # The judgement
+    reason: str  # Why paper and we differ, or what to know; "" where there is nothing to say
 
     @property
     def is_claim(self) -> bool:
@@ -84,19 +62,6 @@ def number_row(
     reason: str = "",
 ) -> Row:
     """Return a comparison of two numbers.
-
-    Parameters
-    ----------
-    place, quantity, unit, tolerance, basis, reason
-        As in ``Row``.
-    printed, ours
-        The two numbers, in the unit.
-    corrected
-        What should have been printed; nan where that is the printed number.
-    literal
-        Our value of the quantity as it is printed, where it is named wrongly.
-    correction
-        The correction in words; the corrected number is printed where this is "".
 
     Examples
     --------
@@ -147,11 +112,6 @@ def claim_row(
 ) -> Row:
     """Return a comparison of a statement with what we find.
 
-    Parameters
-    ----------
-    place, quantity, printed, ours, basis, verdict, corrected, reason
-        As in ``Row``.
-
     Examples
     --------
     >>> claim_row("sec. 1", "a", printed="p", ours="o", basis="b", verdict=Verdict.AGREES).is_claim
@@ -177,14 +137,6 @@ def claim_row(
 def judge_claim(*, holds: bool, refuted: bool = False) -> Verdict:
     """Return the verdict on a statement.
 
-    Parameters
-    ----------
-    holds
-        Whether it was confirmed.
-    refuted
-        Whether there is proof against it. Without confirmation and without proof the row is
-        out of tolerance.
-
     Examples
     --------
     >>> judge_claim(holds=False).value
@@ -197,13 +149,6 @@ def judge_claim(*, holds: bool, refuted: bool = False) -> Verdict:
 
 def judge_formula(*, printed_error: float, corrected_error: float, tolerance: float) -> Verdict:
     """Return the verdict on a printed formula and its correction.
-
-    Parameters
-    ----------
-    printed_error, corrected_error
-        Relative errors of both, measured on a motion [-].
-    tolerance
-        Largest error of a formula that holds [-].
 
     Examples
     --------

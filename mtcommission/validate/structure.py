@@ -35,58 +35,27 @@ SURE_GAP = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Counterexample:
-    """A range of forces at which the certified optimum has another number of switches.
+    """A range of forces at which the certified optimum has another number of switches."""
 
-    Parameters
-    ----------
-    lowest, highest
-        Its ends, to 1e-4 [N].
-    switches
-        Number of switches inside.
-    shortest_arc
-        Largest length of the shortest arc at the forces looked at [s].
-    """
-
+    # lowest, highest: Its ends, to 1e-4 [N].
     lowest: float
     highest: float
-    switches: int
-    shortest_arc: float
+    switches: int  # Number of switches inside
+    shortest_arc: float  # Largest length of the shortest arc at the forces looked at [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scan:
-    """Number of switches over F_max.
+    """Number of switches over F_max."""
 
-    Parameters
-    ----------
-    solved
-        Forces looked at.
-    worst_gap
-        Largest relative gap between t_f and its proved lower bound [-].
-    counterexamples
-        Ranges with another number of switches than the paper's, ascending.
-    """
-
-    solved: int
-    worst_gap: float
+    solved: int  # Forces looked at
+    worst_gap: float  # Largest relative gap between t_f and its proved lower bound [-]
+    # Ranges with another number of switches than the paper's, ascending.
     counterexamples: tuple[Counterexample, ...]
 
 
 def scan_forces(plant: Plant, move: Move, *, lowest: float, highest: float, count: int) -> Scan:
     """Return where the time-optimal control has another number of switches than 5.
-
-    Parameters
-    ----------
-    plant, move
-        The paper's.
-    lowest, highest, count
-        Forces, evenly spaced by ratio [N]. Ranges narrower than a step may be missed.
-
-    Returns
-    -------
-    Scan
-        A time-optimal control of this plant is unique, since its one force drives every mode,
-        eq. (10); so a certified optimum with 7 switches excludes one with 5.
 
     Examples
     --------
@@ -143,13 +112,7 @@ def _edge(plant: Plant, move: Move, low: float, high: float) -> float:
 
 
 def structure_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return the claim of five switches, beside certified optima over the range of forces.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return the claim of five switches, beside certified optima over the range of forces."""
     at_paper = count_switches(cases.time)
     scan = scan_forces(
         cases.plant, cases.machine.moves[0], lowest=LOWEST, highest=HIGHEST, count=COUNT

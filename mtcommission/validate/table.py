@@ -20,13 +20,7 @@ WORDS = {
 
 
 def describe_validation(validation: Validation) -> Group:
-    """Return all rows: numbers as tables, claims as paragraphs.
-
-    Parameters
-    ----------
-    validation
-        The comparison.
-    """
+    """Return all rows: numbers as tables, claims as paragraphs."""
     parts: list[RenderableType] = [
         Text("Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators"),
     ]

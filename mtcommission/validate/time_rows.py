@@ -47,13 +47,7 @@ ZERO_TOLERANCE = 1e-6
 
 
 def time_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return what the paper says of the time-optimal control, beside ours.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return what the paper says of the time-optimal control, beside ours."""
     return (
         *_times(cases),
         *_terminal_errors(cases),
@@ -108,18 +102,7 @@ def _times(cases: Cases) -> list[Row]:
 
 
 def printed_control_error(cases: Cases) -> Array:
-    """Return the state at t_f under the control (12), less the target; exact integration.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-
-    Returns
-    -------
-    ndarray, shape (7,)
-        0 for the free position.
-    """
+    """Return the state at t_f under the control (12), less the target; exact integration."""
     force, arcs = FORCE_LIMIT, []
     for start, end in pairwise((0.0, *SWITCHING_TIMES, T_F)):
         arcs.append(constant_arc(start, end, control=Bang(1 if force > 0.0 else -1), force=force))

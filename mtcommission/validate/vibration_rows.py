@@ -23,13 +23,7 @@ NOTABLY, HALF = 1.25, 0.5
 
 
 def vibration_rows(cases: Cases) -> tuple[Row, ...]:
-    """Return the claims on vibration, beside certified optima.
-
-    Parameters
-    ----------
-    cases
-        Solutions.
-    """
+    """Return the claims on vibration, beside certified optima."""
     return (_oscillation(cases), _force(cases), _rotation(cases), _between(cases))
 
 

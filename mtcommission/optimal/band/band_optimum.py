@@ -23,18 +23,10 @@ from mtcommission.plant.plant import Plant
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BandOptimum:
-    """The fastest control to a state from which the tool stays within the band by itself.
+    """The fastest control to a state from which the tool stays within the band by itself."""
 
-    Parameters
-    ----------
-    force
-        What it does.
-    lower_bound
-        No admissible control is faster [s].
-    """
-
-    force: BandForce
-    lower_bound: float
+    force: BandForce  # What it does
+    lower_bound: float  # No admissible control is faster [s]
 
     @property
     def gap(self) -> float:
@@ -52,27 +44,6 @@ def find_band_optimum(
     settings: BandSettings,
 ) -> BandOptimum:
     """Return the fastest control to a state from which the free motion keeps the band for ever.
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    move
-        Velocity step (its position is free) or positioning move; max_velocity is kept.
-    force_limit
-        Force left for motion [N].
-    band
-        Largest distance of the tool from the reference [m].
-    at_rest
-        t_f of the optimum with exact rest, to start from [s].
-    settings
-        Of the search.
-
-    Returns
-    -------
-    BandOptimum
-        Force, band and max_velocity are kept exactly; what is missing to the optimum is at most
-        the gap.
 
     Raises
     ------

@@ -16,45 +16,21 @@ FULL = 1.0 - 1e-7
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BandForce:
-    """A set force that ends, and after which the tool stays within the band.
+    """A set force that ends, and after which the tool stays within the band."""
 
-    Parameters
-    ----------
-    move
-        What it does.
-    force_limit, band
-        What it keeps [N, m].
-    t_f
-        When it becomes 0, for good [s].
-    arcs
-        In order, without gaps, from 0 to t_f.
-    offset
-        How far the reference lies beyond the place at which the tool comes to rest [m]; for a
-        velocity step beside its steady motion.
-    """
-
-    move: Move
+    move: Move  # What it does
+    # force_limit, band: What it keeps [N, m].
     force_limit: float
     band: float
-    t_f: float
-    arcs: tuple[Arc, ...]
+    t_f: float  # When it becomes 0, for good [s]
+    arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
+    # How far the reference lies beyond the place at which the tool comes to rest [m]; for a
+    # velocity step beside its steady motion.
     offset: float
 
 
 def as_force(question: Question, cells: CellForce) -> BandForce:
-    """Return the force on cells as a control of its own.
-
-    Parameters
-    ----------
-    question
-        What it must do.
-    cells
-        Reach at least 1.
-
-    Returns
-    -------
-    BandForce
-    """
+    """Return the force on cells as a control of its own."""
     return BandForce(
         move=question.move,
         force_limit=question.force_limit,

@@ -32,34 +32,17 @@ TOLERANCE = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Question:
-    """What a force must do.
+    """What a force must do."""
 
-    Parameters
-    ----------
-    plant
-        Nominal.
-    tails
-        Free motions that must keep the band.
-    move
-        From rest; the reference of a velocity step may lie beside it.
-    force_limit, band
-        [N, m].
-    margin
-        Share of the band kept free.
-    velocity_margin
-        Share of max_velocity kept free.
-    settings
-        Of the search.
-    """
-
-    plant: Plant
-    tails: tuple[Tail, ...]
-    move: Move
+    plant: Plant  # Nominal
+    tails: tuple[Tail, ...]  # Free motions that must keep the band
+    move: Move  # From rest; the reference of a velocity step may lie beside it
+    # force_limit, band: [N, m].
     force_limit: float
     band: float
-    margin: float
-    velocity_margin: float
-    settings: BandSettings
+    margin: float  # Share of the band kept free
+    velocity_margin: float  # Share of max_velocity kept free
+    settings: BandSettings  # Of the search
 
     @property
     def room(self) -> float:
@@ -89,18 +72,10 @@ class Question:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Instants at which free motions must keep the band.
+    """Instants at which free motions must keep the band."""
 
-    Parameters
-    ----------
-    machine
-        Index of the tail of each, shape (k,).
-    s
-        Time after the end, shape (k,) [s].
-    """
-
-    machine: NDArray[np.intp]
-    s: Array
+    machine: NDArray[np.intp]  # Index of the tail of each, shape (k,)
+    s: Array  # Time after the end, shape (k,) [s]
 
     def joined(self, others: Contacts, *, which: NDArray[np.bool_]) -> Contacts:
         """Return these and some of others."""
@@ -119,44 +94,25 @@ class Contacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellForce:
-    """The force that reaches farthest, with its multipliers.
+    """The force that reaches farthest, with its multipliers."""
 
-    Parameters
-    ----------
-    edges
-        Remaining times, ascending from 0 to t_f, shape (n_cells + 1,) [s].
-    force
-        In each cell, shape (n_cells,) [N].
-    offset
-        y: the reference beside the place of rest [m].
-    reach
-        What it reaches, against the target [-].
-    contacts
-        Rows of the program.
-    watched
-        Remaining times over each of whose rows the velocity's mean is bounded, shape (k, p) [s].
-    multipliers
-        λ: gain of ∫ ψ F_set per distance added to the band at each contact, signed by the side
-        that is touched, shape (n_contacts,) [N s/m or N s²/m].
-    velocity_multipliers
-        The same for max_velocity in each row of ``watched``, shape (k,), empty without one
-        [N s²/m per m/s].
-    momentum_multiplier
-        κ of a positioning move: gain per momentum left at the end [s]; 0 for a velocity step.
-    basis
-        Where a program like it may start.
-    """
-
-    edges: Array
-    force: Array
-    offset: float
-    reach: float
-    contacts: Contacts
+    edges: Array  # Remaining times, ascending from 0 to t_f, shape (n_cells + 1,) [s]
+    force: Array  # In each cell, shape (n_cells,) [N]
+    offset: float  # y: the reference beside the place of rest [m]
+    reach: float  # What it reaches, against the target [-]
+    contacts: Contacts  # Rows of the program
+    # Remaining times over each of whose rows the velocity's mean is bounded, shape (k, p)
+    # [s].
     watched: Array
+    # λ: gain of ∫ ψ F_set per distance added to the band at each contact, signed by the side
+    # that is touched, shape (n_contacts,) [N s/m or N s²/m].
     multipliers: Array
+    # The same for max_velocity in each row of ``watched``, shape (k,), empty without one [N
+    # s²/m per m/s].
     velocity_multipliers: Array
+    # κ of a positioning move: gain per momentum left at the end [s]; 0 for a velocity step.
     momentum_multiplier: float
-    basis: Basis
+    basis: Basis  # Where a program like it may start
 
     @property
     def t_f(self) -> float:
@@ -179,21 +135,6 @@ def reach_farthest(
     question: Question, edges: Array, contacts: Contacts, *, start: Basis | None = None
 ) -> CellForce:
     """Return the force that reaches farthest, with peaks of the free motion as further contacts.
-
-    Parameters
-    ----------
-    question
-        What it must do.
-    edges
-        Of the cells, ascending from 0 to t_f, shape (n_cells + 1,) [s].
-    contacts
-        Rows to begin with.
-    start
-        Basis of a program with as many cells whose contacts were the first of these.
-
-    Returns
-    -------
-    CellForce
 
     Raises
     ------
@@ -229,23 +170,6 @@ def solve_cells(
     """Return the force that reaches farthest with given rows.
 
     The unknowns are the forces over F and, last, y over the room.
-
-    Parameters
-    ----------
-    question
-        What it must do.
-    edges
-        Of the cells, ascending from 0 to t_f, shape (n_cells + 1,) [s].
-    contacts
-        Of the free motions.
-    watched
-        Remaining times over each of whose rows the velocity's mean is bounded, shape (k, p) [s].
-    start
-        As in ``reach_farthest``.
-
-    Returns
-    -------
-    CellForce
 
     Raises
     ------
@@ -328,20 +252,6 @@ def combs(edges: Array) -> Array:
 
 def velocity_rows(plant: Plant, edges: Array, tau: Array) -> Array:
     """Return the rigid velocity at some remaining times that a force of 1 N in each cell makes.
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    edges
-        Of the cells, ascending from 0 to t_f, shape (n_cells + 1,) [s].
-    tau
-        Shape (k,) [s].
-
-    Returns
-    -------
-    ndarray, shape (k, n_cells)
-        [m/(N s)].
 
     Source: v(τ) = ∫ (1 - e^{-(τ' - τ)/T}) F_set dτ' / m over τ' > τ.
     """

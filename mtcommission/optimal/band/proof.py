@@ -24,18 +24,6 @@ from mtcommission.optimal.free.moments import moment_problem, moment_rows
 def prove_time(question: Question, cells: CellForce) -> float:
     """Return a time before which no admissible force reaches a state that keeps the band.
 
-    Parameters
-    ----------
-    question
-        With one machine.
-    cells
-        Its multipliers; any are valid. With max_velocity others are found by one more program.
-
-    Returns
-    -------
-    float
-        [s]; 0 if the multipliers prove nothing.
-
     Source: docs/optimal-control.md, section 6.
     """
     plant, move, (tail,) = question.plant, question.move, question.tails

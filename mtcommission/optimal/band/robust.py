@@ -25,20 +25,11 @@ from mtcommission.plant.plant import Plant
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RobustForce:
-    """The fastest force found after which every machine looked at keeps the band.
+    """The fastest force found after which every machine looked at keeps the band."""
 
-    Parameters
-    ----------
-    force
-        What it does.
-    machines
-        How many machines were looked at.
-    peak
-        Largest distance of the tool from the reference after its end, over those machines [m].
-    """
-
-    force: BandForce
-    machines: int
+    force: BandForce  # What it does
+    machines: int  # How many machines were looked at
+    # Largest distance of the tool from the reference after its end, over those machines [m].
     peak: float
 
 
@@ -53,26 +44,6 @@ def find_robust_force(
     settings: BandSettings,
 ) -> RobustForce:
     """Return the fastest force after which all of some machines keep the band for ever.
-
-    Parameters
-    ----------
-    plants
-        Of equal mass and force lag, so close to each other that ``settings.robust_margin``
-        covers what lies between them.
-    move
-        Velocity step or positioning move; max_velocity is kept.
-    first
-        Indices of the machines of the first program.
-    force_limit, band
-        [N, m].
-    guess
-        About its t_f [s].
-    settings
-        Of the search.
-
-    Returns
-    -------
-    RobustForce
 
     Raises
     ------

@@ -31,22 +31,6 @@ def find_time(
 ) -> CellForce:
     """Return the force that just reaches the target, on cells that are given shares of its t_f.
 
-    Parameters
-    ----------
-    question
-        What it must do.
-    shares
-        Edges over t_f, from 0 to 1, shape (n_cells + 1,).
-    guess
-        About its t_f [s].
-    known
-        A force whose contacts, as far as they act, are the first rows.
-
-    Returns
-    -------
-    CellForce
-        Its reach is at least 1, by next to nothing; scaled down by it all limits are still kept.
-
     Raises
     ------
     ComputationError
@@ -110,19 +94,7 @@ def _narrowed(question: Question, shares: Array, low: CellForce, high: CellForce
 
 
 def divide_switches(cells: CellForce, *, parts: int) -> Array:
-    """Return shares of t_f with the cells divided in which, or beside which, the force switches.
-
-    Parameters
-    ----------
-    cells
-        On the coarser cells.
-    parts
-        Into how many.
-
-    Returns
-    -------
-    ndarray, shape (n_cells + 1,)
-    """
+    """Return shares of t_f with the cells divided in which, or beside which, the force switches."""
     level = np.abs(cells.force).max()
     side = np.where(np.abs(cells.force) >= FULL * level, np.sign(cells.force), 0.0)
     differs = side[1:] != side[:-1]

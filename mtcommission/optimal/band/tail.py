@@ -37,18 +37,11 @@ POLISHES = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Tail:
-    """The free motion of one machine.
+    """The free motion of one machine."""
 
-    Parameters
-    ----------
-    rates
-        Poles p of the modes, then -1/T if there is a force lag; shape (n_rates,) [1/s].
-    gains
-        C, shape (n_rates,) [m/(N s)].
-    """
-
+    # Poles p of the modes, then -1/T if there is a force lag; shape (n_rates,) [1/s].
     rates: Complex
-    gains: Complex
+    gains: Complex  # C, shape (n_rates,) [m/(N s)]
 
     @property
     def swinging(self) -> Complex:
@@ -67,15 +60,6 @@ class Tail:
 
 def build_tail(plant: Plant) -> Tail:
     """Return the free motion of a plant's tool.
-
-    Parameters
-    ----------
-    plant
-        Nominal, or off by the spread.
-
-    Returns
-    -------
-    Tail
 
     Source: the tool's row in the eigenvectors of A; docs/optimal-control.md, section 6.
 
@@ -96,43 +80,16 @@ def build_tail(plant: Plant) -> Tail:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TailPeaks:
-    """Where a free motion is farthest from the reference.
+    """Where a free motion is farthest from the reference."""
 
-    Parameters
-    ----------
-    peak
-        No |e(s)| is larger, for all s >= 0; at least the level [m].
-    places
-        s of its local peaks beyond a given level, shape (k,) [s].
-    """
-
-    peak: float
-    places: Array
+    peak: float  # No |e(s)| is larger, for all s >= 0; at least the level [m]
+    places: Array  # s of its local peaks beyond a given level, shape (k,) [s]
 
 
 def find_tail_peaks(
     tail: Tail, moments: Complex, *, offset: float, level: float, settings: BandSettings
 ) -> TailPeaks:
     """Return the peak of a free motion, for all time, and its local peaks beyond a level.
-
-    Parameters
-    ----------
-    tail
-        Of one machine.
-    moments
-        z, shape (n_rates,) [N s].
-    offset
-        y [m].
-    level
-        The band [m]; |offset| below it.
-    settings
-        Of the search.
-
-    Returns
-    -------
-    TailPeaks
-        ``peak`` bounds the motion between its samples too, by the remainder of the cubics
-        there; after the last one by the amplitudes that are left.
 
     Raises
     ------

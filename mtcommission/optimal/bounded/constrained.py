@@ -48,26 +48,6 @@ def solve_bounded_time_optimal(
 ) -> TimeOptimum:
     """Return the fastest control that makes a move within bounds and leaves everything at rest.
 
-    Parameters
-    ----------
-    plant
-        The axis, at rest at t = 0.
-    move
-        Velocity step or positioning move; a finite ``max_velocity`` bounds the rigid velocity.
-    force_limit
-        Force left for motion [N], > 0.
-    bounds
-        On states or outputs, |c x(t)| <= value for all t; names from ``Plant.signals``.
-
-    Returns
-    -------
-    TimeOptimum
-        With a proved lower bound of t_f: the gap is some 1e-12 where the sequence of arcs could
-        be solved exactly (orders 1 and 2). Where it could not (boundary arcs of order 3, such
-        as those of a deflection), the arcs are cells of a mesh, the gap is mostly below 1e-6
-        and never above 1e-3: it stands in the certificate. All bounds are kept to 1e-9 of
-        their value, the terminal error is at most 1e-9 of each state's peak.
-
     Raises
     ------
     KeyError
@@ -125,19 +105,7 @@ def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
 
 
 def over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
-    """Return the optimum from a mesh over the whole move, or None where that does not converge.
-
-    Parameters
-    ----------
-    problem
-        Any bounded problem.
-    t_free
-        Optimum without bounds, or less [s].
-
-    Returns
-    -------
-    Found or None
-    """
+    """Return the optimum from a mesh over the whole move, or None where that does not converge."""
     try:
         grid = solve_grid_time(problem, t_free=t_free)
         require_followable(grid.t_f, problem.rate, most=problem.settings.search.most_radians)
@@ -165,13 +133,7 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
 
 
 def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
-    """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion.
-
-    Parameters
-    ----------
-    plant, move, bounds
-        Of the problem.
-    """
+    """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion."""
     target = np.zeros(plant.order)
     if isinstance(move, VelocityStep):
         target[plant.velocity] = move.velocity_step
@@ -192,19 +154,7 @@ def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> No
 def as_optimum(
     problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], found: Found
 ) -> TimeOptimum:
-    """Return what was found as an optimum with its proof.
-
-    Parameters
-    ----------
-    problem, move, bounds
-        What was asked for.
-    found
-        What keeps it.
-
-    Returns
-    -------
-    TimeOptimum
-    """
+    """Return what was found as an optimum with its proof."""
     error = np.zeros(problem.plant.order)
     error[problem.fixed] = (found.motion.final - problem.target)[problem.fixed]
     touches = [

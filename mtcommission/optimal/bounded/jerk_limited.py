@@ -38,24 +38,6 @@ def solve_jerk_limited(
 ) -> TimeOptimum:
     """Return the fastest motion within acceleration and jerk that leaves everything at rest.
 
-    Parameters
-    ----------
-    plant
-        From ``build_plant``, of a motor that follows.
-    move
-        Velocity step or positioning move; a finite ``max_velocity`` bounds the velocity.
-    force_limit
-        Largest acceleration [m/s²], > 0.
-    jerk_limit
-        Largest jerk [m/s³], > 0; for ramps of at least ``SHORTEST_RAMP``.
-    bounds
-        On states or outputs besides.
-
-    Returns
-    -------
-    TimeOptimum
-        Its gap is mostly below 1e-9, as under bounds of orders 1 and 2; else it is told.
-
     Raises
     ------
     ComputationError

@@ -28,17 +28,7 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 
 
 def cruise_periods(problem: BoundedProblem) -> float:
-    """Return how many periods of the slowest mode a rigid axis would cruise; 0 if it does not.
-
-    Parameters
-    ----------
-    problem
-        Any bounded problem.
-
-    Returns
-    -------
-    float
-    """
+    """Return how many periods of the slowest mode a rigid axis would cruise; 0 if it does not."""
     index = _velocity_limit(problem)
     if index < 0:
         return 0.0
@@ -47,18 +37,7 @@ def cruise_periods(problem: BoundedProblem) -> float:
 
 
 def lengthened_cruise(problem: BoundedProblem) -> Found | None:
-    """Return the optimum of a positioning move whose cruise lasts many periods.
-
-    Parameters
-    ----------
-    problem
-        Any bounded problem.
-
-    Returns
-    -------
-    Found or None
-        None if there is no such cruise, or if a step could not be followed.
-    """
+    """Return the optimum of a positioning move whose cruise lasts many periods."""
     settings = problem.settings.search
     if cruise_periods(problem) < settings.long_cruise:
         return None

@@ -10,24 +10,12 @@ FORCE = -1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstraintPoint:
-    """A point where a bound is imposed.
+    """A point where a bound is imposed."""
 
-    Parameters
-    ----------
-    remaining
-        Remaining time [s].
-    limit
-        Index of the bound; ``FORCE`` inside an interior where boundary control is limited.
-    side
-        +1 or -1.
-    weight
-        Multiplier, >= 0.
-    """
-
-    remaining: float
-    limit: int
-    side: int
-    weight: float = 0.0
+    remaining: float  # Remaining time [s]
+    limit: int  # Index of the bound; ``FORCE`` inside an interior where boundary control is limited
+    side: int  # +1 or -1
+    weight: float = 0.0  # Multiplier, >= 0
 
     def stretched(self, share: float) -> ConstraintPoint:
         """Return the point with its time multiplied."""
@@ -36,22 +24,13 @@ class ConstraintPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArcInterior:
-    """An interval on which a bound is held and σ = 0.
+    """An interval on which a bound is held and σ = 0."""
 
-    Parameters
-    ----------
-    start, end
-        Remaining times, start > end [s].
-    limit
-        Index of the bound.
-    side
-        +1 or -1.
-    """
-
+    # start, end: Remaining times, start > end [s].
     start: float
     end: float
-    limit: int
-    side: int
+    limit: int  # Index of the bound
+    side: int  # +1 or -1
 
     def stretched(self, share: float) -> ArcInterior:
         """Return the interval with all times multiplied."""

@@ -26,49 +26,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Limit:
-    """One bound with what follows from its order.
+    """One bound with what follows from its order."""
 
-    Parameters
-    ----------
-    bound
-        As the user gave it.
-    row
-        c divided by the bound's value, shape (n,).
-    follows
-        Whether the program scales this bound with the target (``StructureSettings.follow_level``).
-    gain
-        c (A/rate)^(r-1) B [1/(N s)].
-    output_chain
-        Rows c (A/rate)^j, j < r; shape (r, n).
-    force_chain
-        Columns (A/rate)^j B, j < r; shape (n, r).
-    impulses
-        Columns of the force chain combined so that each moves one row of the output chain by 1 and
-        the others not at all, shape (n, r).
-    feedback
-        K, shape (n,) [N per unit of state].
-    boundary_flow
-        A + B K: the motion on a boundary arc.
-    adjoint_flow
-        A - A^r B c / (c A^(r-1) B), transposed: the adjoint on a boundary arc.
-    density_column
-        A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
-    growth
-        Largest real part of the zeros from force to signal, at least 0 [1/s]: with zeros in the
-        right half-plane the motion on a boundary arc grows like exp(growth t).
-    """
-
-    bound: Bound
-    row: Array
+    bound: Bound  # As the user gave it
+    row: Array  # c divided by the bound's value, shape (n,)
+    # Whether the program scales this bound with the target
+    # (``StructureSettings.follow_level``).
     follows: bool
-    gain: float
-    output_chain: Array
-    force_chain: Array
+    gain: float  # c (A/rate)^(r-1) B [1/(N s)]
+    output_chain: Array  # Rows c (A/rate)^j, j < r; shape (r, n)
+    force_chain: Array  # Columns (A/rate)^j B, j < r; shape (n, r)
+    # Columns of the force chain combined so that each moves one row of the output chain by 1
+    # and the others not at all, shape (n, r).
     impulses: Array
-    feedback: Array
-    boundary_flow: HeldFlow
-    adjoint_flow: HeldFlow
+    feedback: Array  # K, shape (n,) [N per unit of state]
+    boundary_flow: HeldFlow  # A + B K: the motion on a boundary arc
+    adjoint_flow: HeldFlow  # A - A^r B c / (c A^(r-1) B), transposed: the adjoint on a boundary arc
+    # A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
     density_column: Array
+    # Largest real part of the zeros from force to signal, at least 0 [1/s]: with zeros in the
+    # right half-plane the motion on a boundary arc grows like exp(growth t).
     growth: float
 
     @property
@@ -85,36 +62,16 @@ class Limit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoundedProblem:
-    """Reach a target state from rest within a force limit and bounds.
+    """Reach a target state from rest within a force limit and bounds."""
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    force_limit
-        F [N].
-    limits
-        The bounds.
-    fixed
-        Indices of the states fixed at the end.
-    target
-        State at the end, shape (n,); 0 where free.
-    state_scale
-        Typical size of each state, shape (n,).
-    rate
-        Fastest rate of the plant [1/s].
-    settings
-        Of the solver.
-    """
-
-    plant: Plant
-    force_limit: float
-    limits: tuple[Limit, ...]
-    fixed: NDArray[np.intp]
-    target: Array
-    state_scale: Array
-    rate: float
-    settings: BoundedSettings
+    plant: Plant  # Plant with n states
+    force_limit: float  # F [N]
+    limits: tuple[Limit, ...]  # The bounds
+    fixed: NDArray[np.intp]  # Indices of the states fixed at the end
+    target: Array  # State at the end, shape (n,); 0 where free
+    state_scale: Array  # Typical size of each state, shape (n,)
+    rate: float  # Fastest rate of the plant [1/s]
+    settings: BoundedSettings  # Of the solver
 
     @property
     def has_high_order(self) -> bool:
@@ -140,19 +97,6 @@ class BoundedProblem:
 def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
     """Return one bound for each signal, the tightest, with that on the velocity of the move.
 
-    Parameters
-    ----------
-    plant
-        Any plant.
-    move
-        A finite ``max_velocity`` is one more bound.
-    bounds
-        By state or output.
-
-    Returns
-    -------
-    tuple of Bound
-
     Raises
     ------
     KeyError
@@ -172,21 +116,6 @@ def describe_bounds(
     plant: Plant, bounds: tuple[Bound, ...], *, kind: str = "signal-bound", factor: float = 1.0
 ) -> tuple[Message, ...]:
     """Return bounds for a message, each times a factor, with their units.
-
-    Parameters
-    ----------
-    plant
-        Knows the units.
-    bounds
-        By state or output.
-    kind
-        Of the messages.
-    factor
-        On every value.
-
-    Returns
-    -------
-    tuple of Message
 
     Examples
     --------
@@ -212,25 +141,6 @@ def bounded_problem(
     settings: BoundedSettings = STANDARD,
 ) -> BoundedProblem:
     """Return the problem with everything that follows from the orders of its bounds.
-
-    Parameters
-    ----------
-    plant
-        Any plant.
-    move
-        Velocity step or positioning move.
-    force_limit
-        F [N].
-    bounds
-        At least one, values > 0.
-    horizon
-        Rough duration of the move, for the scale of the states [s].
-    settings
-        Of the solver.
-
-    Returns
-    -------
-    BoundedProblem
 
     Source: order of a state constraint after Hartl, Sethi & Vickson (1995), sec. 2.
 

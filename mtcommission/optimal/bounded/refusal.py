@@ -18,27 +18,7 @@ from mtcommission.plant.plant import Plant
 def explain_short_time(
     plant: Plant, move: Move, *, force_limit: float, t_f: float, bounds: tuple[Bound, ...]
 ) -> ComputationError | None:
-    """Return the refusal of bounds that cannot be kept by t_f; None if that is not the reason.
-
-    Parameters
-    ----------
-    plant
-        The axis, at rest at t = 0.
-    move
-        Velocity step or positioning move; a finite ``max_velocity`` is one more bound.
-    force_limit
-        Force left for motion [N].
-    t_f
-        Final time that was asked for [s].
-    bounds
-        On states or outputs; at least one, here or from the move.
-
-    Returns
-    -------
-    ComputationError or None
-        FINAL_TIME_TOO_SHORT with the smallest possible bounds and the time that the wanted ones
-        take (both from grids, to some 1e-3); BOUND_CANNOT_HOLD if no time is long enough.
-    """
+    """Return the refusal of bounds that cannot be kept by t_f; None if that is not the reason."""
     every = all_bounds(plant, move, bounds)
     t_free = solve_time_optimal(plant, move, force_limit=force_limit).t_f
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=t_f)

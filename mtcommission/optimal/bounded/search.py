@@ -37,20 +37,7 @@ class _Enclosure:
 
 
 def search(problem: BoundedProblem, features: Features) -> Found | None:
-    """Return the best accepted control, or None.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    features
-        Where to start.
-
-    Returns
-    -------
-    Found or None
-        With a gap of at most ``ProofSettings.gap``, or ``loose_gap`` where only a mesh helped.
-    """
+    """Return the best accepted control, or None."""
     settings, allowed = problem.settings.search, problem.settings.proof.gap
     seen: list[_Enclosure] = []
     left = settings.effort

@@ -19,17 +19,7 @@ from mtcommission.plant.plant import Plant
 
 
 def tight_force_bound(problem: BoundedProblem) -> int:
-    """Return the index of a tight bound on a force behind a lag; -1 if there is none.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-
-    Returns
-    -------
-    int
-    """
+    """Return the index of a tight bound on a force behind a lag; -1 if there is none."""
     force = problem.plant.states[problem.plant.lagged]
     for index, limit in enumerate(problem.limits):
         if (
@@ -41,19 +31,7 @@ def tight_force_bound(problem: BoundedProblem) -> int:
 
 
 def swift_plant(problem: BoundedProblem, index: int) -> Plant:
-    """Return the plant whose force lag is half the swing from one bound of F to the other.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    index
-        The bound on F.
-
-    Returns
-    -------
-    Plant
-    """
+    """Return the plant whose force lag is half the swing from one bound of F to the other."""
     plant, f = problem.plant, problem.limits[index].bound.value
     lag = 0.5 * _ramp(problem, -f, f)
     A = plant.A.copy()
@@ -62,22 +40,7 @@ def swift_plant(problem: BoundedProblem, index: int) -> Plant:
 
 
 def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -> Sequence:
-    """Return the sequence that follows the arcs of the swift plant.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    index
-        The bound on F.
-    arcs
-        Optimum of the swift plant, its force limit being the bound on F.
-
-    Returns
-    -------
-    Sequence
-        Approximate; arcs that only bring the force to 0 are left out.
-    """
+    """Return the sequence that follows the arcs of the swift plant."""
     f = problem.limits[index].bound.value
     short = problem.settings.search.passing * 0.5 * _ramp(problem, -f, f)
     level, pieces = 0.0, list[Piece]()

@@ -49,26 +49,6 @@ def solve_damping_optimal(
 ) -> DampingOptimum:
     """Return the control that reaches the target at t_f with the least weighted squares.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    move
-        Velocity step or positioning move. The velocity limit of a positioning move is not
-        part of this problem and is not enforced; ``transcribe_damping_optimal`` takes bounds.
-    force_limit
-        Force left for motion, F_max [N].
-    t_f
-        Final time [s], longer than the shortest possible one.
-    weights
-        c_i by state [N² per squared unit]; states without one have weight 0.
-
-    Returns
-    -------
-    DampingOptimum
-        A long interior arc is given in several pieces, each exact: the Hamiltonian flow would
-        lose digits over its whole length.
-
     Raises
     ------
     ComputationError
@@ -151,23 +131,12 @@ def _published(problem: SaturatedProblem, solved: Iterate) -> tuple[Arc, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Block:
-    """Fine samples of some pieces, m of the cells between the samples of the flow.
+    """Fine samples of some pieces, m of the cells between the samples of the flow."""
 
-    Parameters
-    ----------
-    step
-        Between fine samples, shape (m,) [s].
-    control
-        Unlimited control, shape (m, REFINEMENT + 1).
-    labels
-        As in ``ArcSequence``, shape (m,).
-    values, rates
-        Signals and their derivatives, shape (m, REFINEMENT + 1, n_signals).
-    """
-
-    step: Array
-    control: Array
-    labels: Labels
+    step: Array  # Between fine samples, shape (m,) [s]
+    control: Array  # Unlimited control, shape (m, REFINEMENT + 1)
+    labels: Labels  # As in ``ArcSequence``, shape (m,)
+    # values, rates: Signals and their derivatives, shape (m, REFINEMENT + 1, n_signals).
     values: Array
     rates: Array
 

@@ -53,44 +53,27 @@ cubic interpolation between them isolates every crossing (empirical)."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SaturatedProblem:
-    """The scaled problem; z is extended by the constant bound, N = 2 n + 1.
+    """The scaled problem; z is extended by the constant bound, N = 2 n + 1."""
 
-    Parameters
-    ----------
-    generators
-        Shape (3, N, N) [1/s]: of an arc at the lower limit, inside, at the upper limit.
-    control_row, control_rate_row
-        Shape (N,): the unlimited control w = control_row z, and its derivative [1/s].
-    series
-        Terms of the power series of the flow of each generator in τ ``rate``, shape
-        (3, TERMS, N, N).
-    target
-        Scaled terminal state, shape (n,).
-    fixed
-        Which states are prescribed at t_f, shape (n,).
-    state_scale, adjoint_scale
-        Physical = scale * scaled, shape (n,).
-    force_limit
-        F_max, the unit of the scaled force [N].
-    force_unit
-        N, or N·m on a rotary axis; for messages.
-    t_f
-        [s].
-    rate, plant_rate
-        Largest modulus of the eigenvalues of all generators, and of the plant alone [1/s].
-    """
-
+    # Shape (3, N, N) [1/s]: of an arc at the lower limit, inside, at the upper limit.
     generators: Array
+    # control_row, control_rate_row: Shape (N,): the unlimited control w = control_row z, and
+    # its derivative [1/s].
     control_row: Array
     control_rate_row: Array
+    # Terms of the power series of the flow of each generator in τ ``rate``, shape (3, TERMS,
+    # N, N).
     series: Array
-    target: Array
-    fixed: NDArray[np.bool_]
+    target: Array  # Scaled terminal state, shape (n,)
+    fixed: NDArray[np.bool_]  # Which states are prescribed at t_f, shape (n,)
+    # state_scale, adjoint_scale: Physical = scale * scaled, shape (n,).
     state_scale: Array
     adjoint_scale: Array
-    force_limit: float
-    force_unit: str
-    t_f: float
+    force_limit: float  # F_max, the unit of the scaled force [N]
+    force_unit: str  # N, or N·m on a rotary axis; for messages
+    t_f: float  # [s]
+    # rate, plant_rate: Largest modulus of the eigenvalues of all generators, and of the plant
+    # alone [1/s].
     rate: float
     plant_rate: float
 
@@ -107,72 +90,31 @@ class SaturatedProblem:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ArcSequence:
-    """Where the force is saturated.
+    """Where the force is saturated."""
 
-    Parameters
-    ----------
-    edges
-        Ends of the arcs from 0 to t_f, shape (n_arcs + 1,) [s].
-    labels
-        -1 at the lower limit, 0 inside, +1 at the upper limit, shape (n_arcs,).
-    """
-
-    edges: Array
-    labels: Labels
+    edges: Array  # Ends of the arcs from 0 to t_f, shape (n_arcs + 1,) [s]
+    labels: Labels  # -1 at the lower limit, 0 inside, +1 at the upper limit, shape (n_arcs,)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PiecewiseFlow:
-    """States and adjoints of a given arc sequence, in pieces short enough to be accurate.
+    """States and adjoints of a given arc sequence, in pieces short enough to be accurate."""
 
-    Parameters
-    ----------
-    bound
-        Magnitude of the saturated control, in units of F_max.
-    labels
-        Shape (n_pieces,), as in ``ArcSequence``.
-    owner
-        Arc of each piece, shape (n_pieces,).
-    powers
-        Flow of each arc over 0 ... SAMPLES_PER_PIECE steps, shape (n_arcs, ..., N, N).
-    t
-        Shape (n_pieces, SAMPLES_PER_PIECE + 1) [s]; first and last column end the piece.
-    starts
-        z at the start of each piece, shape (n_pieces, N).
-    end
-        z at t_f, shape (N,).
-    control, control_rate
-        Unlimited control w and its derivative at the samples, same shape as ``t``.
-    """
-
-    bound: float
-    labels: Labels
-    owner: NDArray[np.intp]
-    powers: Array
-    t: Array
-    starts: Array
-    end: Array
+    bound: float  # Magnitude of the saturated control, in units of F_max
+    labels: Labels  # Shape (n_pieces,), as in ``ArcSequence``
+    owner: NDArray[np.intp]  # Arc of each piece, shape (n_pieces,)
+    powers: Array  # Flow of each arc over 0 ... SAMPLES_PER_PIECE steps, shape (n_arcs, ..., N, N).
+    t: Array  # Shape (n_pieces, SAMPLES_PER_PIECE + 1) [s]; first and last column end the piece
+    starts: Array  # z at the start of each piece, shape (n_pieces, N)
+    end: Array  # z at t_f, shape (N,)
+    # control, control_rate: Unlimited control w and its derivative at the samples, same shape
+    # as ``t``.
     control: Array
     control_rate: Array
 
 
 def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
-    """Return the magnitude of each state under the force limit.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    force_limit
-        [N].
-    t_f
-        [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Static deflection and its rate at resonance for a mode, rigid motion otherwise.
-    """
+    """Return the magnitude of each state under the force limit."""
     scales = np.ones(plant.order)
     scales[plant.lagged] = force_limit
     scales[plant.velocity] = force_limit * t_f / plant.moving_mass
@@ -186,20 +128,7 @@ def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
 def terminal_target(plant: Plant, move: Move) -> tuple[Array, NDArray[np.bool_]]:
     """Return the state at the end of a move, and which of its entries are prescribed.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    move
-        Velocity step (the end position is free) or positioning move.
-
-    Returns
-    -------
-    target, fixed
-        Both of shape (n,).
-
     Source: Christiansen, Maurer & Zirn, eq. (3).
-
     """
     target, fixed = np.zeros(plant.order), np.ones(plant.order, dtype=np.bool_)
     if isinstance(move, Positioning):
@@ -213,25 +142,7 @@ def terminal_target(plant: Plant, move: Move) -> tuple[Array, NDArray[np.bool_]]
 def scale_problem(
     plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[Weight, ...]
 ) -> SaturatedProblem:
-    """Return the scaled problem of eq. (5).
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    move
-        Velocity step or positioning move.
-    force_limit
-        Force left for motion [N].
-    t_f
-        Final time [s].
-    weights
-        c_i by state [N² per squared unit].
-
-    Returns
-    -------
-    SaturatedProblem
-    """
+    """Return the scaled problem of eq. (5)."""
     n = plant.order
     # Any time will do as the unit of the adjoint; the lag makes that of the force one.
     T = plant.force_lag or 1.0 / plant.fastest_rate
@@ -282,20 +193,6 @@ def _power_series(generators: Array) -> Array:
 def solve_arcs(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> PiecewiseFlow:
     """Return the states and adjoints that meet both ends of the move with the given arcs.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    arcs
-        Arcs of any lengths.
-    bound
-        Magnitude of the saturated control, in units of F_max.
-
-    Returns
-    -------
-    PiecewiseFlow
-        The control law need not hold: that is for the caller to judge.
-
     Raises
     ------
     numpy.linalg.LinAlgError
@@ -342,17 +239,6 @@ def _at_samples(rows: Array, starts: Array, counts: Labels) -> Array:
 
 def matrix_powers(E: Array, last: int) -> Array:
     """Return E^0 ... E^last of a stack of matrices.
-
-    Parameters
-    ----------
-    E
-        Shape (k, N, N).
-    last
-        Highest power, >= 1.
-
-    Returns
-    -------
-    ndarray, shape (k, last + 1, N, N)
 
     Examples
     --------

@@ -66,39 +66,15 @@ then errs by 2e-8 of the amplitude."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Iterate:
-    """One linear solve, judged.
+    """One linear solve, judged."""
 
-    Parameters
-    ----------
-    arcs
-        Arcs that were assumed.
-    flow
-        States and adjoints that follow.
-    violation
-        Largest |u - Proj(w)|, in units of F_max.
-    """
-
-    arcs: ArcSequence
-    flow: PiecewiseFlow
-    violation: float
+    arcs: ArcSequence  # Arcs that were assumed
+    flow: PiecewiseFlow  # States and adjoints that follow
+    violation: float  # Largest |u - Proj(w)|, in units of F_max
 
 
 def crossings(problem: SaturatedProblem, flow: PiecewiseFlow) -> ArcSequence:
-    """Return the arcs on which the unlimited control of a flow is beyond the limit.
-
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    flow
-        Solution of some arcs.
-
-    Returns
-    -------
-    ArcSequence
-        Edges exact up to rounding: interpolated between samples, then refined by Newton
-        steps on the exact flow.
-    """
+    """Return the arcs on which the unlimited control of a flow is beyond the limit."""
     w, rate = flow.control, flow.control_rate
     cubics = unit_cubics(
         np.diff(flow.t), w[:, :-1], w[:, 1:], start_rate=rate[:, :-1], end_rate=rate[:, 1:]
@@ -196,19 +172,6 @@ def _settle(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float, goal:
 def least_bound(problem: SaturatedProblem, flow: PiecewiseFlow) -> float:
     """Return a force below which no control reaches the target in time, in units of F_max.
 
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-    flow
-        Any flow: only the direction of its λ(t_f) is used, and any direction is valid.
-
-    Returns
-    -------
-    float
-        |λ(t_f) x(t_f)| / ∫ |p B| dt, where p' = -A' p is the adjoint without running cost and
-        p(t_f) = λ(t_f).
-
     Source: weak duality; x(t_f) = ∫ exp(A (t_f - t)) B F_set dt, so λ(t_f) x(t_f) is at most
     max |F_set| times the integral.
     """
@@ -256,16 +219,6 @@ def _hull(cubics: Array) -> Array:
 
 def solve_saturated(problem: SaturatedProblem) -> Iterate:
     """Return the solution, lowering the limit to F_max by degrees if one step will not do.
-
-    Parameters
-    ----------
-    problem
-        The scaled problem.
-
-    Returns
-    -------
-    Iterate
-        With a violation of at most ``LAW_TOLERANCE``.
 
     Raises
     ------

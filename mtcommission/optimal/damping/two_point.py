@@ -22,15 +22,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TwoPoint:
-    """The two-point forms of k arcs.
+    """The two-point forms of k arcs."""
 
-    Parameters
-    ----------
-    form
-        [P Q r; R S q] of each, shape (k, 2 n, 2 n + 1).
-    """
-
-    form: Array
+    form: Array  # [P Q r; R S q] of each, shape (k, 2 n, 2 n + 1)
 
     @property
     def order(self) -> int:
@@ -70,34 +64,14 @@ class TwoPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Middle:
-    """The states in the middle of k arcs.
+    """The states in the middle of k arcs."""
 
-    Parameters
-    ----------
-    state
-        What takes (x_a, λ_b, 1) to x in the middle, shape (k, n, 2 n + 1).
-    half
-        Both halves.
-    """
-
-    state: Array
-    half: TwoPoint
+    state: Array  # What takes (x_a, λ_b, 1) to x in the middle, shape (k, n, 2 n + 1)
+    half: TwoPoint  # Both halves
 
 
 def two_point(flow: Array, offset: Array) -> TwoPoint:
-    """Return the two-point form of short pieces with z_b = flow z_a + offset.
-
-    Parameters
-    ----------
-    flow
-        Shape (k, 2 n, 2 n), of pieces so short that it grows by little.
-    offset
-        Shape (k, 2 n).
-
-    Returns
-    -------
-    TwoPoint
-    """
+    """Return the two-point form of short pieces with z_b = flow z_a + offset."""
     n = flow.shape[1] // 2
     # From the second line of the flow, λ_a = S (λ_b - flow_21 x_a - offset_2).
     S = np.linalg.inv(flow[:, n:, n:])
@@ -133,19 +107,7 @@ def doubled(between: Middle) -> TwoPoint:
 
 
 def inner_nodes(levels: list[tuple[Middle, int]], start: Array, end: Array) -> Array:
-    """Return z at the ends of the 2^k equal pieces of one arc, shape (2^k + 1, 2 n).
-
-    Parameters
-    ----------
-    levels
-        Middles of arcs of 2, 4, ... 2^k pieces, and the place of this arc in each.
-    start, end
-        z at both ends of the arc, shape (2 n,).
-
-    Returns
-    -------
-    ndarray
-    """
+    """Return z at the ends of the 2^k equal pieces of one arc, shape (2^k + 1, 2 n)."""
     n, count = start.size // 2, 2 ** len(levels)
     nodes = np.empty((count + 1, 2 * n))
     nodes[0], nodes[-1] = start, end
@@ -162,17 +124,6 @@ def inner_nodes(levels: list[tuple[Middle, int]], start: Array, end: Array) -> A
 
 def chain_ends(arcs: TwoPoint, rows: NDArray[np.intp], values: Array) -> Array:
     """Return z at the ends of arcs one behind the other, from x = 0 at the start.
-
-    Parameters
-    ----------
-    arcs
-        k arcs.
-    rows, values
-        Entries of z that are prescribed at the end, both of shape (n,).
-
-    Returns
-    -------
-    ndarray, shape (k + 1, 2 n)
 
     Raises
     ------

@@ -24,18 +24,6 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     flexible mode. Along the damping-optimal motion itself the terms then differ: it is what
     the optimisation is free to change.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    reference
-        The time-optimal control of the same move without bounds.
-
-    Returns
-    -------
-    tuple of Weight
-        First the deflections, then the rates, in the order of ``Plant.modes``.
-
     Source: Christiansen, Maurer & Zirn, sec. 6: "all terms ... have the same magnitude". That
     the time-optimal solution of their sec. 5.1 is meant is inferred: it gives (17) to 1 ... 3 %,
     see docs/optimal-control-damping.md.

@@ -34,39 +34,19 @@ ROUNDOFF_MARGIN = 1e-13
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SignalRows:
-    """Signals of a plant and their derivatives, from the moments of the force.
+    """Signals of a plant and their derivatives, from the moments of the force."""
 
-    Parameters
-    ----------
-    rates
-        Of the moment functions, shape (n_rates,) [1/s].
-    derivatives
-        Rows that take the moments, those of 1 and τ last, to the signals and their first three
-        derivatives, but for the force's own part, shape (4, n_signals, n).
-    of_force
-        That part per newton of F_set, shape (4, n_signals); 0 for the signals themselves.
-    """
-
-    rates: Complex
+    rates: Complex  # Of the moment functions, shape (n_rates,) [1/s]
+    # Rows that take the moments, those of 1 and τ last, to the signals and their first three
+    # derivatives, but for the force's own part, shape (4, n_signals, n).
     derivatives: Array
+    # That part per newton of F_set, shape (4, n_signals); 0 for the signals themselves.
     of_force: Array
 
 
 @lru_cache(maxsize=PLANTS)
 def signals_of_moments(plant: Plant, problem: MomentProblem) -> SignalRows:
-    """Return how ``Plant.signals`` follow from moments.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    problem
-        A moment problem of it.
-
-    Returns
-    -------
-    SignalRows
-    """
+    """Return how ``Plant.signals`` follow from moments."""
     n, moments = plant.order, all_moment_rows(plant)
     rows = np.empty((4, len(plant.signals), n))
     rows[0, :n] = dgesv(moments, np.eye(n))[2]
@@ -81,30 +61,14 @@ def signals_of_moments(plant: Plant, problem: MomentProblem) -> SignalRows:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BangBangMotion:
-    """The motion from rest under a force that changes sign at given times.
+    """The motion from rest under a force that changes sign at given times."""
 
-    Parameters
-    ----------
-    plant
-        The plant.
-    problem
-        A moment problem of it.
-    grading
-        Of its moment functions, up to t_f or beyond.
-    switching_times
-        Ascending, shape (n_switches,) [s].
-    t_f
-        End [s].
-    first_force
-        F_set on the first arc [N].
-    """
-
-    plant: Plant
-    problem: MomentProblem
-    grading: Grading
-    switching_times: Array
-    t_f: float
-    first_force: float
+    plant: Plant  # The plant
+    problem: MomentProblem  # A moment problem of it
+    grading: Grading  # Of its moment functions, up to t_f or beyond
+    switching_times: Array  # Ascending, shape (n_switches,) [s]
+    t_f: float  # End [s]
+    first_force: float  # F_set on the first arc [N]
 
     @property
     def peaks(self) -> Array:
@@ -114,45 +78,23 @@ class BangBangMotion:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GatheredMoments:
-    """A bang-bang motion by its arcs, with the moments gathered up to each switch.
+    """A bang-bang motion by its arcs, with the moments gathered up to each switch."""
 
-    Parameters
-    ----------
-    rows
-        Signals of the plant.
-    lengths
-        Of the arcs, shape (n_arcs,) [s].
-    forces
-        F_set on each arc, shape (n_arcs,) [N].
-    gathered
-        ∫_0^start φ(start - s) F_set ds at the start of each arc: modal part, shape
-        (n_arcs, n_rates).
-    turning
-        The same less the equilibrium under the force of the arc, shape (n_arcs, n_rates).
-    impulse, double
-        As ``gathered`` for φ = 1 and ψ = τ, shape (n_arcs,) [N s], [N s²].
-    """
-
-    rows: SignalRows
-    lengths: Array
-    forces: Array
+    rows: SignalRows  # Signals of the plant
+    lengths: Array  # Of the arcs, shape (n_arcs,) [s]
+    forces: Array  # F_set on each arc, shape (n_arcs,) [N]
+    # ∫_0^start φ(start - s) F_set ds at the start of each arc: modal part, shape (n_arcs,
+    # n_rates).
     gathered: Complex
+    # The same less the equilibrium under the force of the arc, shape (n_arcs, n_rates).
     turning: Complex
+    # impulse, double: As ``gathered`` for φ = 1 and ψ = τ, shape (n_arcs,) [N s], [N s²].
     impulse: Array
     double: Array
 
 
 def gather_moments(motion: BangBangMotion) -> GatheredMoments:
     """Return the arcs of a motion with the moments at their starts.
-
-    Parameters
-    ----------
-    motion
-        The motion.
-
-    Returns
-    -------
-    GatheredMoments
 
     Source: variation of constants in modal coordinates.
     """
@@ -183,23 +125,7 @@ def gather_moments(motion: BangBangMotion) -> GatheredMoments:
 
 
 def moments_at(motion: GatheredMoments, since: Array, arc: Index, less_one: Complex) -> Array:
-    """Return the moments of the force up to some instants.
-
-    Parameters
-    ----------
-    motion
-        The motion.
-    since
-        Time since the start of the arc, up to its end, shape (k,) [s].
-    arc
-        Index of each arc, shape (k,).
-    less_one
-        e^{p since} - 1 for each rate p, shape (k, n_rates).
-
-    Returns
-    -------
-    ndarray, shape (k, n)
-    """
+    """Return the moments of the force up to some instants."""
     impulse, push = motion.impulse.take(arc), since * motion.forces.take(arc)
     modal = less_one * motion.turning.take(arc, axis=0)
     modal += motion.gathered.take(arc, axis=0)
@@ -213,17 +139,6 @@ def moments_at(motion: GatheredMoments, since: Array, arc: Index, less_one: Comp
 
 def signal_peaks(motion: GatheredMoments, grading: Grading) -> Array:
     """Return the largest magnitude of each of ``Plant.signals`` on [0, t_f].
-
-    Parameters
-    ----------
-    motion
-        The motion.
-    grading
-        Of its moment functions, up to t_f or beyond.
-
-    Returns
-    -------
-    ndarray, shape (n_signals,)
 
     Source: cubic Hermite interpolation shows where a peak is possible; there Newton's method on
     the exact derivative.
@@ -251,27 +166,14 @@ def signal_peaks(motion: GatheredMoments, grading: Grading) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Cells:
-    """The mesh for peaks: its cells in the order of time, and the end of the motion.
+    """The mesh for peaks: its cells in the order of time, and the end of the motion."""
 
-    Parameters
-    ----------
-    nodes
-        Times since the start of an arc, the same for all arcs, and last the end [s].
-    index
-        Which of them is the start of each cell, and last the end, shape (n_cells + 1,).
-    arc
-        Of each cell and of the end, shape (n_cells + 1,).
-    since
-        Start of each cell since the start of its arc, and the end, shape (n_cells + 1,) [s].
-    step
-        Lengths, shape (n_cells,) [s].
-    """
-
-    nodes: Array
-    index: Index
-    arc: Index
+    nodes: Array  # Times since the start of an arc, the same for all arcs, and last the end [s]
+    index: Index  # Which of them is the start of each cell, and last the end, shape (n_cells + 1,)
+    arc: Index  # Of each cell and of the end, shape (n_cells + 1,)
+    # Start of each cell since the start of its arc, and the end, shape (n_cells + 1,) [s].
     since: Array
-    step: Array
+    step: Array  # Lengths, shape (n_cells,) [s]
 
 
 def _cells(motion: GatheredMoments, grading: Grading) -> _Cells:
@@ -298,17 +200,11 @@ def _cells(motion: GatheredMoments, grading: Grading) -> _Cells:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Cubics:
-    """Cubics through the signals and their rates at the ends of the cells.
+    """Cubics through the signals and their rates at the ends of the cells."""
 
-    Parameters
-    ----------
-    values
-        Shape (n_signals, n_cells + 1).
-    first, last
-        A third of the length times the rate at the start and end, shape (n_signals, n_cells).
-    """
-
-    values: Array
+    values: Array  # Shape (n_signals, n_cells + 1)
+    # first, last: A third of the length times the rate at the start and end, shape
+    # (n_signals, n_cells).
     first: Array
     last: Array
 

@@ -27,37 +27,15 @@ LOWERINGS = 50
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SwitchingIntegral:
-    """∫_0^T |σ| with what rounding may have taken from it.
+    """∫_0^T |σ| with what rounding may have taken from it."""
 
-    Parameters
-    ----------
-    value
-        The integral, in extended precision [s] or [s²].
-    allowance
-        Bound of its error.
-    end_value
-        |σ(T)|.
-    """
-
-    value: np.longdouble
-    allowance: float
-    end_value: float
+    value: np.longdouble  # The integral, in extended precision [s] or [s²]
+    allowance: float  # Bound of its error
+    end_value: float  # |σ(T)|
 
 
 def prove_bound(point: DualPoint, *, span: float) -> float:
     """Return a time before which no admissible force reaches the target, whatever c is.
-
-    Parameters
-    ----------
-    point
-        The multipliers with all zeros of their σ; any multipliers give a valid bound.
-    span
-        target / F_max [s] or [s²].
-
-    Returns
-    -------
-    float
-        T with ∫_0^T |σ_c| + (rounding allowance) <= span [s].
 
     Source: docs/optimal-control.md, section 2.
     """
@@ -85,19 +63,6 @@ def integrate_switching(
     The allowance counts, in units of half the roundoff, |p| τ for the product p τ as far as e^{pτ}
     is still there, 6 for e^{pτ} - 1 and its division by p, and one for each term of a sum; and,
     since a zero that is off by δ hides |σ'| δ², σ²/|σ'| at each of them.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    multipliers
-        c, shape (size,).
-    ends
-        Zeros of σ and the end of the interval, ascending, shape (k + 1,) [s].
-
-    Returns
-    -------
-    SwitchingIntegral
     """
     t, rates = ends.astype(np.longdouble), problem.rates.astype(np.clongdouble)
     less_one = np.expm1(np.multiply.outer(t, rates))

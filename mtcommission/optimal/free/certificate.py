@@ -36,24 +36,12 @@ TINY = 1e-300
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Claim:
-    """A bang-bang control that is claimed to be time-optimal.
+    """A bang-bang control that is claimed to be time-optimal."""
 
-    Parameters
-    ----------
-    switching_times
-        Ascending, shape (n_switches,) [s].
-    t_f
-        Final time [s].
-    first_force
-        Set force on the first arc, ±F_max [N].
-    point
-        The multipliers, with all zeros of their switching function.
-    """
-
-    switching_times: Array
-    t_f: float
-    first_force: float
-    point: DualPoint
+    switching_times: Array  # Ascending, shape (n_switches,) [s]
+    t_f: float  # Final time [s]
+    first_force: float  # Set force on the first arc, ±F_max [N]
+    point: DualPoint  # The multipliers, with all zeros of their switching function
 
     @property
     def adjoint_factor(self) -> float:
@@ -66,17 +54,6 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     """Return what the multipliers of a control prove about it.
 
     The switching times enter only the comparisons; the bound comes from the multipliers.
-
-    Parameters
-    ----------
-    claim
-        Control and multipliers.
-    flow
-        The plant's own motion up to the claimed t_f.
-
-    Returns
-    -------
-    Certificate
 
     Source: Pontryagin's principle as in Christiansen, Maurer & Zirn, eq. (7)-(9); the bound:
     docs/optimal-control.md, section 2.
@@ -133,18 +110,6 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
 def adjoint(plant: Plant, claim: Claim, *, tau: float) -> Array:
     """Return λ at the remaining time τ, in the states of the plant.
 
-    Parameters
-    ----------
-    plant, claim
-        The claimed control.
-    tau
-        t_f - t [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Normalised by 1 + λ(Ax + B F_set) = 0.
-
     Source: λ(τ) B = -factor σ(τ) with the rows of ``moment_rows``, each of which evolves by its
     own e^{pτ}.
     """
@@ -170,21 +135,6 @@ def _adjoint_weights(claim: Claim, tau: float) -> Array:
 
 def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> Array:
     """Return the scaled Jacobian of the terminal conditions over switching times and t_f.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    zeros
-        Remaining times of the switches, shape (k,) [s].
-    horizon
-        t_f [s].
-
-    Returns
-    -------
-    ndarray, shape (size + 1, k + 1)
-        In moment coordinates, a regular linear map of the states, with rows and then columns
-        scaled to length 1 (signs of columns left out); rank as in the states.
 
     Source: Christiansen, Maurer & Zirn, sec. 5.1.
     """

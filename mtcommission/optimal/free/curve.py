@@ -34,27 +34,13 @@ FINE = 0.05
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CurvePoint:
-    """A bang-bang control on the curve.
+    """A bang-bang control on the curve."""
 
-    Parameters
-    ----------
-    zeros
-        Remaining times of the switches, ascending, shape (k,) [s].
-    t_f
-        Final time [s].
-    lower_bound
-        Proved: no admissible force needs less [s]; 0 where nothing is proved.
-    first_sign
-        Sign of the force at the end of the move.
-    multipliers
-        c, shape (size,).
-    """
-
-    zeros: Array
-    t_f: float
-    lower_bound: float
-    first_sign: float
-    multipliers: Array
+    zeros: Array  # Remaining times of the switches, ascending, shape (k,) [s]
+    t_f: float  # Final time [s]
+    lower_bound: float  # Proved: no admissible force needs less [s]; 0 where nothing is proved
+    first_sign: float  # Sign of the force at the end of the move
+    multipliers: Array  # c, shape (size,)
 
     @property
     def is_proved(self) -> bool:
@@ -69,18 +55,6 @@ class CurvePoint:
 
 def solve_curve(problem: MomentProblem, spans: Array) -> tuple[CurvePoint, ...]:
     """Return the time-optimal controls for many spans.
-
-    Parameters
-    ----------
-    problem
-        The moment problem of a move.
-    spans
-        target / F_max for each force, shape (n,), in any order [s] or [s²].
-
-    Returns
-    -------
-    tuple of CurvePoint
-        In the order of ``spans``; one that is not ``is_proved`` did not converge.
 
     Source: docs/optimal-control.md, sections 2 and 3.
 

@@ -37,42 +37,15 @@ costs, more than for one alone)."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OwnedZeros:
-    """Zeros of many switching functions, sorted by owner and then by τ.
+    """Zeros of many switching functions, sorted by owner and then by τ."""
 
-    Parameters
-    ----------
-    owner
-        Case of each zero, shape (n_zeros,).
-    tau
-        Shape (n_zeros,) [s].
-    doubt
-        As ``switching.Zeros.doubt``, shape (n_cases,).
-    """
-
-    owner: Index
-    tau: Array
-    doubt: Array
+    owner: Index  # Case of each zero, shape (n_zeros,)
+    tau: Array  # Shape (n_zeros,) [s]
+    doubt: Array  # As ``switching.Zeros.doubt``, shape (n_cases,)
 
 
 def prove_bounds(problem: MomentProblem, multipliers: Array, spans: Array, times: Array) -> Array:
     """Return times before which no admissible force reaches the target.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    multipliers
-        c of each case, shape (n, size).
-    spans
-        target / F_max of each case, shape (n,) [s] or [s²].
-    times
-        Claimed t_f, from which the bound is sought downwards, shape (n,) [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        T with ∫_0^T |σ_c| + (rounding allowance) <= span [s]; 0 where none was found next to the
-        claimed time.
 
     Source: docs/optimal-control.md, section 2.
     """
@@ -91,21 +64,7 @@ def prove_bounds(problem: MomentProblem, multipliers: Array, spans: Array, times
 
 
 def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZeros:
-    """Return all sign changes of each σ before its time; as ``switching.isolate_zeros``.
-
-    Parameters
-    ----------
-    mesh
-        Tables up to the latest time.
-    multipliers
-        c of each case, shape (n, size).
-    times
-        Shape (n,) [s].
-
-    Returns
-    -------
-    OwnedZeros
-    """
+    """Return all sign changes of each σ before its time; as ``switching.isolate_zeros``."""
     cells, owner = _first_cells(mesh, multipliers, times)
     doubt = np.zeros(times.size)
     found, owners = [np.empty((7, 0))], [np.empty(0, dtype=np.intp)]

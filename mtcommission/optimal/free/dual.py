@@ -37,33 +37,15 @@ LENGTHENINGS = 40
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DualPoint:
-    """Multipliers and the time that they prove.
+    """Multipliers and the time that they prove."""
 
-    Parameters
-    ----------
-    mesh
-        The mesh that σ was searched on; reaches beyond the bound.
-    multipliers
-        c, shape (size,).
-    bound
-        T'(c) [s].
-    zeros
-        Sign changes of σ before the bound, ascending, shape (k,) [s].
-    first_sign
-        Sign of σ before the first zero.
-    end_value
-        |σ(T')|.
-    doubt
-        Part of ∫|σ| that rounding hides, at most.
-    """
-
-    mesh: Mesh
-    multipliers: Array
-    bound: float
-    zeros: Array
-    first_sign: float
-    end_value: float
-    doubt: float
+    mesh: Mesh  # The mesh that σ was searched on; reaches beyond the bound
+    multipliers: Array  # c, shape (size,)
+    bound: float  # T'(c) [s]
+    zeros: Array  # Sign changes of σ before the bound, ascending, shape (k,) [s]
+    first_sign: float  # Sign of σ before the first zero
+    end_value: float  # |σ(T')|
+    doubt: float  # Part of ∫|σ| that rounding hides, at most
 
     def moments(self) -> Array:
         """Return ∫_0^{T'} sign(σ) φ, shape (size,); the gradient of T' up to 1/|σ(T')|."""
@@ -74,18 +56,6 @@ class DualPoint:
 @lru_cache(maxsize=64)
 def sign_jumps(count: int, *, first_sign: float) -> Array:
     """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0.
-
-    Parameters
-    ----------
-    count
-        Number of zeros at which the sign changes.
-    first_sign
-        Sign before the first zero.
-
-    Returns
-    -------
-    ndarray, shape (count + 1,)
-        For the zeros and the end of the interval.
 
     Examples
     --------
@@ -107,21 +77,6 @@ def moment_norms(mesh: Mesh, horizon: float) -> Array:
 
 def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -> DualPoint:
     """Return T'(c) with what a Newton step needs.
-
-    Parameters
-    ----------
-    mesh
-        A mesh of the problem; a longer one is built if T'(c) lies beyond it.
-    multipliers
-        c, shape (size,).
-    span
-        target / F_max [s] or [s²].
-    near
-        Guess of T'(c), which saves time only [s].
-
-    Returns
-    -------
-    DualPoint
 
     Raises
     ------
@@ -190,21 +145,11 @@ def _residual(point: DualPoint) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ascent:
-    """Where an ascent stands.
+    """Where an ascent stands."""
 
-    Parameters
-    ----------
-    point
-        The best multipliers so far.
-    damping
-        Levenberg damping of the next step, against the scaled Hessian.
-    stalled
-        Whether rounding or curvature ends the ascent here.
-    """
-
-    point: DualPoint
-    damping: float = 0.0
-    stalled: bool = False
+    point: DualPoint  # The best multipliers so far
+    damping: float = 0.0  # Levenberg damping of the next step, against the scaled Hessian
+    stalled: bool = False  # Whether rounding or curvature ends the ascent here
 
 
 def ascend(ascent: Ascent, *, span: float) -> Ascent:
@@ -213,17 +158,6 @@ def ascend(ascent: Ascent, *, span: float) -> Ascent:
     With the moments m and W = Σ 2 φ φ^T / |σ'| over the zeros, the step W^-1 m converges
     quadratically wherever all zeros are simple; damping makes every step an ascent, so births
     of arcs (double zeros) cost steps but not the result.
-
-    Parameters
-    ----------
-    ascent
-        Where it stands.
-    span
-        target / F_max.
-
-    Returns
-    -------
-    Ascent
 
     Source: docs/optimal-control.md, section 3.
     """

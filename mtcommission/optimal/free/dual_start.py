@@ -52,33 +52,16 @@ MEAN_TO_SQUARE = 0.9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellForce:
-    """A force that is constant on cells, on its way to the best one.
+    """A force that is constant on cells, on its way to the best one."""
 
-    Parameters
-    ----------
-    mesh
-        Its cells are those of the force; reaches beyond the horizon.
-    psi
-        Means of ψ over the cells, shape (n_cells,).
-    basis
-        Means of combinations of φ that are orthonormal up to the guess, shape (size, n_cells).
-    inverse
-        basis = inverse^T @ φ, upper triangular, shape (size, size).
-    coefficients
-        Of the basis in σ, shape (size,).
-    force
-        In units of F_max, shape (n_cells,).
-    horizon
-        Where ∫|σ| reaches the span [s].
-    """
-
-    mesh: Mesh
-    psi: Array
+    mesh: Mesh  # Its cells are those of the force; reaches beyond the horizon
+    psi: Array  # Means of ψ over the cells, shape (n_cells,)
+    # Means of combinations of φ that are orthonormal up to the guess, shape (size, n_cells).
     basis: Array
-    inverse: Array
-    coefficients: Array
-    force: Array
-    horizon: float
+    inverse: Array  # basis = inverse^T @ φ, upper triangular, shape (size, size)
+    coefficients: Array  # Of the basis in σ, shape (size,)
+    force: Array  # In units of F_max, shape (n_cells,)
+    horizon: float  # Where ∫|σ| reaches the span [s]
 
     @property
     def multipliers(self) -> Array:
@@ -87,21 +70,7 @@ class CellForce:
 
 
 def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
-    """Return a force that is near the best one on cells of the first, coarse mesh.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    span
-        target / F_max [s] or [s²].
-    tolerance
-        ∫(|σ| - σ force) against the span.
-
-    Returns
-    -------
-    CellForce
-    """
+    """Return a force that is near the best one on cells of the first, coarse mesh."""
     guess = guess_horizon(problem, span=span)
     for _ in range(REBUILDS):
         mesh = build_mesh(problem, MARGIN * guess)
@@ -113,18 +82,7 @@ def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> Cel
 
 
 def refine_cells(coarse: CellForce) -> CellForce:
-    """Return the force on divided cells, where σ may change sign.
-
-    Parameters
-    ----------
-    coarse
-        The force so far; its σ is off by about the curvature of σ over a cell.
-
-    Returns
-    -------
-    CellForce
-        Not improved yet.
-    """
+    """Return the force on divided cells, where σ may change sign."""
     mesh, c = coarse.mesh, coarse.multipliers
     sigma = mesh.values[-1] - c @ mesh.values[:-1]
     bend = mesh.envelope * np.multiply.outer(mesh.problem.magnitudes, mesh.lengths) ** 2
@@ -142,20 +100,7 @@ def refine_cells(coarse: CellForce) -> CellForce:
 
 
 def guess_horizon(problem: MomentProblem, *, span: float) -> float:
-    """Return where the distance of ψ from the φ in the mean square is that of the span [s].
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    span
-        target / F_max [s] or [s²].
-
-    Returns
-    -------
-    float
-        Mostly within a tenth of the final time.
-    """
+    """Return where the distance of ψ from the φ in the mean square is that of the span [s]."""
     least = 2.0 * sqrt(span) if problem.degree else span
     longest = least + 3.0 * pi * sum((1.0 / problem.magnitudes).tolist())
     low, high = log(least), log(longest)
@@ -230,19 +175,6 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     width in proportion to the gap that is left, so both shrink together. Newton's equations are
     those of force · √(σ² + width²) = σ: unlike those of force = σ / √(σ² + width²) they hold
     far from the solution, too.
-
-    Parameters
-    ----------
-    begun
-        Any force within the limits.
-    span
-        target / F_max [s] or [s²].
-    tolerance
-        ∫(|σ| - σ force) against the span at which to stop.
-
-    Returns
-    -------
-    CellForce
 
     Source: Chan, Golub & Mulet 1999, there for total variation; with a floating end.
     """

@@ -34,61 +34,28 @@ TINY = 1e-300
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DyadicSteps:
-    """The flow of (x, F_set) of a plant with n states over a step and its doubles.
+    """The flow of (x, F_set) of a plant with n states over a step and its doubles."""
 
-    Parameters
-    ----------
-    series
-        Terms of the power series of the flow in τ / step, shape (TERMS, n + 1, n + 1).
-    doubles
-        Transposed flows over 1, 2, 4 ... steps, each of shape (n + 1, n + 1).
-    columns
-        e^{Aτ} B at every ``PIECES``th part of a step, for 2^k steps with k half the
-        number of doublings, shape (PIECES 2^k, n).
-    """
-
-    series: Array
+    series: Array  # Terms of the power series of the flow in τ / step, shape (TERMS, n + 1, n + 1)
+    # Transposed flows over 1, 2, 4 ... steps, each of shape (n + 1, n + 1).
     doubles: tuple[Array, ...]
+    # e^{Aτ} B at every ``PIECES``th part of a step, for 2^k steps with k half the number of
+    # doublings, shape (PIECES 2^k, n).
     columns: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DyadicFlow:
-    """The plant's own motion up to a final time.
+    """The plant's own motion up to a final time."""
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    t_f
-        Final time [s].
-    unit
-        Length of a step [s].
-    steps
-        Their flow; the last double reaches the final time.
-    """
-
-    plant: Plant
-    t_f: float
-    unit: float
-    steps: DyadicSteps
+    plant: Plant  # Plant with n states
+    t_f: float  # Final time [s]
+    unit: float  # Length of a step [s]
+    steps: DyadicSteps  # Their flow; the last double reaches the final time
 
 
 def dyadic_flow(plant: Plant, problem: MomentProblem, *, t_f: float) -> DyadicFlow:
     """Return the flow up to a final time.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    problem
-        Tells how fast its poles are.
-    t_f
-        [s].
-
-    Returns
-    -------
-    DyadicFlow
 
     Source: power series over the shortest step, then squaring; (x, F_set)' = [A B; 0 0] (x, F_set).
     """
@@ -132,21 +99,6 @@ def states_at(
 ) -> Array:
     """Return the states at some instants under a force that changes sign at the given times.
 
-    Parameters
-    ----------
-    flow
-        Of a plant with n states, up to t_f; at rest at t = 0.
-    instants
-        From 0 to t_f, shape (k,) [s].
-    switching_times
-        Ascending, shape (n_switches,) [s].
-    first_force
-        F_set on the first arc [N].
-
-    Returns
-    -------
-    ndarray, shape (k, n)
-
     Source: superposition of step responses Γ(τ) = ∫_0^τ e^{As} B ds, the last column of the flow.
 
     Examples
@@ -180,35 +132,14 @@ def states_at(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AdjointSamples:
-    """λ B along a move: the switching function, -λ_F/T behind a force lag.
+    """λ B along a move: the switching function, -λ_F/T behind a force lag."""
 
-    Parameters
-    ----------
-    tau
-        Remaining times, ascending from 0 to t_f, shape (k,) [s].
-    along
-        λ B, shape (k,).
-    """
-
-    tau: Array
-    along: Array
+    tau: Array  # Remaining times, ascending from 0 to t_f, shape (k,) [s]
+    along: Array  # λ B, shape (k,)
 
 
 def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> AdjointSamples:
     """Return λ B at steps of at most ``SHORT`` against the fastest pole that has not decayed.
-
-    Parameters
-    ----------
-    flow
-        Of a plant with n states, up to t_f.
-    problem
-        Its poles.
-    end
-        λ(t_f), shape (n,).
-
-    Returns
-    -------
-    AdjointSamples
 
     Source: λ(τ) = λ(t_f) e^{Aτ}, integrated from t_f on, the stable direction. With τ = a + b,
     λ B is λ(t_f) e^{Aa} times e^{Ab} B: rows for some long steps a and columns

@@ -34,17 +34,11 @@ class Grading:
 
     The cubic through values and slopes at the ends of a cell errs by e^{Re p τ} (|p| h)⁴ / 384, so
     h grows like e^{-Re p τ / 4} while the pole p is the fastest.
-
-    Parameters
-    ----------
-    tau
-        Ascending from 0, shape (k,) [s].
-    radians
-        Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, or of the
-        least density, shape (k,).
     """
 
-    tau: Array
+    tau: Array  # Ascending from 0, shape (k,) [s]
+    # Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, or of the
+    # least density, shape (k,).
     radians: Array
 
     def nodes(self, horizon: float, *, radians: float) -> Array:
@@ -66,19 +60,7 @@ class Grading:
 
 
 def grade(problem: MomentProblem, horizon: float) -> Grading:
-    """Return the grading up to a horizon.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    horizon
-        Last τ [s].
-
-    Returns
-    -------
-    Grading
-    """
+    """Return the grading up to a horizon."""
     magnitudes = problem.magnitudes
     fastest = max(magnitudes.tolist())
     tau = np.expm1(DENSITY_NODES * log1p(horizon * fastest)) / fastest
@@ -93,33 +75,15 @@ def grade(problem: MomentProblem, horizon: float) -> Grading:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mesh:
-    """Moment functions tabulated on [0, horizon].
+    """Moment functions tabulated on [0, horizon]."""
 
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    grading
-        Up to the horizon or beyond.
-    nodes
-        τ from 0 to the horizon, shape (n_cells + 1,) [s].
-    lengths
-        Of the cells, shape (n_cells,) [s].
-    values
-        φ and, last, ψ at the nodes, shape (size + 1, n_cells + 1).
-    remainder
-        max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_rates, n_cells).
-    envelope
-        max |e^{pτ}| on each cell, shape (n_rates, n_cells).
-    """
-
-    problem: MomentProblem
-    grading: Grading
-    nodes: Array
-    lengths: Array
-    values: Array
-    remainder: Array
-    envelope: Array
+    problem: MomentProblem  # The moment problem
+    grading: Grading  # Up to the horizon or beyond
+    nodes: Array  # τ from 0 to the horizon, shape (n_cells + 1,) [s]
+    lengths: Array  # Of the cells, shape (n_cells,) [s]
+    values: Array  # φ and, last, ψ at the nodes, shape (size + 1, n_cells + 1)
+    remainder: Array  # max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_rates, n_cells)
+    envelope: Array  # max |e^{pτ}| on each cell, shape (n_rates, n_cells)
 
     @property
     def horizon(self) -> float:
@@ -130,42 +94,14 @@ class Mesh:
 def build_mesh(
     problem: MomentProblem, horizon: float, *, radians: float = RADIANS_PER_CELL
 ) -> Mesh:
-    """Return the tables that the search for zeros starts from.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    horizon
-        Where the search ends [s].
-    radians
-        Length of a cell against the fastest pole at τ = 0.
-
-    Returns
-    -------
-    Mesh
-    """
+    """Return the tables that the search for zeros starts from."""
     grading = grade(problem, horizon)
     nodes = grading.nodes(horizon, radians=radians)
     return tabulate(problem, grading, nodes)
 
 
 def tabulate(problem: MomentProblem, grading: Grading, nodes: Array) -> Mesh:
-    """Return the tables on given nodes.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    grading
-        Up to the last node or beyond.
-    nodes
-        Ascending from 0, shape (n_cells + 1,) [s].
-
-    Returns
-    -------
-    Mesh
-    """
+    """Return the tables on given nodes."""
     lengths = nodes[1:] - nodes[:-1]
     envelope = np.exp(np.multiply.outer(problem.rates.real, nodes[:-1]))
     radians = np.multiply.outer(problem.magnitudes, lengths)

@@ -37,44 +37,24 @@ PLANTS = 128
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MomentProblem:
-    """The moment functions of one move on one plant.
+    """The moment functions of one move on one plant."""
 
-    Parameters
-    ----------
-    rates
-        Poles p of the modes (positive imaginary part), then -1/T if there is a force lag; shape
-        (n_rates,) [1/s].
-    degree
-        ψ = τ^degree: 0 for a velocity step, 1 for positioning.
-    target
-        ∫ ψ F_set dτ: m Δv [N s] or m L [N s²].
-
-    Attributes
-    ----------
-    n_modes
-        How many rates are of modes.
-    magnitudes
-        |p| of each rate, shape (n_rates,) [1/s].
-    exponents
-        Real and imaginary parts of all rates, shape (1, 2 n_rates) [1/s].
-    joint_differentiation
-        D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
-        (one + 2, one + 2) [1/s].
-    differentiation
-        The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
-    joint_evaluation, joint_integration
-        Take rows of ``table`` to φ and, last, ψ, and to their integrals from 0, each of shape
-        (one + 3, size + 1) [-, s].
-    """
-
+    # Poles p of the modes (positive imaginary part), then -1/T if there is a force lag; shape
+    # (n_rates,) [1/s].
     rates: Complex
-    degree: int
-    target: float
-    n_modes: int = field(init=False)
-    magnitudes: Array = field(init=False)
+    degree: int  # ψ = τ^degree: 0 for a velocity step, 1 for positioning
+    target: float  # ∫ ψ F_set dτ: m Δv [N s] or m L [N s²]
+    n_modes: int = field(init=False)  # How many rates are of modes
+    magnitudes: Array = field(init=False)  # |p| of each rate, shape (n_rates,) [1/s]
+    # Real and imaginary parts of all rates, shape (1, 2 n_rates) [1/s].
     exponents: Array = field(init=False)
+    # D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape (one + 2, one
+    # + 2) [1/s].
     joint_differentiation: Array = field(init=False)
+    # The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     differentiation: Array = field(init=False)
+    # joint_evaluation, joint_integration: Take rows of ``table`` to φ and, last, ψ, and to
+    # their integrals from 0, each of shape (one + 3, size + 1) [-, s].
     joint_evaluation: Array = field(init=False)
     joint_integration: Array = field(init=False)
 
@@ -222,17 +202,6 @@ class MomentProblem:
 def moment_problem(plant: Plant, move: Move) -> MomentProblem:
     """Return the moment conditions of a move.
 
-    Parameters
-    ----------
-    plant
-        Any plant.
-    move
-        Velocity step or positioning move; a ``max_velocity`` is not looked at.
-
-    Returns
-    -------
-    MomentProblem
-
     Source: variation of constants in the eigenvectors of A; docs/optimal-control.md, section 1.
 
     Examples
@@ -251,19 +220,6 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
 
 def independence(problem: MomentProblem, horizon: float) -> float:
     """Return how far the moment functions are from linear dependence, 0 to 1.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    horizon
-        End of the move [s].
-
-    Returns
-    -------
-    float
-        Least singular value of φ and ψ on [0, horizon], each scaled to length 1, against the
-        largest. Relative errors of φ, which rounding makes, are amplified by its inverse.
 
     Examples
     --------
@@ -287,17 +243,6 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
 
     Row w_i fulfils w_i e^{Aτ} B = φ_i(τ), so w_i x(t_f) is the moment of φ_i; the last row does
     the same for ψ.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    problem
-        Its moment problem.
-
-    Returns
-    -------
-    ndarray, shape (size + 1, n)
 
     Source: left eigenvectors of A (and one principal vector for ψ = τ), scaled by w B = 1;
     docs/optimal-control.md, section 1.

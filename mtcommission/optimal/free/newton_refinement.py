@@ -49,64 +49,27 @@ TO_BOUNDARY = 0.9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BangBang:
-    """A bang-bang force in the remaining time, with its multipliers.
+    """A bang-bang force in the remaining time, with its multipliers."""
 
-    Parameters
-    ----------
-    zeros
-        Remaining times of the switches, ascending, shape (k,) [s].
-    horizon
-        t_f [s].
-    first_sign
-        Sign of the force before the first zero, i.e. at the end of the move.
-    multipliers
-        c, shape (size,).
-    """
-
-    zeros: Array
-    horizon: float
-    first_sign: float
-    multipliers: Array
+    zeros: Array  # Remaining times of the switches, ascending, shape (k,) [s]
+    horizon: float  # t_f [s]
+    first_sign: float  # Sign of the force before the first zero, i.e. at the end of the move.
+    multipliers: Array  # c, shape (size,)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RefinedControl:
-    """What Newton made of a control.
+    """What Newton made of a control."""
 
-    Parameters
-    ----------
-    control
-        The best one on the way.
-    residual
-        Largest violated moment against ∫|φ|, and of the target against itself.
-    end_value
-        σ at the final time.
-    excess
-        ∫ sign σ up to the final time less the span, with the signs of the control [s] or [s²].
-    """
-
-    control: BangBang
-    residual: float
-    end_value: float
+    control: BangBang  # The best one on the way
+    residual: float  # Largest violated moment against ∫|φ|, and of the target against itself
+    end_value: float  # σ at the final time
+    # ∫ sign σ up to the final time less the span, with the signs of the control [s] or [s²].
     excess: float
 
 
 def refine_control(mesh: Mesh, start: BangBang, *, span: float) -> RefinedControl:
     """Return the stationary control next to another.
-
-    Parameters
-    ----------
-    mesh
-        Reaches beyond the final time; scales the equations only.
-    start
-        Zeros, final time and multipliers to start from.
-    span
-        target / F_max.
-
-    Returns
-    -------
-    RefinedControl
-        Its ``residual`` tells whether Newton converged.
 
     Source: docs/optimal-control.md, section 3.
     """
@@ -155,31 +118,20 @@ class _System:
 
     All functions are scaled by their moments' size: φ by ∫|φ|, ψ by the span. So σ / span is the
     sum of the scaled functions with the weights -c ∫|φ| / span and 1.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    jumps
-        Weights of the primitives at the k switches and the final time, shape (k + 1,).
-    scale, inverse
-        ∫|φ| and, last, the span, and what functions are multiplied by, shape (size + 1,).
-    differentiation
-        Takes the weights to those of dσ/dτ, shape (size + 1, size + 1) [1/s].
-    evaluation, integration
-        As those of the moment problem for the scaled functions, shape (one + 3, size + 1).
-    target
-        Wanted moments of the scaled functions: 0, and last 1; shape (size + 1,).
     """
 
-    problem: MomentProblem
-    jumps: Array
+    problem: MomentProblem  # The moment problem
+    jumps: Array  # Weights of the primitives at the k switches and the final time, shape (k + 1,)
+    # scale, inverse: ∫|φ| and, last, the span, and what functions are multiplied by, shape
+    # (size + 1,).
     scale: Array
     inverse: Array
-    differentiation: Array
+    differentiation: Array  # Takes the weights to those of dσ/dτ, shape (size + 1, size + 1) [1/s]
+    # evaluation, integration: As those of the moment problem for the scaled functions, shape
+    # (one + 3, size + 1).
     evaluation: Array
     integration: Array
-    target: Array
+    target: Array  # Wanted moments of the scaled functions: 0, and last 1; shape (size + 1,)
 
 
 def _system(mesh: Mesh, start: BangBang, span: float) -> _System:
@@ -204,28 +156,15 @@ def _system(mesh: Mesh, start: BangBang, span: float) -> _System:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Point:
-    """Unknowns of Newton's method and what they leave over.
+    """Unknowns of Newton's method and what they leave over."""
 
-    Parameters
-    ----------
-    ends
-        Switches and final time, shape (k + 1,) [s].
-    weights
-        Of the scaled functions in σ / span, shape (size + 1,); the last is 1.
-    functions
-        Scaled φ and ψ at the ends, shape (k + 1, size + 1).
-    defects
-        What must vanish: σ / span at the k switches, moments and missing target of the scaled
-        functions; shape (k + size + 1,).
-    residual
-        Largest magnitude of the moments and the target among them; nan if one is.
-    """
-
-    ends: Array
-    weights: Array
-    functions: Array
+    ends: Array  # Switches and final time, shape (k + 1,) [s]
+    weights: Array  # Of the scaled functions in σ / span, shape (size + 1,); the last is 1
+    functions: Array  # Scaled φ and ψ at the ends, shape (k + 1, size + 1)
+    # What must vanish: σ / span at the k switches, moments and missing target of the scaled
+    # functions; shape (k + size + 1,).
     defects: Array
-    residual: float
+    residual: float  # Largest magnitude of the moments and the target among them; nan if one is
 
     @property
     def is_solved(self) -> bool:

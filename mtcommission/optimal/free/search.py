@@ -46,18 +46,10 @@ REFINEMENTS = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Attempt:
-    """A feasible control with the time that its multipliers prove.
+    """A feasible control with the time that its multipliers prove."""
 
-    Parameters
-    ----------
-    control
-        The control.
-    point
-        Its multipliers with all zeros of their σ and the time that they prove.
-    """
-
-    control: BangBang
-    point: DualPoint
+    control: BangBang  # The control
+    point: DualPoint  # Its multipliers with all zeros of their σ and the time that they prove
 
     @property
     def gap(self) -> float:
@@ -71,17 +63,6 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
     Starts of rising accuracy are refined; the last ones take turns with Newton steps on the dual
     bound. An attempt is accepted when the bound that its multipliers prove equals the time that
     it takes.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    span
-        target / F_max [s] or [s²].
-
-    Returns
-    -------
-    Attempt
 
     Raises
     ------
@@ -182,19 +163,6 @@ def confirm(mesh: Mesh, refined: RefinedControl, *, span: float) -> DualPoint:
 
     Usually the zeros are just the switches, known to full precision, and ∫|σ| up to the final time
     differs from the span by what is left of the moments; else T' is found anew.
-
-    Parameters
-    ----------
-    mesh
-        Reaches beyond the final time.
-    refined
-        A control next to which Newton ended.
-    span
-        target / F_max.
-
-    Returns
-    -------
-    DualPoint
     """
     control, end_value = refined.control, refined.end_value
     c, horizon = control.multipliers, control.horizon

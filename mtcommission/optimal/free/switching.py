@@ -52,18 +52,11 @@ def values_and_slopes(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Brackets:
-    """Cells with one sign change of σ each; none is elsewhere.
+    """Cells with one sign change of σ each; none is elsewhere."""
 
-    Parameters
-    ----------
-    cells
-        In any order, shape (7, n_zeros).
-    doubt
-        ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
-        there may have been left out, at most [s] or [s²].
-    """
-
-    cells: Array
+    cells: Array  # In any order, shape (7, n_zeros)
+    # ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
+    # there may have been left out, at most [s] or [s²].
     doubt: float
 
     def isolate(self, zeros: Array, horizon: float, end_value: float) -> bool:
@@ -84,34 +77,14 @@ class Brackets:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Zeros:
-    """All sign changes of a switching function.
+    """All sign changes of a switching function."""
 
-    Parameters
-    ----------
-    tau
-        Ascending, shape (n_zeros,) [s].
-    doubt
-        As in ``Brackets``.
-    """
-
-    tau: Array
-    doubt: float
+    tau: Array  # Ascending, shape (n_zeros,) [s]
+    doubt: float  # As in ``Brackets``
 
 
 def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
-    """Return all sign changes of σ on [0, horizon].
-
-    Parameters
-    ----------
-    mesh
-        Tables on [0, horizon].
-    multipliers
-        c, shape (size,).
-
-    Returns
-    -------
-    Zeros
-    """
+    """Return all sign changes of σ on [0, horizon]."""
     brackets = bracket_zeros(mesh, multipliers, horizon=mesh.horizon, settled=is_monotone)
     tau = _refine(mesh.problem, multipliers, brackets.cells)
     tau.sort()
@@ -122,21 +95,6 @@ def bracket_zeros(
     mesh: Mesh, multipliers: Array, *, horizon: float, settled: Callable[[Array], Mask]
 ) -> Brackets:
     """Return cells that hold the sign changes of σ up to a horizon, and perhaps some behind it.
-
-    Parameters
-    ----------
-    mesh
-        Tables on [0, horizon] or more.
-    multipliers
-        c, shape (size,).
-    horizon
-        [s].
-    settled
-        Tells which cells hold at most one zero for certain: ``is_monotone`` or ``has_one_zero``.
-
-    Returns
-    -------
-    Brackets
 
     Source: Bernstein form of the cubic Hermite interpolant with remainder |σ⁗| h⁴/384 (its
     slope: √3 |σ⁗| h³/216, its second derivative: |σ⁗| h²/12); docs/optimal-control.md, section 3.

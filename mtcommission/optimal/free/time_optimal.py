@@ -42,22 +42,6 @@ NO_CHANGE, ONE = np.zeros((1, 1)), np.ones(1)
 def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
     """Return the fastest control that makes a move and leaves everything at rest.
 
-    Parameters
-    ----------
-    plant
-        The axis, at rest at t = 0.
-    move
-        Velocity step (end position free) or positioning move. A finite ``max_velocity`` is a
-        limit on a state and not looked at here.
-    force_limit
-        Force left for motion [N], > 0.
-
-    Returns
-    -------
-    TimeOptimum
-        With a certificate whose gap is at most 1e-9 and a terminal error of at most 1e-9 of
-        each state's peak.
-
     Raises
     ------
     ComputationError

@@ -45,103 +45,46 @@ class Aim(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridProblem:
-    """A move to be solved on a grid, in scaled quantities.
+    """A move to be solved on a grid, in scaled quantities."""
 
-    Parameters
-    ----------
-    A, B
-        Scaled plant, shapes (n, n), (n,) [1/s].
-    target
-        Scaled terminal state, shape (n,).
-    fixed
-        Which states are prescribed at t_f, shape (n,).
-    t_guess
-        Unit of time [s]: the final time itself where it is given.
-    aim
-        What is optimised.
-    weights
-        Scaled weights of the squared states, shape (n,); for the functional.
-    rows
-        Bounded signals, |rows x| <= 1 at the grid points, shape (k, n).
-    start_states, start_control
-        Where IPOPT starts: shapes (N + 1, n), (N,).
-    """
-
+    # A, B: Scaled plant, shapes (n, n), (n,) [1/s].
     A: Array
     B: Array
-    target: Array
-    fixed: NDArray[np.bool_]
-    t_guess: float
-    aim: Aim
-    weights: Array
-    rows: Array
+    target: Array  # Scaled terminal state, shape (n,)
+    fixed: NDArray[np.bool_]  # Which states are prescribed at t_f, shape (n,)
+    t_guess: float  # Unit of time [s]: the final time itself where it is given
+    aim: Aim  # What is optimised
+    weights: Array  # Scaled weights of the squared states, shape (n,); for the functional
+    rows: Array  # Bounded signals, |rows x| <= 1 at the grid points, shape (k, n)
+    # start_states, start_control: Where IPOPT starts: shapes (N + 1, n), (N,).
     start_states: Array
     start_control: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridSolution:
-    """What IPOPT found, in scaled quantities.
+    """What IPOPT found, in scaled quantities."""
 
-    Parameters
-    ----------
-    t_f
-        [s].
-    states
-        At the grid points, shape (N + 1, n).
-    control
-        u of each interval, shape (N,).
-    adjoint
-        λ of each interval, shape (N, n), for ∫ 1 dt or the functional [s per scaled state].
-    adjoint_initial
-        λ(0), shape (n,), to the order of the grid.
-    reach, reach_rate
-        Multiple of the target that is reached, and its increase per time [-, 1/s]; 1 and nan
-        where the target itself is.
-    """
-
-    t_f: float
-    states: Array
-    control: Array
+    t_f: float  # [s]
+    states: Array  # At the grid points, shape (N + 1, n)
+    control: Array  # u of each interval, shape (N,)
+    # λ of each interval, shape (N, n), for ∫ 1 dt or the functional [s per scaled state].
     adjoint: Array
-    adjoint_initial: Array
+    adjoint_initial: Array  # λ(0), shape (n,), to the order of the grid
+    # reach, reach_rate: Multiple of the target that is reached, and its increase per time [-,
+    # 1/s]; 1 and nan where the target itself is.
     reach: float
     reach_rate: float
 
 
 def bounded_rows(plant: Plant, bounds: tuple[Bound, ...], *, state_scale: Array) -> Array:
-    """Return the bounded signals as rows on the scaled state, each divided by its bound.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    bounds
-        By state or output.
-    state_scale
-        Physical per scaled state, shape (n,).
-
-    Returns
-    -------
-    ndarray, shape (n_bounds, n)
-    """
+    """Return the bounded signals as rows on the scaled state, each divided by its bound."""
     rows = [plant.row(bound.name) * state_scale / bound.value for bound in bounds]
     return np.array(rows).reshape(len(bounds), plant.order)
 
 
 def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSolution:
     """Return the optimum of the discretised problem.
-
-    Parameters
-    ----------
-    problem
-        The scaled move.
-    settings
-        Grid and IPOPT.
-
-    Returns
-    -------
-    GridSolution
 
     Raises
     ------

@@ -22,24 +22,12 @@ QUADRATURE_NODES = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridMotion:
-    """The motion under a force that is constant between grid points.
+    """The motion under a force that is constant between grid points."""
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    control
-        F_set on each interval, shape (N,) [N].
-    states
-        At the grid points, shape (N + 1, n).
-    t_f
-        End [s].
-    """
-
-    plant: Plant
-    control: Array
-    states: Array
-    t_f: float
+    plant: Plant  # Plant with n states
+    control: Array  # F_set on each interval, shape (N,) [N]
+    states: Array  # At the grid points, shape (N + 1, n)
+    t_f: float  # End [s]
 
     @property
     def peaks(self) -> Array:
@@ -71,19 +59,6 @@ class GridMotion:
 def follow_grid(plant: Plant, control: Array, *, t_f: float) -> GridMotion:
     """Return the motion from rest.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    control
-        F_set on each of N even intervals, shape (N,) [N].
-    t_f
-        End [s].
-
-    Returns
-    -------
-    GridMotion
-
     Examples
     --------
     A constant force moves the rigid mass of 750 kg, but for the lag of 2.5 ms.
@@ -105,21 +80,7 @@ def follow_grid(plant: Plant, control: Array, *, t_f: float) -> GridMotion:
 
 
 def grid_arcs(control: Array, *, t_f: float, force_limit: float) -> tuple[Arc, ...]:
-    """Return one arc for each run of equal saturated intervals, and for each other interval.
-
-    Parameters
-    ----------
-    control
-        F_set on each of N even intervals, shape (N,) [N].
-    t_f
-        End [s].
-    force_limit
-        Magnitude of a saturated force [N].
-
-    Returns
-    -------
-    tuple of Arc
-    """
+    """Return one arc for each run of equal saturated intervals, and for each other interval."""
     N = control.size
     saturated = np.abs(control) == force_limit
     joined = saturated[1:] & (control[1:] == control[:-1])

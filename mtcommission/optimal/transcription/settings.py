@@ -16,22 +16,11 @@ class Scheme(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TranscriptionSettings:
-    """Numerical settings of a direct transcription.
+    """Numerical settings of a direct transcription."""
 
-    Parameters
-    ----------
-    scheme
-        Integration scheme.
-    intervals
-        N, at least 2.
-    tolerance
-        IPOPT's tolerance on the optimality conditions, for an objective of about 1; a looser
-        one blurs the switches over several intervals.
-    max_iterations
-        IPOPT's limit.
-    """
-
-    scheme: Scheme = Scheme.GAUSS
-    intervals: int = 1000
+    scheme: Scheme = Scheme.GAUSS  # Integration scheme
+    intervals: int = 1000  # N, at least 2
+    # IPOPT's tolerance on the optimality conditions, for an objective of about 1; a looser
+    # one blurs the switches over several intervals.
     tolerance: float = 1e-11
-    max_iterations: int = 3000
+    max_iterations: int = 3000  # IPOPT's limit

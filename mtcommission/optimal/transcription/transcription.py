@@ -69,25 +69,6 @@ def transcribe_time_optimal(
 ) -> TimeOptimum:
     """Return the shortest move on a grid.
 
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    move
-        Velocity step or positioning move; its velocity limit is one more bound.
-    force_limit
-        Force left for motion, F_max [N].
-    bounds
-        Enforced at the grid points only.
-    settings
-        Grid and IPOPT.
-
-    Returns
-    -------
-    TimeOptimum
-        The bounds of its certificate are nan: a transcription proves nothing. The adjoint is
-        that of the discretised problem; the switching law is checked on the grid.
-
     Raises
     ------
     ComputationError
@@ -129,28 +110,6 @@ def transcribe_damping_optimal(
     settings: TranscriptionSettings,
 ) -> DampingOptimum:
     """Return the move with the least weighted squares on a grid.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    move
-        Velocity step or positioning move; its velocity limit is one more bound.
-    force_limit
-        Force left for motion, F_max [N].
-    t_f
-        Final time [s].
-    weights
-        c_i by state [N² per squared unit].
-    bounds
-        Enforced at the grid points only.
-    settings
-        Grid and IPOPT.
-
-    Returns
-    -------
-    DampingOptimum
-        ``law_residual`` compares each constant force with the adjoint of its interval.
 
     Raises
     ------

@@ -14,20 +14,7 @@ from mtcommission.optimal.solution import Arc, ArcControl, Bang, Interior, const
 
 
 def mesh_arcs(problem: BoundedProblem, found: MeshOptimum) -> tuple[Arc, ...]:
-    """Return the arcs of a control on a mesh, scaled so that it reaches the target once.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    found
-        With a reach of at least 1.
-
-    Returns
-    -------
-    tuple of Arc
-        Cells of equal force joined; a boundary arc holds the bound divided by the reach.
-    """
+    """Return the arcs of a control on a mesh, scaled so that it reaches the target once."""
     F, t_f, arcs = problem.force_limit, found.plan.t_f, list[Arc]()
     for group in _groups(problem, found):
         start, end = t_f - group[0].start, t_f - group[-1].end

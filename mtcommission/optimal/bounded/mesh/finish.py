@@ -18,21 +18,7 @@ from mtcommission.optimal.bounded.proof.motion import follow_control
 def on_mesh(
     problem: BoundedProblem, restriction: MeshOptimum, relaxation: MeshOptimum
 ) -> Found | None:
-    """Return the mesh control itself, slowed down until it keeps the bounds everywhere.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    restriction
-        The restriction, whose control it is.
-    relaxation
-        The relaxation, whose multipliers prove it.
-
-    Returns
-    -------
-    Found or None
-    """
+    """Return the mesh control itself, slowed down until it keeps the bounds everywhere."""
     plan, found, slope = restriction.plan, restriction, restriction.slope
     sizes = restriction.sizes[problem.fixed]
     settings, tolerance = problem.settings.mesh, problem.settings.proof.excess

@@ -38,40 +38,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshOptimum:
-    """Solution of one program.
+    """Solution of one program."""
 
-    Parameters
-    ----------
-    plan
-        What was solved.
-    segments
-        In order of time, with their states under the solution, shape (n,): the affine maps of a
-        fine mesh take some hundred megabytes, and a search keeps many meshes.
-    unknowns
-        Relative force in each cell, then jumps, shape (n_unknowns,).
-    reach
-        α, the reached multiple of the target.
-    slope
-        dα/dt_f [1/s].
-    measure
-        The multipliers.
-    points
-        Points with their multipliers.
-    held
-        Share of the reach that the bounds carry, what it loses where all of them are smaller.
-    basis
-        Where the program with more points or another t_f may start.
-    """
-
-    plan: MeshPlan
+    plan: MeshPlan  # What was solved
+    # In order of time, with their states under the solution, shape (n,): the affine maps of a
+    # fine mesh take some hundred megabytes, and a search keeps many meshes.
     segments: tuple[Segment, ...]
-    unknowns: Array
-    reach: float
-    slope: float
-    measure: Measure
-    points: tuple[ConstraintPoint, ...]
+    unknowns: Array  # Relative force in each cell, then jumps, shape (n_unknowns,)
+    reach: float  # α, the reached multiple of the target
+    slope: float  # dα/dt_f [1/s]
+    measure: Measure  # The multipliers
+    points: tuple[ConstraintPoint, ...]  # Points with their multipliers
+    # Share of the reach that the bounds carry, what it loses where all of them are smaller.
     held: float
-    basis: Basis
+    basis: Basis  # Where the program with more points or another t_f may start
 
     @property
     def sizes(self) -> Array:
@@ -89,28 +69,7 @@ def solve_mesh(
     solvable: bool = False,
     sizes: Array | None = None,
 ) -> MeshOptimum | None:
-    """Return the best control on a mesh, or None if the interiors cannot be held.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    plan
-        Mesh, interiors and points.
-    relaxed
-        Whether to solve the relaxation instead of the restriction.
-    start
-        Basis of the same form on the same cells, with fewer points or another t_f.
-    solvable
-        Whether the program is known to have a solution.
-    sizes
-        Of the fixed states, shape (n_fixed,): what a miss of the target is relative to. A tight
-        bound leaves peaks far below what all cells together may reach, the default.
-
-    Returns
-    -------
-    MeshOptimum or None
-    """
+    """Return the best control on a mesh, or None if the interiors cannot be held."""
     settings = problem.settings.mesh
     if relaxed:
         # What may not carry an atom is left out of the relaxation.
@@ -176,17 +135,6 @@ def solve_relaxation(problem: BoundedProblem, restriction: MeshOptimum) -> MeshO
 
     It begins with the points that the control comes near; those that its own motion breaks follow,
     each once, so the loop ends.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    restriction
-        Solution of the restriction.
-
-    Returns
-    -------
-    MeshOptimum or None
     """
     settings = problem.settings.mesh
     every = off_interiors(problem, restriction.plan.points, restriction.plan.interiors)

@@ -38,41 +38,17 @@ TINY = 1e-300
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Observation:
-    """What a round has seen.
+    """What a round has seen."""
 
-    Parameters
-    ----------
-    features
-        For the next mesh, at the t_f at which the reach should be 1.
-    guess
-        Sequence that the multipliers show.
-    dual_value
-        F ∫|σ| + Σ|μ| of the relaxation's multipliers, as the proof counts it.
-    """
-
-    features: Features
-    guess: Sequence
-    dual_value: float
+    features: Features  # For the next mesh, at the t_f at which the reach should be 1
+    guess: Sequence  # Sequence that the multipliers show
+    dual_value: float  # F ∫|σ| + Σ|μ| of the relaxation's multipliers, as the proof counts it
 
 
 def observe(
     problem: BoundedProblem, restriction: MeshOptimum, relaxation: MeshOptimum, *, unsplit: MeshPlan
 ) -> Observation:
-    """Return where the next mesh should be fine, and the sequence that the multipliers show.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    restriction, relaxation
-        The two forms of one program.
-    unsplit
-        Its mesh before cells were split: what is known of the ends of arcs is known to its cells.
-
-    Returns
-    -------
-    Observation
-    """
+    """Return where the next mesh should be fine, and the sequence that the multipliers show."""
     measure = relaxation.measure
     parts = stretches(problem, measure)
     found = dual_value(problem, parts, measure.atoms)
@@ -129,24 +105,7 @@ def _features(
 def steepness_of_zeros(
     problem: BoundedProblem, measure: Measure, parts: tuple[Stretch, ...], zeros: Array
 ) -> Array:
-    """Return |σ'| at the zeros of σ against what it weighs of the time.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    measure
-        Dual point.
-    parts
-        Its stretches.
-    zeros
-        Remaining times, shape (n_zeros,) [s].
-
-    Returns
-    -------
-    ndarray, shape (n_zeros,)
-        [1/s²].
-    """
+    """Return |σ'| at the zeros of σ against what it weighs of the time."""
     starts = np.array([part.start for part in parts])[::-1]
     slopes = []
     for zero in zeros.tolist():
@@ -161,19 +120,6 @@ def hidden(steepness: Array, zeros: Array, mesh: Array) -> Array:
     """Return what the program misses of the time for each zero of σ, relative to the time.
 
     It sees |∫ σ| of a cell only, so the smaller part of the cell of a zero counts twice.
-
-    Parameters
-    ----------
-    steepness
-        |σ'| at the zeros against what σ weighs of the time, shape (n_zeros,) [1/s²].
-    zeros
-        Remaining times, shape (n_zeros,) [s].
-    mesh
-        Remaining times between cells, ascending [s].
-
-    Returns
-    -------
-    ndarray, shape (n_zeros,)
 
     Examples
     --------

@@ -19,37 +19,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Features:
-    """What one round has seen.
+    """What one round has seen."""
 
-    Parameters
-    ----------
-    t_f
-        [s].
-    mesh
-        Remaining times between the cells on which it was seen, ascending, with even points in
-        the interiors [s]: a feature is known to one of its cells.
-    structure
-        Arcs and touch points.
-    places
-        Remaining times to which the next mesh is graded: switches, ends of arcs, touch points [s].
-    cells
-        Cells wanted there, shape of ``places`` [s].
-    room
-        Factor on the distance between an interior and the ends of its arc.
-    least_interior
-        Share of t_f that an arc takes at least if it gets an interior.
-    ease
-        Factor on the cells wanted, where they would be too many.
-    """
-
-    t_f: float
+    t_f: float  # [s]
+    # Remaining times between the cells on which it was seen, ascending, with even points in
+    # the interiors [s]: a feature is known to one of its cells.
     mesh: Array
-    structure: Structure
+    structure: Structure  # Arcs and touch points
+    # Remaining times to which the next mesh is graded: switches, ends of arcs, touch points
+    # [s].
     places: Array
-    cells: Array
-    room: float = 1.0
-    least_interior: float = 0.0
-    ease: float = 1.0
+    cells: Array  # Cells wanted there, shape of ``places`` [s]
+    room: float = 1.0  # Factor on the distance between an interior and the ends of its arc
+    least_interior: float = 0.0  # Share of t_f that an arc takes at least if it gets an interior
+    ease: float = 1.0  # Factor on the cells wanted, where they would be too many
 
     def stretched(self, t_f: float) -> Features:
         """Return the same features over another t_f [s], every place at the same share of it."""
@@ -68,19 +51,7 @@ class Features:
 
 
 def first_features(problem: BoundedProblem, grid: GridOptimum) -> Features:
-    """Return what the even grid shows.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    grid
-        Its solution on the grid.
-
-    Returns
-    -------
-    Features
-    """
+    """Return what the even grid shows."""
     settings = problem.settings.program
     cell = grid.t_f / grid.force.size
     remaining = grid.t_f - cell * np.arange(1, grid.force.size + 1)
@@ -120,20 +91,7 @@ def off_arcs(switches: Array, structure: Structure, *, room: float | Array) -> A
 
 
 def plan_mesh(problem: BoundedProblem, features: Features) -> MeshPlan:
-    """Return mesh, interiors and points of the next program.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    features
-        What the last round has seen.
-
-    Returns
-    -------
-    MeshPlan
-        Cells graded towards switches, touch points and ends of arcs, with the cells wanted there.
-    """
+    """Return mesh, interiors and points of the next program."""
     settings = problem.settings.mesh
     arcs, background = _parted(problem, features.structure), features.t_f / settings.background
     interiors = _interiors(problem, features, arcs)

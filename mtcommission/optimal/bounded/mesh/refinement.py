@@ -28,23 +28,7 @@ Array = NDArray[np.float64]
 def refined(
     problem: BoundedProblem, restriction: MeshOptimum, relaxation: MeshOptimum, *, largest: float
 ) -> tuple[MeshOptimum, MeshOptimum]:
-    """Return both forms of a program on a mesh that hides less than they are apart.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    restriction, relaxation
-        The two forms on one mesh.
-    largest
-        ``MeshPlan.effort`` of a program at most.
-
-    Returns
-    -------
-    tuple of MeshOptimum and MeshOptimum
-        As they were where nothing is hidden, or the finer program is too large or finds no
-        solution.
-    """
+    """Return both forms of a program on a mesh that hides less than they are apart."""
     settings = problem.settings.mesh
     for _ in range(settings.splits):
         measure = relaxation.measure

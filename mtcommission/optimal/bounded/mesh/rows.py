@@ -19,27 +19,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshPlan:
-    """Cells, interiors and points of a program.
+    """Cells, interiors and points of a program."""
 
-    Parameters
-    ----------
-    t_f
-        [s].
-    mesh
-        Remaining times between cells, ascending, shape (n_points,) [s].
-    interiors
-        In order of time.
-    points
-        Where bounds are imposed off the interiors.
-    margin
-        Relative distance kept from the bounds.
-    """
-
-    t_f: float
-    mesh: Array
-    interiors: tuple[ArcInterior, ...]
-    points: tuple[ConstraintPoint, ...]
-    margin: float
+    t_f: float  # [s]
+    mesh: Array  # Remaining times between cells, ascending, shape (n_points,) [s]
+    interiors: tuple[ArcInterior, ...]  # In order of time
+    points: tuple[ConstraintPoint, ...]  # Where bounds are imposed off the interiors
+    margin: float  # Relative distance kept from the bounds
 
     @property
     def effort(self) -> float:
@@ -61,25 +47,16 @@ class MeshPlan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segment:
-    """A cell or an interior, with the states at its ends as affine functions of the unknowns.
+    """A cell or an interior, with the states at its ends as affine functions of the unknowns."""
 
-    Parameters
-    ----------
-    start, end
-        Remaining times [s].
-    limit
-        Index of the bound held; -1 in a cell.
-    column
-        Unknown that is the cell's force; -1 in an interior.
-    arrived, first, last
-        Where the motion arrives, where it starts (on the bound in an interior) and where it ends,
-        shapes (n, n_unknowns + 2); the last columns belong to the reach and the constant.
-    """
-
+    # start, end: Remaining times [s].
     start: float
     end: float
-    limit: int
-    column: int
+    limit: int  # Index of the bound held; -1 in a cell
+    column: int  # Unknown that is the cell's force; -1 in an interior
+    # arrived, first, last: Where the motion arrives, where it starts (on the bound in an
+    # interior) and where it ends, shapes (n, n_unknowns + 2); the last columns belong to the
+    # reach and the constant.
     arrived: Array
     first: Array
     last: Array
@@ -105,21 +82,7 @@ def off_interiors(
 
 
 def mesh_segments(problem: BoundedProblem, plan: MeshPlan, *, relaxed: bool) -> tuple[Segment, ...]:
-    """Return cells and interiors in order of time, their states as maps of the unknowns.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    plan
-        Mesh and interiors.
-    relaxed
-        Whether the state may jump onto and off the interiors; the jumps are further unknowns.
-
-    Returns
-    -------
-    tuple of Segment
-    """
+    """Return cells and interiors in order of time, their states as maps of the unknowns."""
     plant, interiors = problem.plant, plan.interiors
     ends = [end for interior in interiors for end in (interior.start, interior.end)]
     points = np.unique(np.concatenate([[0.0, plan.t_f], plan.mesh, ends]))[::-1]
@@ -200,21 +163,7 @@ def _projected(
 def bound_rows(
     problem: BoundedProblem, plan: MeshPlan, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
-    """Return rows and rooms of the bounds at the points, rows x <= rooms.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    plan
-        Cells, interiors and points.
-    segments
-        With their affine maps.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (n_contacts, n_unknowns + 1) and (n_contacts,)
-    """
+    """Return rows and rooms of the bounds at the points, rows x <= rooms."""
     starts = -np.array([segment.start for segment in segments])
     rows = np.zeros((len(plan.points), segments[-1].last.shape[1]))
     for i, point in enumerate(plan.points):
@@ -247,19 +196,7 @@ def _bounded_row(problem: BoundedProblem, limit: int, segment: Segment) -> Array
 
 
 def feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
-    """Return rows and rooms that keep the boundary control within the force limit at its ends.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    segments
-        With their affine maps.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (4 n_interiors, n_unknowns + 1) and (4 n_interiors,)
-    """
+    """Return rows and rooms that keep the boundary control within the force limit at its ends."""
     rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
         if segment.limit >= 0:
@@ -273,21 +210,7 @@ def feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tup
 def terminal_scale(
     problem: BoundedProblem, segments: tuple[Segment, ...], *, sizes: Array | None = None
 ) -> Array:
-    """Return the scale of the terminal equations.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    segments
-        With their affine maps.
-    sizes
-        Of the fixed states, shape (n_fixed,); else what all cells together may reach.
-
-    Returns
-    -------
-    ndarray, shape (n_fixed,)
-    """
+    """Return the scale of the terminal equations."""
     if sizes is not None:
         return 1.0 / sizes
     sizes = np.abs(segments[-1].last[problem.fixed]).sum(axis=1)
@@ -297,21 +220,7 @@ def terminal_scale(
 def terminal_rows(
     problem: BoundedProblem, segments: tuple[Segment, ...], *, sizes: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return the scaled equations by which the motion ends at the reached multiple of the target.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    segments
-        With their affine maps.
-    sizes
-        Of the fixed states, shape (n_fixed,); else what all cells together may reach.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (n_fixed, n_unknowns + 1) and (n_fixed,)
-    """
+    """Return the scaled equations by which the motion ends at the reached multiple."""
     final, scale = segments[-1].last[problem.fixed], terminal_scale(problem, segments, sizes=sizes)
     rows = final[:, :-1].copy()
     rows[:, -1] -= problem.target[problem.fixed]
@@ -321,21 +230,7 @@ def terminal_rows(
 def entry_rows(
     problem: BoundedProblem, plan: MeshPlan, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
-    """Return the equations by which the motion arrives on the bounds of the interiors.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    plan
-        Cells, interiors and points.
-    segments
-        With their affine maps.
-
-    Returns
-    -------
-    tuple of ndarray, shapes (n_equations, n_unknowns + 1) and (n_equations,)
-    """
+    """Return the equations by which the motion arrives on the bounds of the interiors."""
     rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
         if segment.limit >= 0:

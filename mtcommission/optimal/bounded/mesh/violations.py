@@ -19,18 +19,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Violation:
-    """A place where a motion exceeds a bound.
+    """A place where a motion exceeds a bound."""
 
-    Parameters
-    ----------
-    point
-        The place.
-    excess
-        Relative excess.
-    """
-
-    point: ConstraintPoint
-    excess: float
+    point: ConstraintPoint  # The place
+    excess: float  # Relative excess
 
 
 def violations(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Violation]:
@@ -97,21 +89,7 @@ def _levels(
 def violations_in_interiors(
     problem: BoundedProblem, found: MeshOptimum, *, tolerance: float
 ) -> list[Violation]:
-    """Return where the motion in an interior exceeds a bound other than the one held there.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    found
-        Solution of the restriction.
-    tolerance
-        Relative excess from which on it counts.
-
-    Returns
-    -------
-    list of Violation
-    """
+    """Return where the motion in an interior exceeds a bound other than the one held there."""
     over: list[Violation] = []
     for interior in (segment for segment in found.segments if segment.limit >= 0):
         rows = problem.rows.copy()
@@ -123,21 +101,7 @@ def violations_in_interiors(
 def saturations(
     problem: BoundedProblem, found: MeshOptimum, *, tolerance: float
 ) -> list[Violation]:
-    """Return where boundary control inside an interior takes more than the force limit.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    found
-        Solution of the restriction.
-    tolerance
-        Relative excess from which on it counts.
-
-    Returns
-    -------
-    list of Violation
-    """
+    """Return where boundary control inside an interior takes more than the force limit."""
     over: list[Violation] = []
     for interior in (segment for segment in found.segments if segment.limit >= 0):
         force = problem.limits[interior.limit].feedback[np.newaxis] / problem.force_limit
@@ -188,18 +152,6 @@ def untenable(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float, 
 
     There the boundary control takes more than the force limit, or the motion exceeds another bound
     on which no point may act (``mesh.rows.off_interiors``).
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    found
-        Solution of the restriction.
-
-    Returns
-    -------
-    list of (float, float)
-        Remaining times, later end first [s].
     """
     zones = []
     orders = np.array([limit.order for limit in problem.limits])

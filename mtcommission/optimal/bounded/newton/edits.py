@@ -36,21 +36,7 @@ Array = NDArray[np.float64]
 
 
 def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
-    """Return the sequence without vanishing pieces and wrong touch points; None if it has none.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        Solved, or as far as the iteration came.
-    least
-        Share of t_f below which a piece is taken out, and a touch point so near to an arc.
-
-    Returns
-    -------
-    Sequence or None
-    """
+    """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
     sequence = extremal.sequence
     shared = _shared(_reunited(sequence.pieces))
     pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
@@ -121,17 +107,6 @@ def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     """Return the sequence with a touch point where it exceeds a bound most; None if nowhere.
 
     The first of several excesses of a decaying oscillation is often the only one that is left.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        Solved.
-
-    Returns
-    -------
-    Sequence or None
     """
     sequence = extremal.sequence
     levels_along = _levels(problem, sequence)
@@ -152,17 +127,6 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
 
     Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and
     must be held there, however short.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        Solved.
-
-    Returns
-    -------
-    Sequence or None
     """
     pieces = list(extremal.sequence.pieces)
     first = np.array([limit.order for limit in problem.limits]) == 1
@@ -208,17 +172,6 @@ def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | Non
     """Return the sequence with the force turned wherever σ has the other sign; None if nowhere.
 
     About a touch point where σ has the other sign the bound is held for a while.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        Solved.
-
-    Returns
-    -------
-    Sequence or None
     """
     measure, sequence = extremal.measure, extremal.sequence
     parts = stretches(problem, measure)

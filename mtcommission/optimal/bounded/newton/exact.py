@@ -25,19 +25,7 @@ def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 
 
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
-    """Return the accepted extremal of a sequence, edited while its conditions call for it.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    guess
-        Sequence with approximate durations.
-
-    Returns
-    -------
-    Found or None
-    """
+    """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     settings = problem.settings.newton
     seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
     best: Found | None = None
@@ -101,20 +89,7 @@ def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Foun
 
 
 def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
-    """Return the control of a solved sequence with its proof, or None.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        As Newton's method left it.
-
-    Returns
-    -------
-    Found or None
-        None if it is not solved, breaks a bound, or its multipliers prove too little.
-    """
+    """Return the control of a solved sequence with its proof, or None."""
     sequence = extremal.sequence
     if (
         extremal.residual > problem.settings.newton.residual

@@ -29,21 +29,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Extremal:
-    """A sequence with the multipliers that go with it.
+    """A sequence with the multipliers that go with it."""
 
-    Parameters
-    ----------
-    sequence
-        Durations and touch points.
-    measure
-        Dual point.
-    residual
-        Largest scaled residual of all conditions.
-    """
-
-    sequence: Sequence
-    measure: Measure
-    residual: float
+    sequence: Sequence  # Durations and touch points
+    measure: Measure  # Dual point
+    residual: float  # Largest scaled residual of all conditions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,21 +96,7 @@ class _Rows:
 
 
 def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
-    """Return the extremal of a given sequence by Newton's method.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    guess
-        Sequence with approximate durations; its boundary arcs have order 1 or 2.
-
-    Returns
-    -------
-    Extremal
-        Its residual tells whether the iteration converged; durations may have become negative
-        where the sequence is not the optimal one.
-    """
+    """Return the extremal of a given sequence by Newton's method."""
     system = _system(problem, guess)
     first = _first_point(system)
     point = _undamped(system, first)

@@ -46,20 +46,7 @@ class _Place:
 
 
 def with_subarc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence with a subarc where the density of a multiplier is most wrong.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    extremal
-        Solved.
-
-    Returns
-    -------
-    Sequence or None
-        None if no density has the wrong sign, or there is no room for a subarc.
-    """
+    """Return the sequence with a subarc where the density of a multiplier is most wrong."""
     zones = negative_zones(problem, extremal.measure)
     if not zones:
         return None

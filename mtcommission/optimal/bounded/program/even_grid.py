@@ -16,40 +16,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellGrid:
-    """Terminal state and levels as linear maps of the cells' relative forces.
+    """Terminal state and levels as linear maps of the cells' relative forces."""
 
-    Parameters
-    ----------
-    moments
-        From the forces to the fixed states at the end, rows scaled, shape (n_fixed, n_cells).
-    target
-        Those states, scaled alike, shape (n_fixed,).
-    response
-        From the forces to c x at the ends of the cells, limit by limit, shape
-        (n_limits n_cells, n_cells).
-    """
-
+    # From the forces to the fixed states at the end, rows scaled, shape (n_fixed, n_cells).
     moments: Array
-    target: Array
+    target: Array  # Those states, scaled alike, shape (n_fixed,)
+    # From the forces to c x at the ends of the cells, limit by limit, shape (n_limits
+    # n_cells, n_cells).
     response: Array
 
 
 def cell_grid(problem: BoundedProblem, t_f: float, *, cells: int) -> CellGrid:
-    """Return the linear maps of an even grid.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    t_f
-        [s].
-    cells
-        Their number.
-
-    Returns
-    -------
-    CellGrid
-    """
+    """Return the linear maps of an even grid."""
     F = problem.force_limit
     edges = np.linspace(0.0, t_f, cells + 1)
     final = step_response(problem.plant, t_f - edges)[:, problem.fixed] * F

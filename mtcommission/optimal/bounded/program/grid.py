@@ -26,45 +26,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GridOptimum:
-    """The solution on the grid.
+    """The solution on the grid."""
 
-    Parameters
-    ----------
-    t_f
-        [s].
-    reach
-        α, the reached multiple of the target.
-    slope
-        dα/dt_f from the multipliers [1/s].
-    force
-        F_set / F in each cell, shape (n_cells,).
-    levels
-        c x at the ends of the cells, shape (n_limits, n_cells).
-    basis
-        Where the program for another t_f may start.
-    """
-
-    t_f: float
-    reach: float
-    slope: float
-    force: Array
-    levels: Array
-    basis: Basis
+    t_f: float  # [s]
+    reach: float  # α, the reached multiple of the target
+    slope: float  # dα/dt_f from the multipliers [1/s]
+    force: Array  # F_set / F in each cell, shape (n_cells,)
+    levels: Array  # c x at the ends of the cells, shape (n_limits, n_cells)
+    basis: Basis  # Where the program for another t_f may start
 
 
 def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     """Return the time-optimal control on the grid.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    t_free
-        Optimum without bounds [s], where the search starts.
-
-    Returns
-    -------
-    GridOptimum
 
     Raises
     ------

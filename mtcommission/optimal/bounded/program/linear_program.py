@@ -31,25 +31,16 @@ FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Program:
-    """Minimise cost x under floors <= rows x <= rooms, equal x = right, and bounds on each unknown.
+    """Minimise cost x: floors <= rows x <= rooms, equal x = right, lower <= x <= upper."""
 
-    Parameters
-    ----------
-    cost
-        Shape (n,).
-    rows, rooms, floors
-        Shapes (k, n), (k,) and (k,); no floors: minus infinity.
-    equal, right
-        Shapes (l, n) and (l,).
-    lower, upper
-        Bounds of each unknown, shapes (n,); infinite where there is none.
-    """
-
-    cost: Array
+    cost: Array  # Shape (n,)
+    # rows, rooms, floors: Shapes (k, n), (k,) and (k,); no floors: minus infinity.
     rows: Array
     rooms: Array
+    # equal, right: Shapes (l, n) and (l,).
     equal: Array
     right: Array
+    # lower, upper: Bounds of each unknown, shapes (n,); infinite where there is none.
     lower: Array
     upper: Array
     floors: Array | None = None
@@ -76,24 +67,15 @@ class Basis:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
-    """The solution of a program and its multipliers.
+    """The solution of a program and its multipliers."""
 
-    Parameters
-    ----------
-    unknowns
-        Shape (n,).
-    rows, equal, bounds
-        Change of the cost with ``rooms`` or ``floors``, with ``right``, and with the bound at
-        which an unknown is, shapes (k,), (l,) and (n,).
-    basis
-        Where a program like it may start.
-    """
-
-    unknowns: Array
+    unknowns: Array  # Shape (n,)
+    # rows, equal, bounds: Change of the cost with ``rooms`` or ``floors``, with ``right``,
+    # and with the bound at which an unknown is, shapes (k,), (l,) and (n,).
     rows: Array
     equal: Array
     bounds: Array
-    basis: Basis
+    basis: Basis  # Where a program like it may start
 
 
 def solve_program(
@@ -106,26 +88,6 @@ def solve_program(
     solvable: bool = False,
 ) -> Solution | None:
     """Return the solution of a linear program, or None where the simplex method finds none.
-
-    Parameters
-    ----------
-    program
-        What to solve.
-    settings
-        How the simplex method treats it.
-    steps
-        Of the simplex method, at most.
-    tolerance
-        Of primal and dual feasibility; the default is that of HiGHS. Where it cannot be met the
-        program is tried once more, within ``settings.forgiving``.
-    start
-        Basis of a program with the same unknowns whose rows were the first of this one's.
-    solvable
-        Whether the program is known to have a solution, so that no verdict against it is believed.
-
-    Returns
-    -------
-    Solution or None
 
     Examples
     --------

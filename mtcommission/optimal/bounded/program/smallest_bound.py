@@ -14,18 +14,6 @@ from mtcommission.optimal.bounded.program.linear_program import Program, solve_p
 def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
     """Return the factor of all bounds below which the target is out of reach at any time.
 
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    t_free
-        Optimum without bounds [s].
-
-    Returns
-    -------
-    float
-        To some ``LEAST_TOLERANCE``; inf if even the longest of ``LEAST_TIMES`` is too short.
-
     Source: the program of ``program.grid`` with the factor minimised instead of the reach
     maximised, at longer and longer times, then on finer and finer grids.
     """
@@ -41,18 +29,6 @@ def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
 
 def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
     """Return the factor of all bounds below which the target is out of reach by a given time.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    t_f
-        [s].
-
-    Returns
-    -------
-    float
-        To some ``LEAST_TOLERANCE``; inf if no factor is large enough.
 
     Examples
     --------

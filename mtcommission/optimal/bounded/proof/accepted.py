@@ -15,28 +15,15 @@ from mtcommission.optimal.bounded.proof.motion import FollowedMotion
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """An accepted control with its proof.
+    """An accepted control with its proof."""
 
-    Parameters
-    ----------
-    motion
-        The control and what it does.
-    measure
-        The dual point that proves it.
-    t_f, t_lower
-        Achieved and excluded time [s].
-    touches
-        Touch points.
-    exact
-        Whether the arcs are exact; otherwise they are cells of a mesh.
-    """
-
-    motion: FollowedMotion
-    measure: Measure
+    motion: FollowedMotion  # The control and what it does
+    measure: Measure  # The dual point that proves it
+    # t_f, t_lower: Achieved and excluded time [s].
     t_f: float
     t_lower: float
-    touches: tuple[ConstraintPoint, ...]
-    exact: bool
+    touches: tuple[ConstraintPoint, ...]  # Touch points
+    exact: bool  # Whether the arcs are exact; otherwise they are cells of a mesh
 
     @property
     def gap(self) -> float:

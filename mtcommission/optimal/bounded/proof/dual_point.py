@@ -21,66 +21,34 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Atom:
-    """A point mass of the measure of one bound.
+    """A point mass of the measure of one bound."""
 
-    Parameters
-    ----------
-    remaining
-        Where, as remaining time [s].
-    limit
-        Index of the bound.
-    weight
-        Signed mass; positive where c x = +1 is held.
-    """
-
-    remaining: float
-    limit: int
-    weight: float
+    remaining: float  # Where, as remaining time [s]
+    limit: int  # Index of the bound
+    weight: float  # Signed mass; positive where c x = +1 is held
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measure:
-    """A dual point.
+    """A dual point."""
 
-    Parameters
-    ----------
-    t_f
-        Horizon [s].
-    terminal
-        Λ, shape (n,).
-    atoms
-        Point masses.
-    interiors
-        Intervals where the measure has the density that keeps σ = 0.
-    """
-
-    t_f: float
-    terminal: Array
-    atoms: tuple[Atom, ...]
+    t_f: float  # Horizon [s]
+    terminal: Array  # Λ, shape (n,)
+    atoms: tuple[Atom, ...]  # Point masses
+    # Intervals where the measure has the density that keeps σ = 0.
     interiors: tuple[ArcInterior, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stretch:
-    """A piece of the adjoint without jumps.
+    """A piece of the adjoint without jumps."""
 
-    Parameters
-    ----------
-    start, end
-        Remaining times, start > end [s].
-    adjoint
-        Λ at its end, shape (n,).
-    limit
-        Index of the bound held on it; -1 off the interiors.
-    slack
-        What putting Λ on σ = 0 at its end may cost.
-    """
-
+    # start, end: Remaining times, start > end [s].
     start: float
     end: float
-    adjoint: Array
-    limit: int
-    slack: float = 0.0
+    adjoint: Array  # Λ at its end, shape (n,)
+    limit: int  # Index of the bound held on it; -1 off the interiors
+    slack: float = 0.0  # What putting Λ on σ = 0 at its end may cost
 
     @property
     def length(self) -> float:
@@ -90,17 +58,6 @@ class Stretch:
 
 def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     """Return the adjoint, stretch by stretch in order of time.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    measure
-        Dual point; atoms inside an interior only where c B = 0 and the interior has order 1.
-
-    Returns
-    -------
-    tuple of Stretch
 
     Source: docs/optimal-control-bounds.md, section 3.
     """

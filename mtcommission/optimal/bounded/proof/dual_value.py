@@ -32,40 +32,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Integral:
-    """An upper bound of an integral of |σ|.
+    """An upper bound of an integral of |σ|."""
 
-    Parameters
-    ----------
-    value
-        The integral [s/kg and the like: the unit of Λ g times s].
-    allowance
-        Included for zeros that could not be excluded.
-    zeros
-        Remaining times where σ changes sign, ascending, shape (n_zeros,) [s].
-    """
-
-    value: float
-    allowance: float
-    zeros: Array
+    value: float  # The integral [s/kg and the like: the unit of Λ g times s]
+    allowance: float  # Included for zeros that could not be excluded
+    zeros: Array  # Remaining times where σ changes sign, ascending, shape (n_zeros,) [s]
 
 
 def dual_value(
     problem: BoundedProblem, parts: tuple[Stretch, ...], atoms: tuple[Atom, ...]
 ) -> Integral:
     """Return an upper bound of F ∫|σ| + Σ|μ|, with the zeros of σ off the interiors.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    parts
-        Stretches of the adjoint.
-    atoms
-        Point masses.
-
-    Returns
-    -------
-    Integral
 
     Source: weak duality; zeros isolated by the largest possible |σ''| in each cell.
     """
@@ -130,39 +107,17 @@ def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DensityZone:
-    """Where the density of a multiplier has the wrong sign on an interior.
+    """Where the density of a multiplier has the wrong sign on an interior."""
 
-    Parameters
-    ----------
-    start, end
-        Remaining times, start > end [s].
-    lowest
-        Where it is most wrong [s].
-    depth
-        The density there, negative.
-    """
-
+    # start, end: Remaining times, start > end [s].
     start: float
     end: float
-    lowest: float
-    depth: float
+    lowest: float  # Where it is most wrong [s]
+    depth: float  # The density there, negative
 
 
 def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZone, ...]:
-    """Return where holding a bound costs time: the density has the wrong sign.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    measure
-        Dual point.
-
-    Returns
-    -------
-    tuple of DensityZone
-        Ends interpolated between samples of the density.
-    """
+    """Return where holding a bound costs time: the density has the wrong sign."""
     zones: list[DensityZone] = []
     for part in stretches(problem, measure):
         if part.limit < 0:
@@ -205,39 +160,12 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
 
     The measure is cut off at the start until the dual value falls below Λ x_f; since waiting
     at rest is always possible, every shorter time is excluded as well.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    measure
-        Any dual point.
-
-    Returns
-    -------
-    float
-        [s]; 0 if the measure proves nothing.
     """
     return excluded_time(problem, measure, claim=float(measure.terminal @ problem.target))
 
 
 def excluded_time(problem: BoundedProblem, measure: Measure, *, claim: float) -> float:
-    """Return a time by which Λ x of no admissible motion reaches a value.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem; its target does not matter.
-    measure
-        Any dual point.
-    claim
-        What Λ x(t_f) is at least, wherever the motion may end.
-
-    Returns
-    -------
-    float
-        [s]; 0 if the measure proves nothing.
-    """
+    """Return a time by which Λ x of no admissible motion reaches a value."""
     settings = problem.settings.proof
     claim -= settings.rounding * float(np.abs(measure.terminal) @ np.abs(problem.target))
     parts = stretches(problem, measure)

@@ -30,46 +30,18 @@ BLOCK = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FollowedMotion:
-    """What a control does.
+    """What a control does."""
 
-    Parameters
-    ----------
-    arcs
-        The control.
-    final
-        State at the end, shape (n,).
-    peaks
-        Largest magnitude of each of ``Plant.signals``.
-    force_peak
-        Largest |F_set| [N].
-    """
-
-    arcs: tuple[Arc, ...]
-    final: Array
-    peaks: Array
-    force_peak: float
+    arcs: tuple[Arc, ...]  # The control
+    final: Array  # State at the end, shape (n,)
+    peaks: Array  # Largest magnitude of each of ``Plant.signals``
+    force_peak: float  # Largest |F_set| [N]
 
 
 def follow_control(
     plant: Plant, arcs: tuple[Arc, ...], *, rate: float, settings: ProofSettings = STANDARD.proof
 ) -> FollowedMotion:
-    """Return what the plant does under the arcs, from rest.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    arcs
-        In order, without gaps, from t = 0.
-    rate
-        Fastest angular frequency [rad/s].
-    settings
-        Knows how closely peaks are looked for.
-
-    Returns
-    -------
-    FollowedMotion
-    """
+    """Return what the plant does under the arcs, from rest."""
     state, rows = np.zeros(plant.order), signal_rows(plant)
     peaks, force_peak = np.zeros(len(rows)), 0.0
     for arc in arcs:
@@ -97,17 +69,7 @@ def follow_control(
 
 
 def require_followable(time: float, rate: float, *, most: float = MOST_RADIANS) -> None:
-    """Raise MOVE_TOO_LONG before a motion is computed that takes too many samples to follow.
-
-    Parameters
-    ----------
-    time
-        [s].
-    rate
-        Fastest angular frequency [rad/s].
-    most
-        Their product [rad].
-    """
+    """Raise MOVE_TOO_LONG before a motion is computed that takes too many samples to follow."""
     if time * rate > most:
         detail = Message("optimum-too-long", t_f=time, radians=time * rate, most=most)
         raise ComputationError(Outcome.MOVE_TOO_LONG, detail)

@@ -19,24 +19,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SigmaIntegral:
-    """∫|σ| over some stretches.
+    """∫|σ| over some stretches."""
 
-    Parameters
-    ----------
-    value
-        Upper bound of the integral.
-    allowance
-        Included for zeros that could not be excluded.
-    stretch
-        Index of the stretch of each zero, shape (n_zeros,).
-    zeros
-        Times before the end of that stretch where σ changes sign, shape (n_zeros,) [s].
-    """
-
-    value: float
-    allowance: float
-    stretch: NDArray[np.intp]
-    zeros: Array
+    value: float  # Upper bound of the integral
+    allowance: float  # Included for zeros that could not be excluded
+    stretch: NDArray[np.intp]  # Index of the stretch of each zero, shape (n_zeros,)
+    zeros: Array  # Times before the end of that stretch where σ changes sign, shape (n_zeros,) [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,19 +40,6 @@ class _Cells:
 
 def integrate_sigma(problem: BoundedProblem, adjoints: Array, lengths: Array) -> SigmaIntegral:
     """Return an upper bound of ∫|σ| over stretches off the boundary arcs.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    adjoints
-        Λ at the end of each stretch, shape (n_stretches, n).
-    lengths
-        Their durations, shape (n_stretches,) [s].
-
-    Returns
-    -------
-    SigmaIntegral
 
     Source: zeros isolated by the largest possible |σ''| in each cell.
     """
@@ -104,19 +79,6 @@ def sigma_magnitude(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
 
 def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Array:
     """Return bounds of |row x| over all motions from rest within the force limit.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    rows
-        Shape (k, n), 0 for the position.
-    t_f
-        Duration of the motions [s].
-
-    Returns
-    -------
-    ndarray, shape (k,)
 
     Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant), and
     for powers their integrals.

@@ -14,19 +14,7 @@ Array = NDArray[np.float64]
 
 
 def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
-    """Return an arc of a control as a piece of a sequence.
-
-    Parameters
-    ----------
-    problem
-        Holds the bound that the arc holds.
-    arc
-        Bang or boundary arc.
-
-    Returns
-    -------
-    Piece
-    """
+    """Return an arc of a control as a piece of a sequence."""
     names = [limit.bound.name for limit in problem.limits]
     held = names.index(arc.control.signal) if isinstance(arc.control, Boundary) else -1
     side = 1 if isinstance(arc.control, Interior) else arc.control.side
@@ -34,19 +22,7 @@ def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
 
 
 def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...]:
-    """Return the arcs of a sequence of bang and boundary arcs.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    sequence
-        All durations >= 0.
-
-    Returns
-    -------
-    tuple of Arc
-    """
+    """Return the arcs of a sequence of bang and boundary arcs."""
     plant, F = problem.plant, problem.force_limit
     state, start, arcs = np.zeros(plant.order), 0.0, []
     for piece in sequence.pieces:

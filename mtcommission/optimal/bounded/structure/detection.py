@@ -26,37 +26,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Structure:
-    """Arcs and touch points seen on a mesh.
+    """Arcs and touch points seen on a mesh."""
 
-    Parameters
-    ----------
-    arcs
-        Boundary arcs in order of time.
-    touches
-        Single points, one for each cluster.
-    """
-
-    arcs: tuple[ArcInterior, ...]
-    touches: tuple[ConstraintPoint, ...]
+    arcs: tuple[ArcInterior, ...]  # Boundary arcs in order of time
+    touches: tuple[ConstraintPoint, ...]  # Single points, one for each cluster
 
 
 def detect_structure(
     active: Items[ConstraintPoint], mesh: Array, settings: StructureSettings = STANDARD.structure
 ) -> Structure:
     """Return the arcs and touch points that active points form.
-
-    Parameters
-    ----------
-    active
-        Points with positive weight; interiors as densely spaced points.
-    mesh
-        All remaining times between cells, ascending [s].
-    settings
-        How near points follow each other in an arc.
-
-    Returns
-    -------
-    Structure
 
     Examples
     --------
@@ -120,25 +99,7 @@ def detect_sequence(
     zeros: Array,
     mesh: Array,
 ) -> Sequence:
-    """Return the sequence of pieces that a dual point shows.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    structure
-        Arcs and touch points.
-    parts
-        Stretches of the adjoint.
-    zeros
-        Remaining times where σ changes sign [s].
-    mesh
-        All remaining times between cells, ascending [s].
-
-    Returns
-    -------
-    Sequence
-    """
+    """Return the sequence of pieces that a dual point shows."""
     pieces: list[Piece] = []
     position = parts[0].start
     after = 0
@@ -197,21 +158,7 @@ def _bang_pieces(
 def place_touches(
     problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[ConstraintPoint, ...]
 ) -> tuple[Touch, ...]:
-    """Return the points as touch points of the arcs in which they lie.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    pieces
-        In order of time.
-    points
-        By remaining time; those on a boundary arc are left out, unless it has order 1.
-
-    Returns
-    -------
-    tuple of Touch
-    """
+    """Return the points as touch points of the arcs in which they lie."""
     ends = np.cumsum([piece.duration for piece in pieces])
     touches = []
     for point in points:

@@ -16,59 +16,29 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Piece:
-    """A bang arc or a boundary arc.
+    """A bang arc or a boundary arc."""
 
-    Parameters
-    ----------
-    limit
-        Index of the bound held; -1 on a bang arc.
-    side
-        Sign of the force, or of the bounded signal.
-    duration
-        [s].
-    """
-
-    limit: int
-    side: int
-    duration: float
+    limit: int  # Index of the bound held; -1 on a bang arc
+    side: int  # Sign of the force, or of the bounded signal
+    duration: float  # [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """A touch point inside a bang arc, or inside a boundary arc of order 1.
+    """A touch point inside a bang arc, or inside a boundary arc of order 1."""
 
-    Parameters
-    ----------
-    piece
-        Index of the arc.
-    offset
-        Time since its start [s].
-    limit
-        Index of the bound.
-    side
-        +1 or -1.
-    """
-
-    piece: int
-    offset: float
-    limit: int
-    side: int
+    piece: int  # Index of the arc
+    offset: float  # Time since its start [s]
+    limit: int  # Index of the bound
+    side: int  # +1 or -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sequence:
-    """Pieces in order of time, with the touch points.
+    """Pieces in order of time, with the touch points."""
 
-    Parameters
-    ----------
-    pieces
-        Bang and boundary arcs.
-    touches
-        Touch points.
-    """
-
-    pieces: tuple[Piece, ...]
-    touches: tuple[Touch, ...]
+    pieces: tuple[Piece, ...]  # Bang and boundary arcs
+    touches: tuple[Touch, ...]  # Touch points
 
     @property
     def t_f(self) -> float:
@@ -77,23 +47,7 @@ class Sequence:
 
 
 def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array) -> Array:
-    """Return the states on a piece.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    piece
-        Bang or boundary arc.
-    state
-        At its start, shape (n,).
-    tau
-        Evenly spaced times since its start, from 0, shape (k,) [s].
-
-    Returns
-    -------
-    ndarray, shape (k, n)
-    """
+    """Return the states on a piece."""
     if piece.limit < 0:
         pushes = step_response(problem.plant, tau) * piece.side * problem.force_limit
         return np.asarray(transition(problem.plant, tau) @ state + pushes)
@@ -107,17 +61,6 @@ def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array
 def peaks_above(levels: Array, least: float) -> list[tuple[int, int]]:
     """Return (sample, signal) of the inner peaks of magnitude above a level.
 
-    Parameters
-    ----------
-    levels
-        Samples of signals, shape (n_samples, n_signals).
-    least
-        Level.
-
-    Returns
-    -------
-    list of (int, int)
-
     Examples
     --------
     >>> peaks_above(np.array([[0.0], [-2.0], [0.0], [1.0], [0.5]]), 1.5)
@@ -130,23 +73,7 @@ def peaks_above(levels: Array, least: float) -> list[tuple[int, int]]:
 
 
 def flow_bang(problem: BoundedProblem, state: Array, side: int, span: float) -> Array:
-    """Return the state after a bang arc, or before it where the span is negative.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    state
-        At its start, shape (n,).
-    side
-        Sign of the force.
-    span
-        [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
-    """
+    """Return the state after a bang arc, or before it where the span is negative."""
     plant, push = problem.plant, side * problem.force_limit
     flow = transition(plant, np.array(span))
     if span >= 0.0:
