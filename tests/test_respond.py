@@ -100,7 +100,7 @@ def test_every_sample_is_that_of_the_stepped_loop(name: str) -> None:
             for k, expected in ((2, full.force), *enumerate(full.states.T, start=3)):
                 expected = expected[: len(found)]
                 scale = max(np.abs(expected).max(), 1e-12)
-                assert np.abs(found[:, k] - expected).max() < 1e-6 * scale + 1e-15
+                assert np.abs(found[:, k] - expected).max() < 1e-6 * scale + 1e-14
             setpoint = plan_within(machine, MotionLimits(acceleration=a[i], jerk=j[i]))(move)
             late = full.t[: len(found)] - poles.delay
             e = found[:, 0] - sample_setpoint(setpoint, late)[:, 0]

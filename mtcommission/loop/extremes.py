@@ -7,11 +7,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.free_motion import Grid, lay_grid
+from mtcommission.loop.free_motion import Grid, lay_grid, shapes_on
 from mtcommission.loop.motions import (
     Motions,
     pieces_of,
-    sampled,
     seen,
     set_in_motion,
     signals_at,
@@ -37,8 +36,20 @@ def extremes(
     setpoint, see ``Signal``; ``parts``: the velocity cycles of a position cycle that are looked at.
     Shape (n_setpoints, n_corners, n_rows).
     """
-    poles, first, pieces = motions.poles, motions.first, pieces_of(motions)
-    count, steps = first.shape
+    pieces = pieces_of(motions)
+    near = _near_steps(motions, pieces, rows, parts, less).max(axis=2)
+    far = _far_from_steps(motions, pieces, grid, rows, less)
+    return np.asarray(np.maximum(near, far))
+
+
+def _near_steps(
+    motions: Motions, pieces: Pieces, rows: Array, parts: Cycles, less: int | None
+) -> Array:
+    """Largest in the cycles after each step, and in some until the next one.
+
+    Shape (n_setpoints, n_corners, n_parts, n_rows).
+    """
+    poles, first = motions.poles, motions.first
     gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.forced)
     begun = np.arange(poles.forced)
     later = np.linspace(0.0, 1.0, BETWEEN + 1)[1:]
@@ -51,49 +62,49 @@ def extremes(
     if less is not None:
         t = at[:, None] * poles.dt + poles.velocity_cycle * parts - poles.delay
         found -= wanted(pieces, np.repeat(setpoint, len(parts)), t, less)[:, None, :, None]
-    largest = np.zeros((count, len(poles.loops), len(rows)))
-    each = np.abs(found).max(axis=2)
+    largest = np.zeros((len(first), *found.shape[1:]))
     begins = np.flatnonzero(np.diff(setpoint, prepend=-1))
-    largest[setpoint[begins]] = np.maximum.reduceat(each, begins, axis=0)
-    if poles.factors.size:
-        gaps[:, -1] = poles.forced + grid.cycle[-1] + 1
-        for part in (slice(0, steps - 1), slice(steps - 1, steps)):
-            place, j = np.nonzero(gaps[:, part] > poles.forced)
-            if len(place):
-                j = j + (part.start or 0)
-                _note_far(motions, pieces, grid, rows, largest, place, j, gaps, less)
+    largest[setpoint[begins]] = np.maximum.reduceat(np.abs(found), begins, axis=0)
     return largest
 
 
-def _note_far(
-    motions: Motions,
-    pieces: Pieces,
-    grid: Grid,
-    signals: Array,
-    largest: Array,
-    own: Cycles,
-    j: Cycles,
-    gaps: Cycles,
-    less: int | None,
-) -> None:
-    """Add what the poles alone tell of, from ``forced`` cycles after some steps to their next."""
-    poles, q = motions.poles, motions.order
-    left = gaps[own, j] - poles.forced
-    used = int(np.searchsorted(grid.cycle, left.max()))
-    cycle, part, R = grid.cycle[:used], grid.part[:used], len(signals)
-    shapes = (signals @ poles.shapes)[:, part] * grid.faded[:used].transpose(1, 0, 2)[:, :, None]
-    found = seen(motions.held[j, own], shapes.reshape(len(shapes), used * R, -1))
-    at = motions.first[own, j, None] + poles.forced + cycle
-    x = sampled(pieces, np.repeat(own, used), np.asarray(at.ravel() * poles.dt), q + 1)
-    steady = (signals @ poles.steady[..., : q + 1])[:, part]  # (n_corners, used, R, q + 1)
-    found = found.reshape(len(own), -1, used, R)
-    found += np.einsum("kst,ctrk->sctr", x.reshape(q + 1, *at.shape), steady, optimize=True)
-    if less is not None:
-        t = at * poles.dt + part * poles.velocity_cycle - poles.delay
-        found -= wanted(pieces, np.repeat(own, used), t, less)[:, None, :, None]
-    np.abs(found, out=found)
-    found *= (cycle < left[:, None])[:, None, :, None]
-    np.maximum.at(largest, own, found.max(axis=2, initial=0.0))
+def _far_from_steps(
+    motions: Motions, pieces: Pieces, grid: Grid, rows: Array, less: int | None
+) -> Array:
+    """Largest of what the poles alone tell of, from ``forced`` cycles after steps to their next.
+
+    At the instants of the grid, in any velocity cycle; shape (n_setpoints, n_corners, n_rows).
+    """
+    poles, first, q, R = motions.poles, motions.first, motions.order, len(rows)
+    largest = np.zeros((len(first), len(poles.loops), R))
+    if not poles.factors.size:
+        return largest
+    shapes = shapes_on(poles, grid, rows)
+    steady = (rows @ poles.steady[..., : q + 1])[:, grid.part]
+    steady = steady.transpose(1, 3, 0, 2).reshape(len(grid.part), q + 1, -1)
+    gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.forced + grid.cycle[-1] + 1)
+    is_last = np.arange(gaps.shape[1]) == gaps.shape[1] - 1
+    for alike in (~is_last, is_last):  # the last one is followed far longer than the others
+        own, j = np.nonzero((gaps > poles.forced) & alike)
+        if not len(own):
+            continue
+        left = gaps[own, j] - poles.forced
+        used = int(np.searchsorted(grid.cycle, left.max()))
+        cycle, part = grid.cycle[:used], grid.part[:used]
+        found = seen(motions.held[j, own], shapes[:, :, : used * R])
+        found = found.reshape(len(own), -1, used, R)
+        at, setpoint = first[own, j, None] + poles.forced + cycle, np.repeat(own, used)
+        sampled = np.asarray(at.ravel() * poles.dt)
+        x = pieces.sample(sampled, derivatives=q + 1, setpoint=setpoint)
+        x = x.reshape(q + 1, *at.shape).transpose(2, 1, 0)
+        found += (x @ steady[:used]).reshape(used, len(own), -1, R).transpose(1, 2, 0, 3)
+        if less is not None:
+            t = at * poles.dt + part * poles.velocity_cycle - poles.delay
+            found -= wanted(pieces, setpoint, t, less)[:, None, :, None]
+        np.abs(found, out=found)
+        found *= (cycle < left[:, None])[:, None, :, None]
+        np.maximum.at(largest, own, found.max(axis=2, initial=0.0))
+    return largest
 
 
 def where_signals_lead(poles: LoopPoles, signals: Array) -> tuple[LoopPoles, Cycles]:
@@ -115,14 +126,19 @@ def _find_leading(
         times=np.column_stack([np.zeros_like(t), t, 1.5 * t, 2.5 * t]),
         steps=np.tile([1.0, -1.0, -1.0, 1.0], (len(t), 1)),
     )
-    motions, grid = set_in_motion(poles, steps), lay_grid(poles, 12)
-    each = [extremes(motions, grid, signals, parts=np.array([i])) for i in range(poles.cycles)]
-    peaks = np.array(each)  # (cycles, n_setpoints, n_corners, n_signals)
-    parts = np.unique(peaks.max(axis=2).argmax(axis=0))
-    by_corner = peaks.max(axis=0)
+    motions = set_in_motion(poles, steps)
+    pieces = pieces_of(motions)
+    near = _near_steps(motions, pieces, signals, np.arange(poles.cycles), None)
+    far = _far_from_steps(motions, pieces, lay_grid(poles, SAMPLES), signals, None)
+    peaks = np.maximum(near, far[:, :, None])  # (n_setpoints, n_corners, cycles, n_signals)
+    parts = np.unique(peaks.max(axis=1).argmax(axis=1))
+    by_corner = peaks.max(axis=2)
     leads = by_corner >= LEADS * by_corner.max(axis=1, keepdims=True)
     return restrict(poles, np.flatnonzero(leads.any(axis=(0, 2))).tolist()), parts
 
+
+SAMPLES = 12
+"""Instants to a period at which these moves are compared (empirical)."""
 
 RAMPS = (2e-3, 10e-3, 40e-3, 150e-3)
 """By which poles, corners and velocity cycles are compared [s]."""

@@ -9,7 +9,15 @@ from math import ceil, factorial, floor, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.motions import OUTPUTS, Motions, Signal, seen, tool_deviation, transients
+from mtcommission.loop.motions import (
+    OUTPUTS,
+    Motions,
+    Signal,
+    by_parts,
+    seen,
+    tool_deviation,
+    transients,
+)
 from mtcommission.loop.poles import LoopPoles
 from mtcommission.setpoint.pieces import INSTANT
 
@@ -60,6 +68,18 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     at = np.unique(np.round(np.concatenate(found) / poles.velocity_cycle).astype(np.int64))
     cycle, part = np.divmod(at, poles.cycles)
     return Grid(cycle=cycle, part=part, faded=poles.power(cycle))
+
+
+def shapes_on(poles: LoopPoles, grid: Grid, rows: Array) -> Array:
+    """Return signals on a grid by Re and Im of what poles hold, rows last, see ``by_parts``."""
+    return _shapes_on(poles, grid, rows.shape, rows.tobytes())
+
+
+@lru_cache(maxsize=64)
+def _shapes_on(poles: LoopPoles, grid: Grid, shape: tuple[int, ...], row_bytes: bytes) -> Array:
+    """Once for all setpoints that are looked at."""
+    seen_by_pole = (np.frombuffer(row_bytes).reshape(shape) @ poles.shapes)[:, grid.part]
+    return by_parts(seen_by_pole * grid.faded.transpose(1, 0, 2)[:, :, None])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -182,8 +202,7 @@ def free_motion(
     e = near.reshape(len(end), near.shape[1], -1)
     instants = (T * m[:, None] + T_v * parts).ravel()
     if poles.factors.size:
-        by_pole = grid.faded.transpose(1, 0, 2) * (signal.row @ poles.shapes)[:, grid.part]
-        far = seen(motions.held[-1], by_pole)
+        far = seen(motions.held[-1], shapes_on(poles, grid, rows))
         if np.any(v_end):
             far += v_end[:, None, None] * coasting[:, grid.part]
         instants = np.append(instants, T * (poles.forced + grid.cycle) + T_v * grid.part)

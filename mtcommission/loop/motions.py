@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from mtcommission.loop.poles import LoopPoles
-from mtcommission.setpoint.pieces import INSTANT, Pieces, cut, taylor
+from mtcommission.setpoint.pieces import INSTANT, Pieces, cut
 from mtcommission.setpoint.setpoint import JerkSteps
 
 Array = NDArray[np.float64]
@@ -85,6 +88,50 @@ def _basis(sizes: Array, early: Array, order: int) -> Array:
     return basis
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """A loop as some signals see it in some velocity cycles of a position cycle.
+
+    What is seen stands in the order (n_corners, n_parts, n_rows).
+    """
+
+    table: Array  # by cycles since a step and power of s, ((q + 1) forced, n_seen)
+    shapes: Array  # by Re and Im of what poles hold, (n_corners, 2 n_poles, n_parts n_rows)
+    steady: Array  # by derivative of the setpoint, (q + 1, n_seen)
+
+
+def _look(poles: LoopPoles, rows: Array, parts: Cycles, order: int) -> View:
+    return _view(poles, rows.shape, rows.tobytes(), tuple(parts.tolist()), order)
+
+
+@lru_cache(maxsize=64)
+def _view(
+    poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes, parts: tuple[int, ...], order: int
+) -> View:
+    """Once for all setpoints that are looked at."""
+    rows, own = np.frombuffer(row_bytes).reshape(shape), list(parts)
+    table = rows @ poles.table[:, :, own, :, order::-1]
+    steady = (rows @ poles.steady[:, own, :, : order + 1]).reshape(-1, order + 1).T
+    return View(
+        table=np.moveaxis(table, -1, 1).reshape((order + 1) * poles.forced, -1),
+        shapes=by_parts(rows @ poles.shapes[:, own]),
+        steady=np.ascontiguousarray(steady),
+    )
+
+
+def by_parts(shapes: Complex) -> Array:
+    """Return signals by pole, (n_corners, ..., n_poles), by Re and Im of what the poles hold."""
+    flat = shapes.reshape(len(shapes), prod(shapes.shape[1:-1]), shapes.shape[-1])
+    parts = np.concatenate([flat.real, -flat.imag], axis=2)
+    return np.ascontiguousarray(parts.transpose(0, 2, 1))
+
+
+def seen(state: Complex, shapes: Array) -> Array:
+    """Return signals of what poles hold, (n, n_corners, n_seen); ``shapes`` from ``by_parts``."""
+    by_corner = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
+    return np.asarray((by_corner @ shapes).transpose(1, 0, 2))
+
+
 def outputs_at(motions: Motions, n: Cycles, rows: Array) -> Array:
     """Return signals in some position cycles of each setpoint.
 
@@ -107,11 +154,10 @@ def signals_at(
     motions: Motions, pieces: Pieces, setpoint: Cycles, n: Cycles, rows: Array, parts: Cycles
 ) -> Array:
     """Signals of some setpoints at some cycles, (n_times, n_corners, n_parts, n_rows)."""
-    q = motions.order
-    x = sampled(pieces, setpoint, np.asarray(n * motions.poles.dt), q + 1)
-    steady = rows @ motions.poles.steady[:, parts, :, : q + 1]
+    q, t = motions.order, np.asarray(n * motions.poles.dt)
+    x = pieces.sample(t, derivatives=q + 1, setpoint=setpoint)
     found = transients(motions, setpoint, n, rows, parts)
-    found += (x.T @ steady.reshape(-1, q + 1).T).reshape(found.shape)
+    found += (x.T @ _look(motions.poles, rows, parts, q).steady).reshape(found.shape)
     return found
 
 
@@ -129,53 +175,34 @@ def transients(
     ``all_steps``: beside that of all steps, those to come included, continued backwards.
     """
     poles, q = motions.poles, motions.order
-    found = np.zeros((len(n), len(poles.loops) * len(parts) * len(rows)))
-    # The last step that the poles alone tell of, and those since.
+    view = _look(poles, rows, parts, q)
     age = n[:, None] - motions.first[setpoint]
+    # The steps that the table tells of, ...
+    is_near = age < poles.forced if all_steps else (age >= 0) & (age < poles.forced)
+    time, step = np.nonzero(is_near)
+    since, basis = age[time, step], motions.basis[setpoint[time], step]
+    to_come = np.flatnonzero(since < 0)
+    if len(to_come):
+        place = setpoint[time[to_come]], step[to_come]
+        early = n[time[to_come]] * poles.dt - motions.steps.times[place]
+        basis[to_come] = _basis(motions.steps.steps[place], early, q)
+    column = (q + 1) * np.maximum(since, 0)[:, None] + np.arange(q + 1)
+    ends = (q + 1) * np.append(0, np.cumsum(is_near.sum(axis=1)))
+    weights = csr_array(
+        (basis.ravel(), column.ravel(), ends), shape=(len(n), (q + 1) * poles.forced)
+    )
+    found = np.asarray(weights @ view.table)
+    # ... and those that the poles hold, up to the last one.
     told = np.sum(age >= poles.forced, axis=1)
     far = np.flatnonzero(told)
     if poles.factors.size and len(far):
         last = told[far] - 1
         state = motions.held[last, setpoint[far]] * poles.power(age[far, last] - poles.forced)
-        shapes = rows @ poles.shapes[:, parts]
-        found[far] = seen(state, shapes.reshape(len(shapes), -1, shapes.shape[3])).reshape(
-            len(far), -1
-        )
-    table = (rows @ poles.table[:, :, parts][..., q::-1]).reshape(len(poles.table), -1, q + 1)
-    time, step = np.nonzero(age < poles.forced if all_steps else (age >= 0) & (age < poles.forced))
-    if len(time):
-        own, basis = setpoint[time], motions.basis[setpoint[time], step]
-        to_come = np.flatnonzero(age[time, step] < 0)
-        if len(to_come):
-            place = own[to_come], step[to_come]
-            early = n[time[to_come]] * poles.dt - motions.steps.times[place]
-            basis[to_come] = _basis(motions.steps.steps[place], early, q)
-        each = np.einsum("pxb,pb->px", table[np.maximum(age[time, step], 0)], basis)
-        begins = np.flatnonzero(np.diff(time, prepend=-1))
-        found[time[begins]] += np.add.reduceat(each, begins, axis=0)
+        found[far] += seen(state, view.shapes).reshape(len(far), -1)
     return found.reshape(len(n), len(poles.loops), len(parts), len(rows))
-
-
-def seen(state: Complex, shapes: Complex) -> Array:
-    """Return signals of modal states, shapes (n, n_corners, n_p), (n_corners, n_signals, n_p)."""
-    by_corner = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
-    by_part = np.concatenate([shapes.real, -shapes.imag], axis=2).transpose(0, 2, 1)
-    return np.asarray((by_corner @ by_part).transpose(1, 0, 2))
 
 
 def wanted(pieces: Pieces, setpoint: Cycles, t: Array, derivative: int) -> Array:
     """A derivative of each setpoint at times of its own, shape of ``t``."""
-    found = sampled(pieces, setpoint, t.ravel(), derivative + 1)[derivative]
+    found = pieces.sample(t.ravel(), derivatives=derivative + 1, setpoint=setpoint)[derivative]
     return np.asarray(found.reshape(t.shape))
-
-
-def sampled(pieces: Pieces, setpoint: Cycles, t: Array, derivatives: int) -> Array:
-    """Position and derivatives of each setpoint at a time of its own, (derivatives, n_times)."""
-    knots, values = pieces.knots, pieces.values
-    piece = np.sum(t >= knots[:, setpoint] - INSTANT, axis=0)
-    age = t - knots[np.maximum(piece - 1, 0), setpoint]
-    own = values[piece, :, setpoint].T
-    found = np.zeros((derivatives, len(t)))
-    for k in range(min(derivatives, len(own))):
-        found[k] = taylor(own[k:], age)
-    return found

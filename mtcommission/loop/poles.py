@@ -60,7 +60,7 @@ class LoopPoles:
     factors: Complex  # λ per position cycle, one of each pair, (n_corners, n_poles)
     shapes: Complex  # outputs by pole, pairs doubled, (n_corners, cycles, n_out, n_poles)
     starts: Complex  # states of -S_k after ``forced`` cycles, (order + 1, n_corners, n_poles)
-    table: Array  # outputs until then and as long again, (n, n_corners, cycles, n_out, order + 1)
+    table: Array  # outputs until then, (forced, n_corners, cycles, n_out, order + 1)
     steady: Array  # by each derivative of the setpoint, (n_corners, cycles, n_out, order + 1)
     powers: tuple[Complex, Complex]  # λ^m for m < BASE, and for multiples of BASE
 
@@ -131,7 +131,7 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     factors = np.zeros((len(loops), most), dtype=complex)
     starts = np.zeros((HIGHEST + 1, len(loops), most), dtype=complex)
     shapes = np.zeros((len(loops), cycles, n_out, most), dtype=complex)
-    table = np.empty((2 * forced + 1, len(loops), cycles, n_out, HIGHEST + 1))
+    table = np.empty((forced, len(loops), cycles, n_out, HIGHEST + 1))
     steady = np.empty((len(loops), cycles, n_out, HIGHEST + 1))
     for i, (loop, part) in enumerate(zip(loops, slow, strict=True)):
         count, C = len(part.factors), loop.lifted.C.reshape(cycles, n_out, -1)
@@ -139,11 +139,10 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
         factors[i, :count], steady[i] = part.factors, C @ S.T
         shapes[i, ..., :count] = C[:, :, :own] @ part.right
         X = -S.T
-        for m in range(len(table)):
-            if m == forced:
-                starts[:, i, :count] = (part.left @ X[:own]).T
+        for m in range(forced):
             table[m, i] = C @ X
             X = loop.lifted.A @ X
+        starts[:, i, :count] = (part.left @ X[:own]).T
     low: Complex = np.power(factors, np.arange(BASE, dtype=np.float64)[:, None, None])
     each = np.arange(BLOCKS, dtype=np.float64)[:, None, None]
     high: Complex = np.power(factors**BASE, each)

@@ -27,23 +27,24 @@ class Pieces:
     """Position and its derivatives just after each knot, before the first at first: at rest; shape
     (n_knots + 1, order + 1, n_setpoints)."""
 
-    def sample(self, t: Array, *, derivatives: int) -> Array:
-        """Return position and its first derivatives, shape (derivatives, ..., n_setpoints).
+    def sample(
+        self, t: Array, *, derivatives: int, setpoint: NDArray[np.int64] | None = None
+    ) -> Array:
+        """Return position and its first derivatives, shape (derivatives, *t.shape).
 
-        ``t``: each setpoint's own times, shape (..., n_setpoints) [s]; at a knot the values are
-        those after it. ``derivatives``: how many, the position included; those above the order are
+        ``t``: each setpoint's own times, shape (..., n_setpoints) [s], or those of the setpoints
+        that are named; at a knot the values are those after it. Derivatives above the order are
         zero.
         """
+        own = np.arange(t.shape[-1]) if setpoint is None else setpoint
         piece = np.zeros(t.shape, dtype=np.intp)
         for knot in self.knots:
-            piece += t >= knot - INSTANT
-        setpoint = np.arange(t.shape[-1])
-        age = t - self.knots[np.maximum(piece - 1, 0), setpoint]
-        order = self.values.shape[1] - 1
+            piece += t >= knot[own] - INSTANT
+        age = t - self.knots[np.maximum(piece - 1, 0), own]
+        values = [self.values[piece, k, own] for k in range(self.values.shape[1])]
         result = np.zeros((derivatives, *t.shape))
-        own = [self.values[piece, k, setpoint] for k in range(order + 1)]
-        for k in range(min(derivatives, order + 1)):
-            result[k] = taylor(own[k:], age)
+        for k in range(min(derivatives, len(values))):
+            result[k] = taylor(values[k:], age)
         return result
 
 
