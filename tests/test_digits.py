@@ -10,13 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mtcommission.control_kinds.kind import Jerk
-from mtcommission.limits.digits import limits_about, round_limits
+from mtcommission.limits.typed import DIGITS, round_limits
 from mtcommission.machine.machine import Machine
 from tests.machines import paper_machine
 
 ACCELERATIONS = st.integers(10**3, 10**9).map(lambda millionths: millionths / 1e6)
 JERK_TIMES = st.integers(10**2, 10**6).map(lambda millionths: millionths / 1e6)
-DIGITS = st.integers(2, 4)
 
 
 def machine_with(jerk: Jerk) -> Machine:
@@ -25,44 +24,30 @@ def machine_with(jerk: Jerk) -> Machine:
     return replace(machine, control=replace(machine.control, kind=kind))
 
 
-def rounded(value: float, digits: int, rounding: str) -> float:
+def rounded(value: float, rounding: str) -> float:
     exact = Decimal(f"{value:.11g}")  # as it would be read aloud, not as binary holds it
-    step = Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    step = Decimal(1).scaleb(exact.adjusted() - DIGITS + 1)
     return float((exact / step).to_integral_value(rounding) * step)
 
 
-@given(ACCELERATIONS, JERK_TIMES, DIGITS)
-def test_a_limit_of_the_jerk_is_rounded_down(a: float, t_j: float, digits: int) -> None:
+@given(ACCELERATIONS, JERK_TIMES)
+def test_a_limit_of_the_jerk_is_rounded_down(a: float, t_j: float) -> None:
     """If it failed, what is typed in would be faster than what was searched."""
-    found = round_limits(machine_with(Jerk.LIMIT), a, t_j, digits=digits)
-    assert found.acceleration == pytest.approx(rounded(a, digits, ROUND_FLOOR), rel=1e-12)
-    assert found.jerk == pytest.approx(rounded(a / t_j, digits, ROUND_FLOOR), rel=1e-12)
+    found = round_limits(machine_with(Jerk.LIMIT), a, t_j)
+    assert found.acceleration == pytest.approx(rounded(a, ROUND_FLOOR), rel=1e-12)
+    assert found.jerk == pytest.approx(rounded(a / t_j, ROUND_FLOOR), rel=1e-12)
 
 
-@given(ACCELERATIONS, JERK_TIMES, DIGITS)
-def test_the_time_of_a_ramp_is_rounded_up(a: float, t_j: float, digits: int) -> None:
+@given(ACCELERATIONS, JERK_TIMES)
+def test_the_time_of_a_ramp_is_rounded_up(a: float, t_j: float) -> None:
     """If it failed, a control that takes a time would ramp sooner than was searched."""
-    found = round_limits(machine_with(Jerk.TIME), a, t_j, digits=digits)
-    assert found.acceleration == pytest.approx(rounded(a, digits, ROUND_FLOOR), rel=1e-12)
-    assert found.jerk_time == pytest.approx(rounded(t_j, digits, ROUND_CEILING), rel=1e-12)
-
-
-@given(ACCELERATIONS, JERK_TIMES, st.sampled_from(Jerk), DIGITS, st.integers(0, 2))
-def test_what_lies_about_limits_begins_with_the_gentlest(
-    a: float, t_j: float, jerk: Jerk, digits: int, reach: int
-) -> None:
-    """If it failed, rounding would not be the first of what is tried."""
-    machine = machine_with(jerk)
-    found = list(limits_about(machine, a, t_j, digits=digits, reach=reach))
-    assert found[0].acceleration == min(item.acceleration for item in found)
-    alike = [item.jerk for item in found if item.acceleration == found[0].acceleration]
-    assert found[0].jerk == min(alike)
-    if reach == 0:
-        assert found[0] == round_limits(machine, a, t_j, digits=digits)
+    found = round_limits(machine_with(Jerk.TIME), a, t_j)
+    assert found.acceleration == pytest.approx(rounded(a, ROUND_FLOOR), rel=1e-12)
+    assert found.jerk_time == pytest.approx(rounded(t_j, ROUND_CEILING), rel=1e-12)
 
 
 @pytest.mark.parametrize("value", [0.07, 0.29, 1.23, 123.0, 0.000123, 4.35])
 def test_a_number_with_few_digits_is_left_alone(value: float) -> None:
     """0.29 is 28.999999999999996 hundredths in binary: rounded down, a digit would be lost."""
-    found = round_limits(machine_with(Jerk.LIMIT), value, 1.0, digits=3)
+    found = round_limits(machine_with(Jerk.LIMIT), value, 1.0)
     assert found.acceleration == value

@@ -10,7 +10,7 @@ import pytest
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
-from mtcommission.limits.every_size import COARSE, SizeCheck, judge_every_size
+from mtcommission.limits.every_size import COARSE, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -44,10 +44,16 @@ def with_corners() -> Machine:
     return replace(machine, requirements=needs, moves=(MOVES[1],))
 
 
+def for_every_size(machine: Machine) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, every_size=True))
+
+
 MACHINES = {
-    "velocity step": quiet_paper(),
-    "positioning in corners": with_corners(),
-    "four modes": replace(random_modal_machine(7, n_modes=4), moves=(MOVES[2],)),
+    "velocity step": for_every_size(quiet_paper()),
+    "positioning in corners": for_every_size(with_corners()),
+    "four modes": for_every_size(
+        replace(random_modal_machine(7, n_modes=4), moves=(MOVES[2],)),
+    ),
 }
 FILTERS = {
     "none": None,
@@ -84,11 +90,11 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=60.0, setpoint_filter=FILTERS[filter_name])
     plant = build_plant(machine)
-    seen = check_of(judge_every_size(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    seen = check_of(judge_sizes(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
     # Near its band a residual is known closely; far above it need not be.
     needs = replace(machine.requirements, tcp_deviation=seen.value)
     machine = replace(machine, requirements=needs)
-    found = check_of(judge_every_size(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    found = check_of(judge_sizes(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
     assert found.value == pytest.approx(seen.value, rel=COARSE)
     listed = size_of(machine.moves[0])
     generator = np.random.default_rng(len(name) + len(filter_name))
@@ -108,7 +114,7 @@ def test_force_is_the_largest_of_the_sizes() -> None:
     machine = MACHINES["velocity step"]
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.8, jerk=400.0)
-    found = check_of(judge_every_size(machine, build_plant(machine), tuned, limits), SET_FORCE)
+    found = check_of(judge_sizes(machine, build_plant(machine), tuned, limits), SET_FORCE)
     drive = replace(machine.drive, max_force=1e12)
     forces = [
         simulate(
@@ -170,7 +176,7 @@ def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
             item = FILTERS[filter_name]
             limits = MotionLimits(acceleration=a, jerk=a / t_j, setpoint_filter=item)
             if plan_setpoint(move, limits).duration < best / 1.02:
-                checks = judge_every_size(machine, plant, tuned, limits)
+                checks = judge_sizes(machine, plant, tuned, limits)
                 residual = check_of(checks, RESIDUAL_DEVIATION).value
                 force = check_of(checks, SET_FORCE).value
                 if residual <= needs.tcp_deviation and force <= machine.drive.motion_force:

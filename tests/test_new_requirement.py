@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.every_size import judge_every_size
+from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import simulate_moves
 from mtcommission.loop.motions import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
@@ -98,7 +98,7 @@ def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
     """The bound between two sizes that were looked at is derived for any signal."""
     plant, tuned = build_plant(axis), tune_loop(axis)
     limits = MotionLimits(acceleration=9.0, jerk=280.0)
-    checks = judge_every_size(axis, plant, tuned, limits)
+    checks = judge_sizes(axis, plant, tuned, limits)
     found = next(item for item in checks if item.requirement == RIPPLE)
     worst = 0.0
     for share in np.geomspace(0.003, 1.0, 60):

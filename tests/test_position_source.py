@@ -15,9 +15,10 @@ from scipy.optimize import linprog
 from mtcommission.commission import commission
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
-from mtcommission.limits.choose import choose_limits, find_typed
+from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.reserve import keep_reserve
+from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep

@@ -34,7 +34,7 @@ from mtcommission.limits.commissioning_rule.rule import (
     RuleResult,
     apply_commissioning_rule,
 )
-from mtcommission.limits.every_size import judge_every_size
+from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate import simulate
@@ -99,7 +99,9 @@ def for_every_size(machine: Machine) -> Machine:
 
 def worst_residual(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> float:
     """Proven residual of the worst of all sizes [m]."""
-    checks = judge_every_size(machine, build_plant(machine), tuned, limits)
+    needs = replace(machine.requirements, every_size=True)
+    machine = replace(machine, requirements=needs)
+    checks = judge_sizes(machine, build_plant(machine), tuned, limits)
     return next(c.bound for c in checks if c.requirement is RESIDUAL_DEVIATION)
 
 

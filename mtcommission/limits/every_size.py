@@ -17,7 +17,7 @@ instead. h is laid so that what is left is little; the sum stands in the result,
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, nan, sqrt
+from math import ceil, inf, isfinite, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ PHASES = 8
 """Of a step within a position cycle, at which its second derivative is looked at."""
 
 SHARES = np.geomspace(0.01, 1.0, 24)
-"""Of the listed size, at which what counts during a move is looked at."""
+"""Of the listed size, at which what counts during a move is looked at, where all sizes count."""
 
 TOGETHER = 400
 """Sizes that are judged at once: keeps their free motion in the cache."""
@@ -80,8 +80,13 @@ class SizeCheck:
     size: float  # velocity step or distance of the worst [m/s or m]
     corner: Corner  # of the worst
 
+    def share(self, machine: Machine) -> float:
+        """Return the share of the bound that no size exceeds, where that is proved [-]."""
+        most = self.bound if isfinite(self.bound) else self.value
+        return most / self.requirement.bound(machine)
 
-def judge_every_size(
+
+def judge_sizes(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
@@ -89,10 +94,11 @@ def judge_every_size(
     *,
     only_if_kept: bool = False,
 ) -> tuple[SizeCheck, ...]:
-    """Return the worst of all smaller moves, the listed ones included, for each requirement.
+    """Return the worst of all sizes that count, for each requirement but the settling time.
 
-    Encoder noise included; what counts from t_e + τ on first. ``only_if_kept``: the rest is looked
-    at only if no size may leave that. Whoever wants a settling time asks the listed moves.
+    Of each smaller move and the listed one, or of the listed one alone; encoder noise included.
+    What counts from t_e + τ on comes first; ``only_if_kept``: the rest is looked at only if no size
+    may leave that.
     """
     resolution, asked = machine.drive.encoder_resolution, sort_requirements(machine, plant)
     sizes = _Sizes(
@@ -107,7 +113,7 @@ def judge_every_size(
         for requirement, signal in asked.after
         for place in range(len(machine.moves))
     ]
-    if not only_if_kept or all(one.bound <= one.requirement.bound(machine) for one in checks):
+    if not only_if_kept or all(one.share(machine) <= 1.0 for one in checks):
         for place in range(len(machine.moves)):
             for swings in asked.during:
                 checks += sizes.worst_during(place, swings)
@@ -121,7 +127,7 @@ def judge_every_size(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Sizes:
-    """All sizes of each listed move, by its place among them, with the same limits."""
+    """All sizes that count of each listed move, by its place among them, with the same limits."""
 
     machine: Machine
     limits: MotionLimits
@@ -131,6 +137,13 @@ class _Sizes:
 
     def worst_after(self, place: int, requirement: Requirement, signal: Signal) -> SizeCheck:
         """Return the worst from t_e + τ on, and what no size exceeds."""
+        if self.machine.requirements.every_size:
+            return self._worst_after_any(place, requirement, signal)
+        size = np.array([size_of(self.machine.moves[place])])
+        value, _, corner = self._worst_of(self.machine.moves[place], size, signal)
+        return self._after(place, requirement, (value, value), float(size[0]), corner)
+
+    def _worst_after_any(self, place: int, requirement: Requirement, signal: Signal) -> SizeCheck:
         poles, limits, move = self.poles, self.limits, self.machine.moves[place]
         seen = LONGEST_SEEN
         rates = -poles.rates.real[np.abs(poles.factors) > 0.0]
@@ -161,17 +174,29 @@ class _Sizes:
                 break
             allowed = max(allowed, value)
         between = max(item.excess(h) for item, h in zip((pointed, held), spacings, strict=True))
+        found = (value, value + between)
+        return self._after(place, requirement, found, float(sizes[worst]), corner)
+
+    def _after(
+        self,
+        place: int,
+        requirement: Requirement,
+        found: tuple[float, float],
+        size: float,
+        corner: int,
+    ) -> SizeCheck:
+        """``found``: the worst, and what no size exceeds, both without noise."""
         noise = EncoderNoise(
             tool=max(item.tool for item in self.noises),
             force=max(item.force for item in self.noises),
         )
-        found, bound = requirement.with_noise(np.array([value, value + between]), noise)
+        value, bound = requirement.with_noise(np.array(found), noise)
         return SizeCheck(
             requirement=requirement,
-            value=float(found),
+            value=float(value),
             bound=float(bound),
             move=place + 1,
-            size=float(sizes[worst]),
+            size=size,
             corner=self.corners[corner],
         )
 
@@ -221,8 +246,12 @@ class _Sizes:
         values = requirement.noisy(found, self.noises)
         return self._check(place, requirement, values, worst)
 
+    @property
+    def _shares(self) -> Array:
+        return SHARES if self.machine.requirements.every_size else np.ones(1)
+
     def _some(self, move: Move) -> JerkSteps:
-        return plan_sizes(move, size_of(move) * SHARES, self.limits)
+        return plan_sizes(move, size_of(move) * self._shares, self.limits)
 
     def _check(self, place: int, requirement: Requirement, values: Array, size: int) -> SizeCheck:
         corner = int(values.argmax())
@@ -231,7 +260,7 @@ class _Sizes:
             value=float(values[corner]),
             bound=nan,
             move=place + 1,
-            size=float(size_of(self.machine.moves[place]) * SHARES[size]),
+            size=float(size_of(self.machine.moves[place]) * self._shares[size]),
             corner=self.corners[corner],
         )
 

@@ -132,7 +132,8 @@ class Explorer:
     is_rough: bool  # force and peaks are looked at once for each place, and taken in proportion
     known: dict[Place, Found | None] = field(default_factory=dict)
     hoped: dict[Place, Found] = field(default_factory=dict)  # by quick looks
-    rests: dict[Place, float] = field(default_factory=dict)  # use of force and peaks, per a [s²/m]
+    rests: dict[SetpointFilter | None, dict[float, float]] = field(default_factory=dict)
+    """Use of force and peaks per acceleration, behind each filter, by the jerk time [s²/m]."""
 
     @classmethod
     def about(cls, bench: Bench, *, largest_jerk: float = inf, is_rough: bool = False) -> Explorer:
@@ -281,17 +282,18 @@ class Explorer:
 
     def _rest(self, use: Use, a: float) -> float:
         """Share of force and peaks; in proportion where they were far from what is allowed."""
-        likely = a * max(self.rests.values(), default=inf)
+        seen = [each for own in self.rests.values() for each in own.values()]
+        likely = a * max(seen, default=inf)
         if likely > SAFELY:
             likely = max(use.of_rest(a), CLOSE)
-            place = use.behind.item, float(use.t_j)
-            self.rests[place] = max(self.rests.get(place, 0.0), likely / a)
+            own, t_j = self.rests.setdefault(use.behind.item, {}), float(use.t_j)
+            own[t_j] = max(own.get(t_j, 0.0), likely / a)
         return likely
 
     def _capped(self, place: Place) -> Found:
         """What was hoped for, with the force that it asks for: longer ramps ask for less."""
         (item, t_j), hope = place, self.hoped[place]
-        used = [each for (other, t), each in self.rests.items() if other == item and t >= t_j]
+        used = [each for t, each in self.rests.get(item, {}).items() if t >= t_j]
         a = min(hope.acceleration, 1.0 / max(used) if used else inf)
         if a == hope.acceleration:
             return hope

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.every_size import SizeCheck, judge_every_size
+from mtcommission.limits.every_size import SizeCheck, judge_sizes
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -227,16 +227,18 @@ def evaluate_moves(
     """
     everywhere = [response for result in moves for response in result.responses]
     limits = moves[0].setpoint.limits
-    if sizes is None and machine.requirements.every_size:
-        sizes = judge_every_size(machine, plant, tuned, limits)
+    if not machine.requirements.every_size:
+        sizes = ()
+    elif sizes is None:
+        sizes = judge_sizes(machine, plant, tuned, limits)
     values = [result.values for result in moves]
     return Candidate(
         limits=limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),
-        assessment=assess(machine, plant, tuned.corners, values, sizes=sizes or ()),
-        sizes=tuple(sizes or ()),
+        assessment=assess(machine, plant, tuned.corners, values, sizes=sizes),
+        sizes=tuple(sizes),
         name=name,
         source=source,
     )
