@@ -19,13 +19,11 @@ from mtcommission.export.plc import FREE
 from mtcommission.export.row import Setting
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import CONTROLS, Export
-from mtcommission.limits.commissioning_rule.by_hand import T_F, Kp, f, formulas_for, m
+from mtcommission.limits.commissioning_rule.by_hand import formulas_for
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep
-from mtcommission.messages import formula
-from mtcommission.messages.formula import call
 from mtcommission.messages.message import Message, Value, to_json
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash
@@ -495,7 +493,7 @@ def _limits() -> Any:
             "text": to_json(DESCRIPTION),
             "formula": [
                 {
-                    "tree": formula.to_json(item.tree),
+                    "text": item.text,
                     "aside": item.aside and to_json(item.aside),
                 }
                 for item in formulas_for([VelocityStep(velocity_step=0.1)])
@@ -511,7 +509,7 @@ def _limits() -> Any:
             "predicted_settling_time": 0.14,
             "predicted_residual": 4.9e-6,
             "steps": [
-                _step(Message("rule-speed-loop"), formula.to_json(Kp / m), 170.97, "1/s"),
+                _step(Message("rule-speed-loop"), "Kp/m", 170.97, "1/s"),
                 _step(
                     Message("rule-average-length"),
                     to_json(Message("rule-average", time=0.05)),
@@ -520,7 +518,7 @@ def _limits() -> Any:
                 ),
                 _step(
                     Message("rule-mode-passed", mode="base"),
-                    formula.to_json(call("R", f * T_F)),
+                    "R(f T_F)",
                     0.4,
                     "1",
                 ),

@@ -32,7 +32,10 @@ def sealed(record, path: Path) -> Path:
         (lambda r: r["limits"]["landscape"]["usage"].pop(), "limits.landscape.usage: has lengths"),
         (lambda r: r["moves"].clear(), "moves: has lengths"),
         (lambda r: r["plant"].update(moving_mass=1e200), "plant.moving_mass: got 1e+200"),
-        (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected a formula"),
+        (
+            lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]),
+            "expected a message",
+        ),
         (lambda r: r["moves"][0]["response"].update(max_force=None), "max_force: got null, exp"),
         (lambda r: r["moves"][0].update(move={}), "moves[1].move: must have either velocity_step"),
         (lambda r: r["moves"][0]["series"]["signals"].pop("deviation"), "signals: deviation miss"),
@@ -59,7 +62,7 @@ def test_entries_that_do_not_belong_together_are_named(break_it, place, tmp_path
 def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
     """The checksum of such a record could not even be computed."""
     path = sealed(example_record(), tmp_path / "record.json")
-    path.write_text(path.read_text("utf-8").replace('"schema": 5', '"x": 1e999, "schema": 5'))
+    path.write_text(path.read_text("utf-8").replace('"schema": 6', '"x": 1e999, "schema": 6'))
     with pytest.raises(InputError, match="1e999 is no number of JSON"):
         load_record(path)
 

@@ -33,7 +33,6 @@ from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.formula import Expression, find_symbols, write_formula
 from mtcommission.messages.message import Message, from_json, join_by_and
 from mtcommission.messages.quantities import THIN_SPACE, Formatter, motion_unit
 from mtcommission.plant.plant import build_plant
@@ -158,7 +157,7 @@ def text_cells(document):
 
 
 def plain(cell) -> str:
-    return cell if isinstance(cell, str) else write_formula(cell)
+    return cell if isinstance(cell, str) else cell.text
 
 
 # numbers
@@ -268,7 +267,7 @@ def block_text(block) -> str:
     if isinstance(block, Form):
         return "; ".join(block.fields)
     if isinstance(block, Formula):
-        return f"{write_formula(block.tree)} {block.aside}".strip()
+        return f"{block.text} {block.aside}".strip()
     if isinstance(block, Diagram):
         lines = [" / ".join(box.lines) for box in block.boxes]
         return "\n  ".join([block.caption, block.alt, *lines])
@@ -561,7 +560,7 @@ def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
 
 
 def formula_entry(item: RuleFormula) -> dict[str, object]:
-    return {"tree": to_plain(item.tree), "aside": to_plain(item.aside)}
+    return {"text": item.text, "aside": to_plain(item.aside)}
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
@@ -585,11 +584,12 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     words = " ".join(block.text for block in section.blocks if isinstance(block, Paragraph))
     assert not re.search("[<>^]|Originaltext", words)
     symbols, hand = (block for block in section.blocks if isinstance(block, Table))
-    named = {row[0].letter for row in symbols.rows if plain(row[0]) != "t_j"}
-    trees = [b.tree for b in formulas] + [r[1] for r in hand.rows if isinstance(r[1], Expression)]
-    used = set().union(*map(find_symbols, trees))
-    by_hand = {"C", "W", "ε", "π"}  # the steps themselves give these
-    assert {symbol.letter for symbol in used} - by_hand <= named | {"t", "T", "m"}
+    named = {row[0].text for row in symbols.rows}
+    written = [b.text for b in formulas] + [plain(r[1]) for r in hand.rows]
+    signs = " ".join(text for text in written if "≤" in text or "/" in text)
+    used = set(re.findall("[A-Za-zωζεπ]+(?:_[A-Za-z]+)?", signs))
+    given = {"C_S", "C_P", "C_i", "W", "W_i", "ω_v", "ε", "π", "min", "max", "exp"}  # by the steps
+    assert {one.removesuffix("_i") for one in used - given} <= named
     assert all(row[2] for row in symbols.rows)
 
 
@@ -602,9 +602,9 @@ def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(language
     record["limits"]["rule"]["formula"] = [formula_entry(item) for item in formulas_for([move])]
     section = next(s for s in compose(record, language).sections if s.key == "rule")
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
-    spoken = [(write_formula(item.tree), item.aside) for item in formulas if item.aside]
+    spoken = [(item.text, item.aside) for item in formulas if item.aside]
     word = "for positioning" if language == "en" else "beim Positionieren"
-    assert ("2 a^3 <= L j^2", word) in spoken
+    assert ("2 a³ ≤ L j²", word) in spoken
     symbols = next(block for block in section.blocks if isinstance(block, Table))
     lengths = {plain(row[0]): row[2] for row in symbols.rows}
     assert lengths["L"] == f"20{THIN_SPACE}mm"

@@ -19,7 +19,6 @@ from cattrs import ClassValidationError, Converter, IterableValidationError
 from cattrs.cols import list_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn
 
-from mtcommission.messages import formula
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, to_json
 
@@ -197,17 +196,6 @@ def _message(value: object, _: Any) -> Message:
     raise _wrong(value, "json-message")
 
 
-def _formula(value: object, _: Any) -> formula.Expression:
-    try:
-        return formula.from_json(value)
-    except ValueError as error:
-        raise _wrong(value, "json-formula") from error
-
-
-def _formula_or_message(value: object, form: Any) -> formula.Expression | Message:
-    return _message(value, form) if isinstance(value, dict) else _formula(value, form)
-
-
 def _message_or_text(value: object, form: Any) -> Message | str:
     return value if isinstance(value, str) else _message(value, form)
 
@@ -273,12 +261,6 @@ def _converter() -> Converter:
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
     made.register_structure_hook(Message, _message)
-    made.register_structure_hook(formula.Expression, _formula)
-    made.register_structure_hook(formula.Expression | Message, _formula_or_message)
-    made.register_unstructure_hook_func(
-        lambda form: isinstance(form, type) and issubclass(form, formula.Expression),
-        formula.to_json,
-    )
     made.register_structure_hook(Message | str, _message_or_text)
     made.register_structure_hook(float, _number)
     made.register_structure_hook(float | None, _number_or_null)

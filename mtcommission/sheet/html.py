@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
 from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.diagram import draw_diagram
-from mtcommission.sheet.mathml import write_mathml
-from mtcommission.sheet.model import Cell, Document
+from mtcommission.sheet.model import Document, Formula
 from mtcommission.sheet.panel import Panel
 from mtcommission.sheet.placement import place_labels, shorten
 from mtcommission.sheet.plot_model import LinePlot, PointPlot
@@ -64,7 +64,7 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         script=script,
         document=document,
         draw=lambda diagram: Markup(draw_diagram(diagram)),
-        set_cell=_set_cell,
+        set_formula=_set_formula,
         plots=json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
         panel=panel,
         answers=json_for_script(panel.data) if panel else "",
@@ -75,9 +75,10 @@ def _read(name: str) -> str:
     return (FOLDER / name).read_text(encoding="utf-8")
 
 
-def _set_cell(cell: Cell) -> Markup | str:
-    """Return a formula as mathematics; a text stays text, to be escaped."""
-    return cell if isinstance(cell, str) else Markup(write_mathml(cell))
+def _set_formula(formula: Formula) -> Markup:
+    """Return a formula with its indices below the line."""
+    marked = re.sub("_([A-Za-z]+)", r"<sub>\1</sub>", str(escape(formula.text)))
+    return Markup(f'<span class="math">{marked}</span>')
 
 
 def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from mtcommission.messages.formula import Expression
 from mtcommission.sheet.plot_model import Diagram, Plot
 
 HASH_DIGITS = 12
@@ -145,7 +144,15 @@ def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[
     )
 
 
-Cell = str | Expression
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Formula:
+    """A formula in the field's signs, and words behind it; "_" begins an index, e.g. "T_p"."""
+
+    text: str
+    aside: str = ""
+
+
+Cell = str | Formula
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,22 +178,6 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     strong_rows: tuple[int, ...] = ()
     is_form: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Formula:
-    """A formula in a line of its own.
-
-    Parameters
-    ----------
-    tree
-        The formula.
-    aside
-        Words behind it.
-    """
-
-    tree: Expression
-    aside: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

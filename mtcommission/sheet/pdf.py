@@ -15,13 +15,11 @@ import typst
 from fontTools.ttLib import TTFont
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.formula import Expression, write_formula
 from mtcommission.messages.message import Message
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.figures import PANEL, draw_svg
-from mtcommission.sheet.model import Block, Cell, Document, Formula, Section, Table
+from mtcommission.sheet.model import Block, Document, Section
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, Plot, PointPlot
-from mtcommission.sheet.typst_math import write_typst
 
 PLOTS = (LinePlot, PointPlot, HeatMap)
 
@@ -153,23 +151,10 @@ def _as_json(document: Document) -> str:
 def _as_data(block: Block) -> dict[str, Any]:
     if isinstance(block, (*PLOTS, Diagram)):
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
-    if isinstance(block, Formula):
-        return {"type": "Formula", "aside": block.aside} | _mathematics(block.tree)
     values = asdict(
         block,
         dict_factory=lambda pairs: {
             name: value.value if isinstance(value, Enum) else value for name, value in pairs
         },
     )
-    if isinstance(block, Table):
-        values["rows"] = [list(map(_as_cell, row)) for row in block.rows]
     return {"type": type(block).__name__} | values
-
-
-def _as_cell(cell: Cell) -> str | dict[str, str]:
-    return cell if isinstance(cell, str) else _mathematics(cell)
-
-
-def _mathematics(tree: Expression) -> dict[str, str]:
-    """Return a formula as what the typesetter evaluates, and for those who cannot see it."""
-    return {"math": write_typst(tree), "alt": write_formula(tree)}

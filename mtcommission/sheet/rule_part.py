@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.formula import Expression, symbol, with_decimal_mark
-from mtcommission.messages.message import Message
 from mtcommission.record.schema.limits import RuleText
 from mtcommission.record.schema.machine import ModeEntry
 from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
 from mtcommission.sheet.model import Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band
@@ -47,10 +46,9 @@ def _result(record: Record, words: Catalogue) -> str:
 
 def _formulas(part: RuleText, words: Catalogue) -> tuple[Formula, ...]:
     """Return each formula of the rule in a line of its own."""
-    mark = words.format.decimal_mark
     return tuple(
         Formula(
-            tree=with_decimal_mark(item.tree, mark),
+            text=item.text.replace(".", words.format.decimal_mark),
             aside=words.say(item.aside) if item.aside else "",
         )
         for item in part.formula
@@ -85,9 +83,9 @@ def _symbols(record: Record, words: Catalogue) -> Table:
         ("Kp", words.name("Kp"), f.axis(loop.Kp, "N s/m")),
         ("Tn", words.name("Tn"), f.quantity(loop.Tn, "s")),
         ("f", means("f"), "; ".join(f.quantity(m.frequency_hz, "Hz") for m in modes)),
-        ("omega", means("omega"), "2π f"),
+        ("ω", means("omega"), "2 π f"),
         ("s", means("s"), _percent(data.get("requirements.frequency_spread"), words)),
-        ("zeta", means("zeta"), "; ".join(f.percent(m.damping_ratio) for m in modes)),
+        ("ζ", means("zeta"), "; ".join(f.percent(m.damping_ratio) for m in modes)),
         ("g", means("g"), "; ".join(f.axis(_share(m), "1/kg") for m in modes)),
         ("c", means("c"), "; ".join(f.axis(m.measured_gain, "1/kg") for m in modes)),
         ("R", means("R"), "–"),
@@ -101,7 +99,7 @@ def _symbols(record: Record, words: Catalogue) -> Table:
             Column(head=text("meaning"), width=2.6),
             Column(head=text("value"), width=1.6, is_number=True),
         ),
-        rows=tuple((symbol(letter), *row) for letter, *row in rows),
+        rows=tuple((Formula(text=letter), *row) for letter, *row in rows),
     )
 
 
@@ -150,10 +148,10 @@ def _steps(record: Record, words: Catalogue) -> Table:
     )
 
 
-def _how(formula: Expression | Message, words: Catalogue) -> Cell:
-    if isinstance(formula, Message):
-        return words.say(formula)
-    return with_decimal_mark(formula, words.format.decimal_mark)
+def _how(formula: Words, words: Catalogue) -> Cell:
+    if isinstance(formula, str):
+        return Formula(text=formula.replace(".", words.format.decimal_mark))
+    return words.say(formula)
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.messages.formula import Expression
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.values import SetpointFilterEntry, Words
 
@@ -135,9 +134,9 @@ class RuleResult(Alternative):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleFormulaEntry:
-    """One formula of the rule, and where it holds."""
+    """One formula of the rule in the field's signs, and where it holds."""
 
-    tree: Expression
+    text: str
     aside: Message | None
 
 
@@ -146,7 +145,7 @@ class RuleStepEntry:
     """One line of the hand calculation."""
 
     name: Words
-    formula: Expression | Message
+    formula: Words
     value: float | None
     unit: str
 

@@ -20,7 +20,7 @@ from mtcommission.record.schema.robustness import RobustnessPart
 from mtcommission.record.schema.values import Words
 from mtcommission.record.schema.what_if import WhatIfPart
 
-SCHEMA = 5
+SCHEMA = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -31,7 +31,6 @@ json-no-number = { $constant } ist keine Zahl in JSON
 json-object = ein Objekt
 json-array = eine Liste
 json-message = eine hier bekannte Meldung
-json-formula = eine Formel
 json-text = ein Text
 json-boolean = true oder false
 json-number = eine Zahl

@@ -34,7 +34,6 @@ json-no-number = { $constant } is no number of JSON
 json-object = an object
 json-array = an array
 json-message = a message that is known here
-json-formula = a formula
 json-text = a text
 json-boolean = true or false
 json-number = a number
