@@ -158,6 +158,7 @@ NO_PROSE = {
     "export/layout.py": "rows of a file, read back as they were written",
     "export/wording.py": "umlauts among capitals",
     "sheet/entry_part.py": "numbers and units as they are typed",
+    "sheet/html.py": "indices of a formula",
     "sweep/case_table.py": "columns of a table of cases",
     "sweep/cases.py": "ranges as one types them",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",
