@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.disturbance import simulate_disturbance
-from mtcommission.loop.analysis.frequency import build_blocks, scan, scan_blocks
+from mtcommission.loop.analysis.frequency import scan
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
@@ -132,9 +132,7 @@ def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
     tuned = tuned_member(seed)
     loop, T_v = tuned.loops[0], tuned.controller.velocity_cycle
     omega = np.geomspace(2 * pi * 0.3, 0.99 * pi / T_v, 60)
-    ours = scan(
-        tuned.controller, scan_blocks(build_blocks(loop.plant, tuned.controller), omega)
-    ).open_loop
+    ours = scan(loop.plant, tuned.controller, omega).open_loop(tuned.controller)
     theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 

@@ -13,8 +13,13 @@ from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.errors import InputError
 from mtcommission.loop.model.controller import filter_delay, filter_polynomials
 from mtcommission.loop.tuning.cascade import Shape
-from mtcommission.loop.tuning.family import LoopFamily, cascade_family, tune_shape
-from mtcommission.loop.tuning.force_filters import FilteredLoop, find_filters
+from mtcommission.loop.tuning.family import (
+    FilteredLoop,
+    LoopFamily,
+    cascade_family,
+    find_filters,
+    tune_shape,
+)
 from mtcommission.loop.tuning.tuned import (
     TunedLoop,
     TuningSettings,

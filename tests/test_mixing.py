@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
+from mtcommission.loop.analysis.analysis import MixedMode, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.messages.catalogue import Catalogue
@@ -91,14 +91,13 @@ def test_clear_modes_need_no_sentence() -> None:
 
 def test_sentence_is_complete_in_both_languages(base: MixedMode) -> None:
     """The German sheet would speak of other poles than the English one."""
-    (sentence,) = explain_mixing([base])
-    english = Catalogue().say(sentence).replace(THIN_SPACE, " ")
+    english = Catalogue().say(base.remark).replace(THIN_SPACE, " ")
     shown, larger = base.shown, base.larger
     assert f"{shown.frequency_hz:.3g} Hz, which hold {shown.share:.0%}" in english.replace(
         " %", "%"
     )
     assert f"ring at {larger.frequency_hz:.3g} Hz with {larger.damping_ratio:.3f}" in english
-    german = Catalogue("de").say(sentence).replace(THIN_SPACE, " ")
+    german = Catalogue("de").say(base.remark).replace(THIN_SPACE, " ")
     assert f"{shown.share:.0%} der Eigenform" in german.replace(" %", "%")
     decimal = f"{larger.damping_ratio:.3f}".replace(".", ",")
     assert f"Hz mit {decimal}" in german

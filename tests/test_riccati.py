@@ -10,10 +10,10 @@ import pytest
 from scipy.signal import cont2discrete
 
 from benchmarks.population import random_machine
+from mtcommission.loop.model.assembly import discretise_filter
 from mtcommission.loop.model.controller import filter_polynomials
-from mtcommission.loop.model.discrete import discretise_filter
 from mtcommission.loop.tuning import state_feedback
-from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
+from mtcommission.loop.tuning.state_feedback import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.profile.read import read_profile
@@ -69,7 +69,7 @@ def test_filters_are_those_of_scipy(kind: FilterKind) -> None:
     """A notch beside its mode would be simulated, and its loop be judged by it."""
     item = ForceFilter(kind=kind, natural_frequency=2 * np.pi * 72.0, damping=0.1)
     controller = tune_loop(quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)).controller
-    stage = discretise_filter(item, controller)
+    stage = discretise_filter(item, controller.velocity_cycle)
     T = controller.velocity_cycle
     numerator, denominator = filter_polynomials(item)
     b, a, _ = cont2discrete((np.trim_zeros(numerator, "f"), denominator), T, method="bilinear")

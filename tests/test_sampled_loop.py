@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
-from mtcommission.loop.model.discrete import discretise
-from mtcommission.loop.model.interpolation import delay_weights
+from mtcommission.loop.model.assembly import delay_weights, discretise
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor

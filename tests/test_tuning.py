@@ -14,12 +14,17 @@ from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.analysis.cross_check import check_by_blocks
-from mtcommission.loop.analysis.frequency import build_blocks, frequency_response, scan, scan_blocks
+from mtcommission.loop.analysis.frequency import frequency_response, scan
 from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
-from mtcommission.loop.tuning.family import cascade_family, tune_shape
-from mtcommission.loop.tuning.proposals import integral_gain, propose_cascades, propose_feedback
+from mtcommission.loop.tuning.family import (
+    cascade_family,
+    integral_gain,
+    propose_cascades,
+    propose_feedback,
+    tune_shape,
+)
 from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
@@ -198,7 +203,7 @@ def test_what_is_read_off_the_grid_is_right_to_six_digits() -> None:
 
     def closed(frequency_hz: float) -> float:
         omega = np.array([2 * pi * frequency_hz])
-        found = scan(tuned.controller, scan_blocks(build_blocks(plant, tuned.controller), omega))
+        found = scan(plant, tuned.controller, omega).respond(tuned.controller)
         return float(abs(found.closed_velocity_loop[0])) - np.sqrt(0.5)
 
     grid, response = tuned.responses[0].frequency_hz, tuned.responses[0].open_loop

@@ -22,8 +22,7 @@ from math import ceil, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.model.discrete import discretise_disturbance
+from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
+from mtcommission.loop.analysis.analysis import find_mixed_modes
 from mtcommission.loop.analysis.cross_check import check_by_blocks
 from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.controller import Controller, filter_delay
-from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
@@ -138,7 +138,7 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         "cross_check": _cross_check(tuned),
         "worst_mode_damping": _by_mode(plant, tuned.least_damping),
         "bode": _bode(tuned.responses[0]),
-        "remarks": [*tuned.remarks, *explain_mixing(mixed)],
+        "remarks": [*tuned.remarks, *(item.remark for item in mixed)],
     }
 
 

@@ -7,10 +7,15 @@ from dataclasses import replace
 
 from mtcommission.control_kinds.kind import FIR
 from mtcommission.loop.tuning.cascade import build_cascade
-from mtcommission.loop.tuning.following import follow
-from mtcommission.loop.tuning.judgement import warn_of_modes
 from mtcommission.loop.tuning.state_feedback import given_state_feedback
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import (
+    TunedLoop,
+    TuningSettings,
+    close_loop,
+    corner_plants,
+    follow,
+)
+from mtcommission.loop.tuning.tuning import warn_of_modes
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter

@@ -16,8 +16,13 @@ from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
-from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family, tune_shape
-from mtcommission.loop.tuning.force_filters import find_filters
+from mtcommission.loop.tuning.family import (
+    LoopFamily,
+    cascade_family,
+    feedback_family,
+    find_filters,
+    tune_shape,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine

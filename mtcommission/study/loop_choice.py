@@ -9,13 +9,16 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import (
+    FilteredLoop,
     LoopFamily,
     cascade_family,
     feedback_family,
+    feedback_shapes,
+    find_filters,
+    propose_cascades,
+    propose_feedback,
     tune_shape,
 )
-from mtcommission.loop.tuning.force_filters import FilteredLoop, find_filters
-from mtcommission.loop.tuning.proposals import feedback_shapes, propose_cascades, propose_feedback
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback

@@ -14,7 +14,7 @@ from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.judge import Candidate
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.cascade import Shape
-from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
+from mtcommission.loop.tuning.family import Proposal, Proposals, propose_near
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import finish
 from mtcommission.machine.machine import Machine

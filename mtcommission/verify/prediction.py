@@ -13,8 +13,7 @@ from mtcommission.loop.analysis.analysis import mode_poles, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.nonlinear import drive_loop, find_friction
-from mtcommission.loop.tuning.following import follow
-from mtcommission.loop.tuning.tuned import corner_plants
+from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant

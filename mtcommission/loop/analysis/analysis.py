@@ -1,4 +1,4 @@
-"""Poles, margins and bandwidth of a loop."""
+"""Poles, margins and bandwidth of a loop, and where a mode and the servo mix."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from mtcommission.loop.analysis.frequency import SQRT_HALF, FrequencyResponse
-from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
+from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
@@ -86,21 +87,18 @@ class PoleShares:
 
 def share_out(loop: SampledLoop) -> PoleShares:
     """Return the closed-loop poles and the participation of the plant's modes in them."""
-    lifted = loop.lifted
-    # Not ``model.poles()``: the participation of the modes needs the vectors, too.
-    parts = tuple(eig(lifted.A, left=True, right=True))
+    own, dt = loop.own_size, loop.lifted.dt  # the setpoint that is kept behind it has no dynamics
+    parts = tuple(eig(loop.lifted.A[:own, :own], left=True, right=True))
     z, left, right = (np.asarray(part, dtype=np.complex128) for part in parts)
     alive = np.abs(z) > DEAD_TIME_RADIUS
     return PoleShares(
         radius=float(np.max(np.abs(z))),
-        poles=np.asarray(np.log(z[alive]) / lifted.dt, dtype=np.complex128),
-        shares=_participation(loop.plant, lifted, left[:, alive], right[:, alive]),
+        poles=np.asarray(np.log(z[alive]) / dt, dtype=np.complex128),
+        shares=_participation(loop, left[:, alive], right[:, alive]),
     )
 
 
-def _participation(
-    plant: Plant, lifted: LiftedLoop, left: ComplexArray, right: ComplexArray
-) -> Array:
+def _participation(loop: SampledLoop, left: ComplexArray, right: ComplexArray) -> Array:
     """How much of each closed-loop pole is each plant mode, shape (n_modes, n_poles).
 
     Participation factors |w_i v_i| / |w v| of deflection and rate. The observer counts by its
@@ -109,8 +107,9 @@ def _participation(
 
     Source: Pérez-Arriaga, Verghese & Schweppe, IEEE Trans. PAS-101 (1982), participation factors.
     """
+    plant = loop.plant
     norm = np.abs(np.sum(np.conj(left) * right, axis=0))
-    place = {name: i for i, name in enumerate(lifted.states)}
+    place = {name: i for i, name in enumerate(loop.states)}
     shares = np.zeros((len(plant.modes), right.shape[1]))
     for k, mode in enumerate(plant.modes):
         for state in (mode.deflection, mode.rate):
@@ -225,3 +224,64 @@ def _bandwidth_hz(response: FrequencyResponse) -> float:
     low, high = response.frequency_hz[i - 1], response.frequency_hz[i]
     share = (closed[i - 1] - SQRT_HALF) / (closed[i - 1] - closed[i])
     return float(low + share * (high - low))
+
+
+CLEARLY_LESS = 0.8
+"""Shown damping below this share of that of a larger part is worth a sentence (empirical)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swing:
+    """One pair of closed-loop poles as part of a mode."""
+
+    frequency_hz: float  # |s| / (2 π), where the mode sees it [Hz]
+    damping_ratio: float  # [-]
+    share: float  # participation of the mode in both poles, relative to that in all [-]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MixedMode:
+    """A mode whose shown damping ratio does not tell all."""
+
+    name: str
+    shown: Swing
+    """The pair whose damping ratio is shown as the mode's: the least damped of those that hold a
+    notable part of it."""
+    larger: Swing  # the pair that holds most of it
+
+    @property
+    def remark(self) -> Message:
+        """What belongs beside the shown damping ratio."""
+        return Message(
+            "loop-mixed-mode",
+            mode=self.name,
+            shown_frequency=self.shown.frequency_hz,
+            shown_share=self.shown.share,
+            larger_share=self.larger.share,
+            larger_frequency=self.larger.frequency_hz,
+            larger_damping=self.larger.damping_ratio,
+        )
+
+
+def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]:
+    """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
+
+    ``damping``: the ratio that is shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
+    """
+    closed, found = share_out(loop), []
+    for mode, row, ratio in zip(loop.plant.modes, closed.shares, damping, strict=True):
+        swings = [
+            Swing(
+                frequency_hz=abs(near) / (2 * pi),
+                damping_ratio=-near.real / abs(near),
+                share=2.0 * float(share / np.sum(row)),
+            )
+            for pole, share in zip(closed.poles, row, strict=True)
+            if pole.imag > 0.0
+            for near in [unfold(pole, mode, loop.lifted.dt)]
+        ]
+        shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
+        larger = max(swings, key=lambda item: item.share, default=None)
+        if shown and larger and shown.damping_ratio < CLEARLY_LESS * larger.damping_ratio:
+            found.append(MixedMode(name=mode.name, shown=shown, larger=larger))
+    return tuple(found)

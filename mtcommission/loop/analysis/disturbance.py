@@ -8,8 +8,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.model.discrete import discretise_disturbance
+from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
 
 Array = NDArray[np.float64]
 

@@ -1,26 +1,27 @@
-"""A loop over frequency: open loop, closed velocity loop, compliance of the tool.
+"""A loop over frequency, affine in its gains: open loop, closed velocity loop, compliance.
 
-The loop is cut at F_set. Everything at the velocity cycle is exact in z = exp(i ω T_v); a
-position loop that closes in the control is taken in its base band, that is, the images of its
-slower sampling are left out (they lie above 1/(2 T_p) and are attenuated by the hold and the
-plant). python-control gives the same to 1e-9 from ``diagram.build_open_loop`` (tested) in 40 ms
-instead of the 0.1 ms that one more gain takes here: what plant and observer do is the same for all
-controllers with the same cycles, sensors and observer, and computed once.
+The loop is cut at F_set. What the controller asks for is a sum over Kp, Kp/Tn, Kp Kv, Kp Kv/Tn and
+the state gains; what each of them is multiplied with depends on plant, cycles, filters, sensors and
+observer alone and is scanned once for all gains. Everything at the velocity cycle is exact in
+z = exp(i ω T_v); a position loop that closes in the control is taken in its base band, that is, the
+images of its slower sampling are left out (they lie above 1/(2 T_p) and are attenuated by the hold
+and the plant). python-control gives the same to 1e-9 from ``diagram.build_open_loop`` (tested).
 
 The grid is refined where something is read off it: at crossings and at the highest peaks.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from math import exp, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.loop.model.assembly import discretise, discretise_disturbance
 from mtcommission.loop.model.controller import Controller, filter_polynomials
-from mtcommission.loop.model.discrete import discretise, discretise_disturbance
+from mtcommission.machine.control import ForceFilter
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -33,6 +34,10 @@ GRID_POINTS = 800
 """Frequencies before refinement; modes get a cluster of their own (empirical: no crossing of a
 shipped machine is missed, and margins do not change when doubled)."""
 
+CLUSTER, HALF_WIDTHS, NARROWEST = 80, 4.0, 1e-3
+"""Frequencies about each mode, over so many of its half-widths, at least that wide. An even number
+leaves out the very resonance, where an undamped mode is infinite (empirical)."""
+
 REFINEMENTS = 2
 REFINED_POINTS = 15
 """Each refinement divides every interval of interest by so much: two leave a spacing of 0.004 %,
@@ -41,46 +46,6 @@ middle, perhaps an undamped resonance, is left out."""
 
 STEADY, RIGID = 1e-9, 2
 """Distance from the unit circle of a pole that decays, and poles of a rigid body."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Blocks:
-    """Plant and observer, one velocity cycle later."""
-
-    velocity_cycle: float  # T_v [s]
-    A: Array  # plant, (n, n)
-    entries: Array  # per set force, and per force of disturbance, (n, 2)
-    observer: Array  # (n_observed, n_observed)
-    drives: Array  # of the observer, per known force and per sensor, (n_observed, 1 + n_sensors)
-    rows: Array  # over the plant: encoder, tool, then the sensors, (2 + n_sensors, n)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PlantResponse:
-    """What is seen of the plant, per newton, over n frequencies."""
-
-    rate: ComplexArray  # velocity of the encoder, from differences of its position, (n,)
-    encoder: ComplexArray  # its position, (n,)
-    tool: ComplexArray  # (n,)
-    sensors: ComplexArray  # (n, n_sensors)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BlockResponses:
-    """What plant and observer do at some frequencies."""
-
-    blocks: Blocks
-    omega: Array  # (n,) [rad/s]
-    z: ComplexArray  # exp(i ω T_v)
-    moved: PlantResponse  # per set force
-    disturbed: PlantResponse  # per force of disturbance
-    estimates: ComplexArray
-    """Observer states per known force and per sensor, (n, 1 + n_sensors, n_observed)."""
-
-    @property
-    def is_damped(self) -> bool:
-        """Whether only the rigid body's poles of the plant stand on the unit circle."""
-        return int(np.sum(np.abs(np.linalg.eigvals(self.blocks.A)) > 1.0 - STEADY)) <= RIGID
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,86 +61,113 @@ class FrequencyResponse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Laws:
-    """What the controller makes of what it sees, each of shape (n,)."""
+class GainGrid:
+    """A plant at n frequencies under all controllers that differ in their gains alone."""
 
-    path: ComplexArray  # dead time and set-force filters, force asked for to force
-    velocity: ComplexArray  # error of the velocity to force asked for
-    observed: ComplexArray  # known force and each sensor to force asked for, (n, 1 + n_sensors)
-    handed_down: ComplexArray  # what the position cycle hands down, to force
-    position: ComplexArray  # position of the encoder, to force
+    plant: Plant
+    omega: Array  # (n,) [rad/s]
+    z: ComplexArray  # exp(i ω T_v)
+    asked: ComplexArray
+    """Force asked for, sign reversed, by gain, per set force and per force of disturbance,
+    (2, n_gains, n)."""
+    velocity: ComplexArray  # velocity of the encoder per velocity setpoint, by Kp and Kp/Tn, (2, n)
+    tool: ComplexArray  # per set force and per force of disturbance, (2, n)
+    is_damped: bool  # whether only the rigid body's poles of the plant stand on the unit circle
+
+    def open_loop(self, controller: Controller) -> ComplexArray:
+        """Return L, shape (n,)."""
+        return np.asarray(_gains(controller) @ self.asked[0])
+
+    def respond(self, controller: Controller) -> FrequencyResponse:
+        """Return open and closed loop at the frequencies of the grid."""
+        gains = _gains(controller)
+        L, reaction = gains @ self.asked
+        inner = L - gains[2:4] @ self.asked[0, 2:4]
+        return FrequencyResponse(
+            frequency_hz=self.omega / (2 * pi),
+            open_loop=L,
+            closed_velocity_loop=gains[:2] @ self.velocity / (1.0 + inner),
+            compliance=self.tool[1] - self.tool[0] * reaction / (1.0 + L),
+        )
+
+    def complete(self, controller: Controller) -> FrequencyResponse:
+        """Return the same, finest where margins, the bandwidth and the peaks are read."""
+        found = self.respond(controller)
+        for _ in range(REFINEMENTS):
+            omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
+            found = _merge(found, scan(self.plant, controller, omega).respond(controller))
+        return found
+
+    def with_filters(self, filters: tuple[ForceFilter, ...], velocity_cycle: float) -> GainGrid:
+        """Return the same behind more filters of the set force."""
+        factor = _filtered(filters, self.z, velocity_cycle)
+        return replace(self, asked=self.asked * factor, velocity=self.velocity * factor)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OpenLoop:
-    """The loop cut at F_set, with the laws of its controller."""
-
-    laws: Laws
-    inner: ComplexArray  # without the position loop, (n,)
-    whole: ComplexArray
+def _gains(controller: Controller) -> Array:
+    """Factors of what the controller asks for, shape (4 + n_observed,)."""
+    Kp, Kv, Tn = controller.velocity_gain, controller.position_gain, controller.integral_time
+    gains = controller.state_gains[list(controller.observer.states)]
+    return np.concatenate([[Kp, Kp / Tn, Kp * Kv, Kp * Kv / Tn], gains])
 
 
-def build_blocks(plant: Plant, controller: Controller) -> Blocks:
-    """Return a plant, and the observer of a controller of which only cycle and sensors count."""
-    T_v, observer = controller.velocity_cycle, controller.observer
-    A, B = discretise(plant, T_v)
-    names = ("encoder", "tcp", *controller.sensors)
-    return Blocks(
-        velocity_cycle=T_v,
-        A=A,
-        # A disturbance on the line of the drive force enters like the force state itself.
-        entries=np.column_stack([B, discretise_disturbance(plant, T_v)]),
-        observer=observer.A - observer.L @ observer.C,
-        drives=np.column_stack([observer.B, observer.L]),
-        rows=np.array([plant.row(name) for name in names]),
-    )
+def scan(plant: Plant, controller: Controller, omega: Array) -> GainGrid:
+    """Return a plant at frequencies [rad/s] below the Nyquist frequency.
 
-
-def scan_blocks_on_grid(plant: Plant, controller: Controller) -> BlockResponses:
-    """Return what ``scan`` needs of a loop, the same for all gains, before refinement.
-
-    From 0.1 Hz to the Nyquist frequency of the velocity cycle.
+    Of the controller its cycles, filters, sensors and observer count.
     """
-    return scan_blocks(build_blocks(plant, controller), _grid(plant, controller))
-
-
-def scan_blocks(blocks: Blocks, omega: Array) -> BlockResponses:
-    """Return what plant and observer do at frequencies [rad/s] below the Nyquist frequency."""
-    z = np.exp(1j * omega * blocks.velocity_cycle)
-    states = _resolvent(blocks.A, blocks.entries, z)
-    estimates = _resolvent(blocks.observer, blocks.drives, z).swapaxes(1, 2)
-    return BlockResponses(
-        blocks=blocks,
+    T_v, N, observer = controller.velocity_cycle, controller.cycles, controller.observer
+    z = np.exp(1j * omega * T_v)
+    A, B = discretise(plant, T_v)
+    # A disturbance on the line of the drive force enters like the force state itself.
+    entries = np.column_stack([B, discretise_disturbance(plant, T_v)])
+    rows = np.array([plant.row(name) for name in ("encoder", "tcp", *controller.sensors)])
+    seen = rows @ _resolvent(A, entries, z)
+    encoder, tool = seen[:, 0].T, seen[:, 1].T
+    rate = encoder * (1.0 - 1.0 / z) / T_v
+    drives = np.column_stack([observer.B, observer.L])
+    estimates = _resolvent(observer.A - observer.L @ observer.C, drives, z)
+    # The observer does not know a disturbance.
+    known = np.concatenate([np.broadcast_to([[1.0, 0.0]], (z.size, 1, 2)), seen[:, 2:]], axis=1)
+    # The position controller's demand reaches the integral branch through the reference model.
+    integral, modelled = T_v / (z - 1.0), _reference_model(controller, z)
+    if controller.position_loop is not PositionLoop.DRIVE:
+        late = z**-N
+        position = encoder * late * (1.0 - late) / (1.0 - 1.0 / z) / N
+    else:
+        position = encoder
+    cascade = [rate, integral * rate, position, integral * modelled * position]
+    path = _filtered(controller.force_filters, z, T_v) / z
+    asked = np.concatenate([np.array(cascade), (estimates @ known).transpose(1, 2, 0)])
+    poles = np.abs(np.linalg.eigvals(A))
+    return GainGrid(
+        plant=plant,
         omega=omega,
         z=z,
-        moved=_read_outputs(blocks, states[:, :, 0], z),
-        disturbed=_read_outputs(blocks, states[:, :, 1], z),
-        estimates=np.ascontiguousarray(estimates),
-    )
-
-
-def _read_outputs(blocks: Blocks, states: ComplexArray, z: ComplexArray) -> PlantResponse:
-    encoder, tool = states @ blocks.rows[0], states @ blocks.rows[1]
-    return PlantResponse(
-        rate=encoder * (1.0 - 1.0 / z) / blocks.velocity_cycle,
-        encoder=encoder,
+        asked=np.ascontiguousarray(path * asked.swapaxes(0, 1)),
+        velocity=path * np.array([rate[0], integral * modelled * rate[0]]),
         tool=tool,
-        sensors=states @ blocks.rows[2:].T,
+        is_damped=int(np.sum(poles > 1.0 - STEADY)) <= RIGID,
     )
 
 
-def _grid(plant: Plant, controller: Controller) -> Array:
-    """Frequencies [rad/s] up to Nyquist, with clusters of each mode's half-width.
+def lay_grid(plant: Plant, controller: Controller) -> GainGrid:
+    """Return a plant from 0.1 Hz to the Nyquist frequency of the velocity cycle.
 
-    An even number of points leaves out the very resonance, where an undamped mode is infinite.
+    With a cluster of frequencies about each mode.
     """
     nyquist = pi / controller.velocity_cycle
     parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
     for mode in plant.modes:
-        width = max(mode.damping_ratio, 1e-3)
-        parts.append(mode.natural_frequency * (1.0 + width * np.linspace(-4.0, 4.0, 80)))
+        width = HALF_WIDTHS * max(mode.damping_ratio, NARROWEST)
+        parts.append(mode.natural_frequency * (1.0 + np.linspace(-width, width, CLUSTER)))
     omega = np.unique(np.concatenate(parts))
-    return omega[(omega > 0.0) & (omega < nyquist)]
+    return scan(plant, controller, omega[(omega > 0.0) & (omega < nyquist)])
+
+
+def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
+    """Return open and closed loop from 0.1 Hz to the Nyquist frequency of the velocity cycle."""
+    return lay_grid(plant, controller).complete(controller)
 
 
 def _resolvent(A: Array, drives: Array, z: ComplexArray) -> ComplexArray:
@@ -184,80 +176,15 @@ def _resolvent(A: Array, drives: Array, z: ComplexArray) -> ComplexArray:
     return np.asarray(np.linalg.solve(matrices, np.broadcast_to(drives, (z.size, *drives.shape))))
 
 
-def open_loop(controller: Controller, scanned: BlockResponses) -> OpenLoop:
-    """Return the loop cut at F_set, of a plant scanned with the same cycle, sensors, observer."""
-    laws = _laws(controller, scanned)
-    inner = _velocity_feedback(laws, scanned.moved, known=1.0)
-    return OpenLoop(laws=laws, inner=inner, whole=inner + laws.position * scanned.moved.encoder)
-
-
-def _laws(controller: Controller, scanned: BlockResponses) -> Laws:
-    T_v, N, z = controller.velocity_cycle, controller.cycles, scanned.z
-    Kp, integral = controller.velocity_gain, T_v / controller.integral_time / (z - 1.0)
-    path = 1.0 / z
-    s = 2.0 / T_v * (z - 1.0) / (z + 1.0)  # bilinear
-    for item in controller.force_filters:
+def _filtered(
+    filters: tuple[ForceFilter, ...], z: ComplexArray, velocity_cycle: float
+) -> ComplexArray:
+    """Filters of the set force by the bilinear transform, which is how they are sampled."""
+    s, path = 2.0 / velocity_cycle * (z - 1.0) / (z + 1.0), np.ones_like(z)
+    for item in filters:
         numerator, denominator = filter_polynomials(item)
         path = path * np.polyval(numerator, s) / np.polyval(denominator, s)
-    # The position controller's demand reaches the integral branch through the reference model.
-    handed_down = path * (Kp * (1.0 + integral * _reference_model(controller, z)))
-    correction = np.full_like(z, controller.position_gain)
-    if controller.position_loop is not PositionLoop.DRIVE:
-        late = z**-N
-        correction *= late * (1.0 - late) / (1.0 - 1.0 / z) / N
-    gains = controller.state_gains[list(controller.observer.states)]
-    return Laws(
-        path=path,
-        velocity=Kp * (1.0 + integral),
-        observed=np.tensordot(scanned.estimates, gains, axes=(2, 0)),
-        handed_down=handed_down,
-        position=handed_down * correction,
-    )
-
-
-def _velocity_feedback(laws: Laws, seen: PlantResponse, *, known: float) -> ComplexArray:
-    """Force asked for by velocity loop and state feedback, sign reversed."""
-    estimated = known * laws.observed[:, 0] + np.sum(laws.observed[:, 1:] * seen.sensors, axis=1)
-    return np.asarray(laws.path * (laws.velocity * seen.rate + estimated))
-
-
-def close(scanned: BlockResponses, cut: OpenLoop) -> FrequencyResponse:
-    """Return open and closed loop, ``cut`` being that of ``open_loop`` with ``scanned``."""
-    moved, disturbed, laws = scanned.moved, scanned.disturbed, cut.laws
-    # The observer does not know a disturbance.
-    reaction = _velocity_feedback(laws, disturbed, known=0.0) + laws.position * disturbed.encoder
-    return FrequencyResponse(
-        frequency_hz=scanned.omega / (2 * pi),
-        open_loop=cut.whole,
-        closed_velocity_loop=laws.handed_down * moved.rate / (1.0 + cut.inner),
-        compliance=disturbed.tool - moved.tool * reaction / (1.0 + cut.whole),
-    )
-
-
-def scan(controller: Controller, scanned: BlockResponses) -> FrequencyResponse:
-    """Return open and closed loop at the frequencies that were scanned."""
-    return close(scanned, open_loop(controller, scanned))
-
-
-def refine(controller: Controller, blocks: Blocks, found: FrequencyResponse) -> FrequencyResponse:
-    """Return a response on the grid with frequencies where margins, bandwidth, peaks are read."""
-    for _ in range(REFINEMENTS):
-        omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
-        found = _merge(found, scan(controller, scan_blocks(blocks, omega)))
-    return found
-
-
-def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
-    """Return open and closed loop from 0.1 Hz to the Nyquist frequency of the velocity cycle.
-
-    Finest where margins, the bandwidth and the peaks are read.
-    """
-    return complete_response(controller, scan_blocks_on_grid(plant, controller))
-
-
-def complete_response(controller: Controller, scanned: BlockResponses) -> FrequencyResponse:
-    """Return the same where plant and observer have been scanned on the grid already."""
-    return refine(controller, scanned.blocks, scan(controller, scanned))
+    return path
 
 
 def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
@@ -289,15 +216,7 @@ def _between(omega: Array, intervals: NDArray[np.intp]) -> Array:
 
 
 def _merge(one: FrequencyResponse, other: FrequencyResponse) -> FrequencyResponse:
-    frequency_hz = np.concatenate([one.frequency_hz, other.frequency_hz])
-    order = np.argsort(frequency_hz, kind="stable")
-
-    def merged(a: ComplexArray, b: ComplexArray) -> ComplexArray:
-        return np.asarray(np.concatenate([a, b])[order])
-
-    return FrequencyResponse(
-        frequency_hz=frequency_hz[order],
-        open_loop=merged(one.open_loop, other.open_loop),
-        closed_velocity_loop=merged(one.closed_velocity_loop, other.closed_velocity_loop),
-        compliance=merged(one.compliance, other.compliance),
-    )
+    names = [item.name for item in fields(FrequencyResponse)]
+    both = {name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in names}
+    order = np.argsort(both["frequency_hz"], kind="stable")
+    return FrequencyResponse(**{name: values[order] for name, values in both.items()})

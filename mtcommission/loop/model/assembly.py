@@ -2,7 +2,7 @@
 
 Which path carries which dead time:
 
-- What the position cycle computes (``handed_down``) reaches the velocity controller one position
+- What the position cycle computes (``HandedDown``) reaches the velocity controller one position
   cycle later: held, or as polynomials. Wanted velocity and reference state are taken from the
   setpoint τ less the age they have by then, so that they arrive at their comparison τ late, like
   the position that is compared (the velocity T_v/2 later still, see below).
@@ -10,26 +10,260 @@ Which path carries which dead time:
   later and is held. It knows the velocity from the difference of two positions of the encoder,
   which is half a velocity cycle late.
 
-It takes half a millisecond, the diagram some thirty: tuning assembles hundreds of loops, a batch
-thousands.
+It takes half a millisecond, the diagram some thirty: tuning assembles hundreds of loops.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp
+from functools import lru_cache
+from math import ceil, exp
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
 
-from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
-from mtcommission.loop.model.handed_down import HandedDown, hand_down
+from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
+from mtcommission.machine.control import ForceFilter
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
+
+MOST_KEPT = 500
+"""Setpoints that the loop keeps at most: each is four of its states (empirical)."""
+
+
+@lru_cache(maxsize=64)
+def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
+    """Return the zero-order-hold discretisation (A, B) of a plant over one step [s].
+
+    Held is the set force, or the jerk of an open-loop axis.
+    """
+    return _held_over(plant.A, plant.B, step)
+
+
+@lru_cache(maxsize=64)
+def discretise_disturbance(plant: Plant, step: float) -> Array:
+    """Return what a constant force of 1 N beside the motor adds to the plant state over a step [s].
+
+    A disturbance on the line of the drive force enters like the force state, without its lag.
+    Shape (n_plant,).
+    """
+    push = plant.A[:, plant.force].copy()
+    push[plant.force] = 0.0
+    return _held_over(plant.A, push, step)[1]
+
+
+def _held_over(A: Array, B: Array, step: float) -> tuple[Array, Array]:
+    n = len(A)
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = A, B
+    transition = np.asarray(expm(joint * step))
+    return transition[:n, :n], transition[:n, n]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stage:
+    """A discrete single-input single-output block x⁺ = A x + B u, y = C x + D u."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: float
+
+
+def discretise_filter(item: ForceFilter, velocity_cycle: float) -> Stage:
+    """Return a set-force filter at the velocity cycle [s], by the bilinear transform.
+
+    Of b(s)/a(s) in controllable form, with trapezoidal integration over the cycle:
+    x⁺ = (I - A T/2)⁻¹ ((I + A T/2) x + B T u), read halfway between x and x⁺.
+    """
+    numerator, denominator = filter_polynomials(item)
+    half = 0.5 * velocity_cycle
+    A = np.array([-denominator[1:], [1.0, 0.0]])
+    C = numerator[1:] - numerator[0] * denominator[1:]
+    implicit = np.asarray(np.linalg.inv(np.eye(2) - half * A), dtype=np.float64)
+    B = 2.0 * half * implicit[:, 0]
+    return Stage(
+        A=implicit @ (np.eye(2) + half * A),
+        B=B,
+        C=C @ implicit,
+        D=float(numerator[0] + 0.5 * C @ B),
+    )
+
+
+def kept_samples(controller: Controller) -> int:
+    """Return how many samples of the setpoint before the current one the control keeps."""
+    oldest = controller.reference_delay
+    if controller.position_loop is not PositionLoop.CONTROL:
+        piece = controller.reference_age + controller.position_cycle
+        in_drive = controller.position_loop is PositionLoop.DRIVE
+        oldest = piece if in_drive else max(oldest, piece)
+    return ceil(oldest / controller.position_cycle - 1e-9)
+
+
+def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
+    """Return the weights of setpoint samples that give the setpoint a delay [s] ago.
+
+    Position by quintic Hermite interpolation (exact while the jerk is constant; a jerk step
+    of Δj inside the cycle costs at most some Δj T³/400), the velocity by its derivative,
+    acceleration and jerk linearly. Rows x, v, a, j; columns (x, v, a, j) of the current sample,
+    then of those kept before it (``delays`` of them, at least delay/cycle), shape
+    (4, 4 (delays + 1)).
+    """
+    back = ceil(delay / cycle - 1e-9)
+    s = min(max(back - delay / cycle, 0.0), 1.0)
+    weights = np.zeros((4, delays + 1, 4))
+    if s == 0.0:
+        weights[:, back, :] = np.eye(4)
+        return weights.reshape(4, -1)
+    powers = s ** np.arange(6.0)
+    slopes = np.append(0.0, np.arange(1.0, 6.0) * powers[:-1]) / cycle
+    scale = np.array([1.0, cycle, cycle**2])
+    for row, basis in ((0, powers), (1, slopes)):
+        ends = basis @ _HERMITE
+        weights[row, back, :3] = ends[:3] * scale
+        weights[row, back - 1, :3] = ends[3:] * scale
+    for row in (2, 3):
+        weights[row, back, row] = 1.0 - s
+        weights[row, back - 1, row] = s
+    return weights.reshape(4, -1)
+
+
+# Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].
+_HERMITE = np.linalg.inv(
+    np.array(
+        [
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+            [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
+        ]
+    )
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HandedDown:
+    """What the position cycle hands down to the velocity cycle, one position cycle later.
+
+    Held: the position controller's output, the velocity and the force fed forward. Interpolated:
+    the wanted motion and the force as polynomials, which the velocity cycle advances. This is the
+    only difference between the three position loops, and no list is longer than need be: every
+    entry is a state of the loop.
+    """
+
+    names: tuple[str, ...]  # n states that hold it
+    by_setpoint: Array  # the setpoint now, then the kept samples, newest first, (n, 4 (kept + 1))
+    by_encoder: Array  # the encoder's position now, (n,)
+    advance: Array  # what is held one velocity cycle later, (n, n)
+    correction: Array
+    """Output of the position controller, as a row over what is held, (n,); the encoder's share is
+    already in what is held, or ``drive_gain`` times its position now."""
+    velocity: Array  # fed forward, (n,)
+    force: Array  # fed forward, (n,)
+    drive_gain: float  # Kv where the position loop closes at the velocity cycle, else 0 [1/s]
+
+    @property
+    def kept(self) -> int:
+        """Samples of the setpoint before the current one."""
+        return int(self.by_setpoint.shape[1]) // len(INPUTS) - 1
+
+
+def hand_down(controller: Controller, model: Plant) -> HandedDown:
+    """Return what the position cycle hands down.
+
+    ``model``: the machine as the controller believes it to be, for its reference state.
+
+    Raises
+    ------
+    ComputationError
+        DELAY_TOO_LONG where the loop would keep more than ``MOST_KEPT`` setpoints.
+    """
+    kept, T_p, m = kept_samples(controller), controller.position_cycle, controller.feedforward_mass
+    if kept > MOST_KEPT:
+        detail = Message("loop-keeps-many", kept=kept, cycle=T_p, most=MOST_KEPT)
+        raise ComputationError(Outcome.DELAY_TOO_LONG, detail)
+
+    def ago(delay: float) -> Array:
+        return delay_weights(delay, cycle=T_p, delays=kept)
+
+    wanted = controller.state_gains @ reference_state(model, controller)
+    # Force by acceleration and jerk of the setpoint now.
+    ahead = np.zeros(len(INPUTS) * (kept + 1))
+    ahead[2] = controller.acceleration_feedforward * m
+    ahead[3] = controller.jerk_feedforward * m * controller.force_lag
+    Kv, age, tau = controller.position_gain, controller.reference_age, controller.reference_delay
+    if controller.position_loop is PositionLoop.CONTROL:
+        correction, velocity, late = Kv * ago(tau)[0], ago(controller.velocity_age)[1], ago(age)
+        force, rate = ahead + wanted @ late, wanted[:3] @ late[1:]
+        return _held(controller, correction, velocity, force, rate)
+    start, end = ago(age + T_p), ago(age)
+    before = np.roll(ahead, len(INPUTS)) + wanted @ start
+    rise = (ahead + wanted @ end - before) / T_p
+    # The cubic that has position and velocity at both ends: exact while the jerk is constant.
+    x, v = end[0] - start[0] - T_p * start[1], end[1] - start[1]
+    motion = [start[1], 6.0 * x / T_p**2 - 2.0 * v / T_p, 6.0 * v / T_p**2 - 12.0 * x / T_p**3]
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    first = start[0] if in_drive else Kv * ago(tau)[0]
+    return _interpolated(controller, np.array([first, *motion, before, rise]))
+
+
+def _held(
+    controller: Controller, correction: Array, velocity: Array, force: Array, rate: Array
+) -> HandedDown:
+    """The force by the wanted state goes on at its rate even where the rest is held.
+
+    A held wanted position would make the state feedback ripple even while coasting.
+    """
+    T_p, T_v, Kv = controller.position_cycle, controller.velocity_cycle, controller.position_gain
+    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
+    rows = [correction, velocity, force - 0.5 * (T_p - T_v) * rate, rate]
+    used = 4 if controller.state_gains.any() else 3
+    unit, advance = np.eye(used), np.eye(used)
+    advance[2, 3:] = T_v
+    return HandedDown(
+        names=("held_correction", "held_velocity", "held_force", "held_force_rate")[:used],
+        by_setpoint=np.array(rows[:used]),
+        by_encoder=-Kv * unit[0],
+        advance=advance,
+        correction=unit[0],
+        velocity=controller.velocity_feedforward * unit[1],
+        force=unit[2],
+        drive_gain=0.0,
+    )
+
+
+def _interpolated(controller: Controller, by_setpoint: Array) -> HandedDown:
+    T_v, Kv = controller.velocity_cycle, controller.position_gain
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    unit, advance = np.eye(6), np.eye(6)
+    begin = 0 if in_drive else 1
+    powers = np.array([1.0, T_v, T_v**2 / 2, T_v**3 / 6])
+    for i in range(begin, 4):
+        advance[i, i:4] = powers[: 4 - i]
+    advance[4, 5] = T_v
+    # The mean over the past velocity cycle, as the encoder's difference is.
+    mean = np.array([0.0, 1.0, -T_v / 2, T_v**2 / 6, 0.0, 0.0])
+    names = ("velocity", "acceleration", "jerk", "force", "force_rate")
+    first = "position" if in_drive else "correction"
+    return HandedDown(
+        names=tuple(f"held_{name}" for name in (first, *names)),
+        by_setpoint=by_setpoint,
+        by_encoder=np.zeros(6) if in_drive else -Kv * unit[0],
+        advance=advance,
+        correction=Kv * unit[0] if in_drive else unit[0],
+        velocity=controller.velocity_feedforward * mean,
+        force=unit[4],
+        drive_gain=Kv if in_drive else 0.0,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -98,38 +332,43 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     ``model``: the machine as the controller believes it to be, for its reference state.
     """
     handed_down = hand_down(controller, model)
-    delays = handed_down.by_setpoint.shape[1] // len(INPUTS) - 1
-    filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
+    filters = [
+        discretise_filter(item, controller.velocity_cycle) for item in controller.force_filters
+    ]
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force", "last_encoder"]
     names += ["reference_model"] if controller.reference_model_time else []
     names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
-    held = len(names)
+    held, own = len(names), len(names) + len(handed_down.names)
     names += handed_down.names
-    names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
+    names += [f"{name}[-{k}]" for k in range(1, handed_down.kept + 1) for name in INPUTS]
+    size = len(names)
     if controller.follows:
-        step, demand, integration = _followed_cycle(plant, controller, handed_down, size=len(names))
+        step, demand, integration = _open_loop_cycle(plant, controller, handed_down, size=size)
     else:
         step, demand, integration = _velocity_cycle(
-            plant, controller, filters, handed_down, size=len(names)
+            plant, controller, filters, handed_down, size=size
         )
-    unit = np.eye(len(names))
-    P = unit[: plant.order]
-    sensed = np.zeros((2, len(names)))
+    # What the position cycle computes, over (state, references).
+    rows = np.zeros((own - held, size + len(INPUTS)))
+    rows[:, size:] = handed_down.by_setpoint[:, : len(INPUTS)]
+    rows[:, own:size] = handed_down.by_setpoint[:, len(INPUTS) :]
+    rows[:, : plant.order] = np.outer(handed_down.by_encoder, plant.row("encoder"))
+    unit = np.eye(size)
+    P, force = unit[: plant.order], unit[plant.order + 1]
+    sensed = np.zeros((2, size))
     sensed[0] = step[:, -1]
     sensed[0, plant.order : plant.order + 2] += integration[-1], demand[-1]
-    sensed[1, held : held + len(handed_down.names)] = handed_down.by_encoder
+    sensed[1, held:own] = handed_down.by_encoder
     return SampledLoop(
         plant=plant,
         controller=controller,
         step=step[:, :-1],
         demand=demand[:-1],
         integration=integration[:-1],
-        observation=np.vstack(
-            [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
-        ),
-        handed_down=_position_cycle(plant, handed_down, size=len(names)),
+        observation=np.vstack([plant.row("tcp") @ P, plant.row("encoder") @ P, force, P]),
+        handed_down=rows,
         sensed=sensed,
         held=held,
         states=tuple(names),
@@ -140,7 +379,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
 def _velocity_cycle(
     plant: Plant,
     controller: Controller,
-    filters: tuple[Stage, ...],
+    filters: list[Stage],
     handed_down: HandedDown,
     *,
     size: int,
@@ -193,18 +432,21 @@ def _velocity_cycle(
     return step, demand, T_v / controller.integral_time * integrated
 
 
-def _followed_cycle(
+def _open_loop_cycle(
     plant: Plant, controller: Controller, handed_down: HandedDown, *, size: int
 ) -> tuple[Array, Array, Array]:
-    """The same where the motor follows what is handed down; its acceleration is the "force".
+    """The same of an open-loop axis: what is handed down moves it; its acceleration is the "force".
 
     The states of encoder and integrator are there, and stay zero.
     """
-    n = plant.order
+    n, moved = plant.order, [plant.position, plant.velocity, plant.force]
     step, own = np.eye(size, size + 1), slice(n + 3, n + 3 + len(handed_down.names))
-    followed = discretise(plant, controller.velocity_cycle)
+    A, B = discretise(plant, controller.velocity_cycle)
     step[:n] = 0.0
-    step[:n, :size] = _drive_by_motion(*followed, plant, held=own.start, size=size)
+    step[:n, :n] = A
+    step[:n, moved] = 0.0
+    step[:n, own.start : own.start + 3] = A[:, moved]
+    step[:n, own.start + 3] = B
     step[own] = handed_down.advance @ step[own]
     demand = handed_down.force @ step[own]
     # The setpoint's own acceleration is shown; what excites the modes has its mean and its slope
@@ -214,32 +456,10 @@ def _followed_cycle(
     return step, demand, np.zeros(size + 1)
 
 
-def _drive_by_motion(A: Array, B: Array, plant: Plant, *, held: int, size: int) -> Array:
-    """Rows of the plant's states; position to jerk are handed down to it from ``held`` on."""
-    n, slaves = plant.order, [plant.position, plant.velocity, plant.force]
-    rows = np.zeros((n, size))
-    rows[:, :n] = A
-    rows[:, slaves] = 0.0
-    rows[:, held : held + 3] = A[:, slaves]
-    rows[:, held + 3] = B
-    return rows
-
-
-def _position_cycle(plant: Plant, handed_down: HandedDown, *, size: int) -> Array:
-    """What is handed down, as rows over (state, references)."""
-    kept = handed_down.by_setpoint.shape[1] - len(INPUTS)
-    rows = np.zeros((len(handed_down.names), size + len(INPUTS)))
-    rows[:, size:] = handed_down.by_setpoint[:, : len(INPUTS)]
-    rows[:, size - kept : size] = handed_down.by_setpoint[:, len(INPUTS) :]
-    rows[:, : plant.order] = np.outer(handed_down.by_encoder, plant.row("encoder"))
-    return rows
-
-
 def _lift(loop: SampledLoop) -> LiftedLoop:
     """The linear loop at the position cycle, by advancing unit states and unit references."""
     n, z, own = len(loop.states), loop.integrator, loop.own_size
     unit = np.eye(n + len(INPUTS))
-    handed_down = loop.handed_down @ unit
     X, rows, seen, outputs = unit[:n], loop.rows, len(loop.outputs), []
     for _ in range(loop.controller.cycles):
         Y = rows @ X
@@ -247,7 +467,7 @@ def _lift(loop: SampledLoop) -> LiftedLoop:
         X = Y[seen + 2 :]
         X[z] += Y[seen + 1]
         X[z + 1] = Y[seen]
-    following = np.vstack([X[: loop.held], handed_down, unit[n:], X[own:]])[:n]
+    following = np.vstack([X[: loop.held], loop.handed_down, unit[n:], X[own:]])[:n]
     Y = np.vstack(outputs)
     names = [f"{name}[{i}]" for i in range(loop.controller.cycles) for name in loop.outputs]
     return LiftedLoop(

@@ -1,8 +1,9 @@
-"""The loop as a block diagram of python-control: its definition.
+"""The loop as a block diagram of python-control: its definition, and what it says of a loop.
 
 Read beside the diagram in docs/feedback-loop.md. The blocks of the velocity cycle are connected
 first and lifted: N velocity cycles become one position cycle, with every signal once for each of
-them (``tcp[0]``, ``tcp[1]``, ...). To that the blocks of the position cycle are connected.
+them (``tcp[0]``, ``tcp[1]``, ...). To that the blocks of the position cycle are connected; the
+weights of what they hand down are those of ``assembly.hand_down``.
 
 To build it takes some 30 ms, to import python-control more than a second; so what tunes,
 searches and simulates takes its matrices from ``assembly``, which a test holds to this model.
@@ -18,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
-from mtcommission.loop.model.interpolation import delay_weights, kept_samples
+from mtcommission.loop.model.assembly import HandedDown, LiftedLoop, hand_down
+from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -27,8 +28,9 @@ Array = NDArray[np.float64]
 SETPOINT = ("x_ref", "v_ref", "a_ref", "j_ref")
 
 DRIVE = ("asked", "velocity", "feedforward", "push")
-"""What enters a velocity cycle: the output of the position controller, or the wanted position where
-the drive has that controller; velocity and force fed forward; a force on the line of the drive."""
+"""What enters a velocity cycle: the output of the position controller, or Kv times the wanted
+position where the drive has that controller; velocity and force fed forward; a force on the line of
+the drive."""
 
 
 def build_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
@@ -53,16 +55,11 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
     return control.ss(part, states=whole.state_labels, outputs=seen, name="loop")
 
 
-def as_followed_model(
-    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike, *, dt: float
-) -> control.StateSpace:
-    """Return a motor that follows, with the outputs of ``build_model``: there is no loop to draw.
-
-    Of the lifted motion; tool, encoder and acceleration come first among its outputs.
-    """
-    inputs, outputs = ["x_ref", "v_ref", "a_ref", "j_ref"], ["tcp", "encoder", "force"]
-    C, D = np.asarray(C)[:3], np.asarray(D)[:3]
-    return control.ss(A, B, C, D, dt, inputs=inputs, outputs=outputs, name="loop")
+def as_open_loop_model(lifted: LiftedLoop) -> control.StateSpace:
+    """Return an open-loop axis with the outputs of ``build_model``: there is no loop to draw."""
+    inputs, outputs = list(lifted.inputs), ["tcp", "encoder", "force"]
+    A, B, C, D = lifted.A, lifted.B, lifted.C[:3], lifted.D[:3]
+    return control.ss(A, B, C, D, lifted.dt, inputs=inputs, outputs=outputs, name="loop")
 
 
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
@@ -76,7 +73,10 @@ def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) ->
         _blocks_of_the_velocity_cycle(plant, controller), inputs=DRIVE, outputs=outputs
     )
     return _connect(
-        [_lift(drive, controller.cycles), *_position_cycle(controller, model)],
+        [
+            _lift(drive, controller.cycles),
+            *_position_cycle(controller, hand_down(controller, model)),
+        ],
         inputs=[*SETPOINT, "disturbance"],
         outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
     )
@@ -144,10 +144,8 @@ def _blocks_of_the_velocity_cycle(
         dt=T_v,
     )
     in_drive = controller.position_loop is PositionLoop.DRIVE
-    Kv = controller.position_gain
-    position = _block(
-        ["asked", "encoder"], ["correction"], D=[[Kv, -Kv] if in_drive else [1.0, 0.0]], dt=T_v
-    )
+    Kv = controller.position_gain if in_drive else 0.0
+    position = _block(["asked", "encoder"], ["correction"], D=[[1.0, -Kv]], dt=T_v)
     demand = _block(
         ["correction", "velocity", "rate", "integral", "feedforward", "feedback"],
         ["demand"],
@@ -207,118 +205,40 @@ def _force_filters(controller: Controller) -> list[control.StateSpace]:
     return found
 
 
-def _position_cycle(controller: Controller, model: Plant) -> list[control.StateSpace]:
+def _position_cycle(controller: Controller, handed_down: HandedDown) -> list[control.StateSpace]:
     """Memory of the setpoint, what is computed of it, dead time, and how the drive reads it."""
-    T_p, T_v, count = controller.position_cycle, controller.velocity_cycle, kept_samples(controller)
-    s = np.asarray(T_v * np.arange(controller.cycles), dtype=np.float64)
-    n = 4 * count
-    wanted = controller.state_gains @ reference_state(model, controller)
-    if controller.position_loop is PositionLoop.CONTROL:
-        weights, asked, reading = _hold(controller, wanted, s)
-    else:
-        weights, asked, reading = _interpolation(controller, wanted, s)
-    held = [f"held_{name}" for name in asked]
+    T_p, names, kept = controller.position_cycle, handed_down.names, handed_down.kept
+    n, new = 4 * kept, [f"new_{name}" for name in names]
     memory = _block(
         SETPOINT,
-        [f"by_setpoint_{name}" for name in asked],
+        [f"by_setpoint_{name}" for name in names],
         A=np.eye(n, k=-4),
         B=np.eye(n, 4),
-        C=weights[:, 4:],
-        D=weights[:, :4],
-        states=[f"{name}[-{k}]" for k in range(1, count + 1) for name in SETPOINT],
+        C=handed_down.by_setpoint[:, 4:],
+        D=handed_down.by_setpoint[:, :4],
+        states=[f"{name}[-{k}]" for k in range(1, kept + 1) for name in SETPOINT],
         dt=T_p,
     )
-    Kv = 0.0 if controller.position_loop is PositionLoop.DRIVE else controller.position_gain
-    compared = np.eye(len(asked), 1 + len(asked), k=1)
-    compared[0, 0] = -Kv
     compare = _block(
-        ["encoder[0]", *(f"by_setpoint_{name}" for name in asked)],
-        [f"asked_{name}" for name in asked],
-        D=compared,
+        ["encoder[0]", *(f"by_setpoint_{name}" for name in names)],
+        new,
+        D=np.column_stack([handed_down.by_encoder, np.eye(len(names))]),
         dt=T_p,
     )
-    dead_time = _delay([f"asked_{name}" for name in asked], held, states=held, dt=T_p)
+    dead_time = _delay(new, names, states=names, dt=T_p)
     # Per velocity cycle the three signals that are read, and the disturbance as it is.
-    D = np.zeros((len(s), 4, len(held) + 1))
-    D[:, :3, :-1], D[:, 3, -1] = reading.transpose(1, 0, 2), 1.0
+    rows = np.array([handed_down.correction, handed_down.velocity, handed_down.force])
+    D = np.zeros((controller.cycles, 4, len(names) + 1))
+    D[:, 3, -1] = 1.0
+    for i in range(controller.cycles):
+        D[i, :3, :-1] = rows @ np.linalg.matrix_power(handed_down.advance, i)
     read = _block(
-        [*held, "disturbance"],
-        [f"{name}[{i}]" for i in range(len(s)) for name in DRIVE],
-        D=D.reshape(-1, len(held) + 1),
+        [*names, "disturbance"],
+        [f"{name}[{i}]" for i in range(controller.cycles) for name in DRIVE],
+        D=D.reshape(-1, len(names) + 1),
         dt=T_p,
     )
     return [read, dead_time, memory, compare]
-
-
-def _hold(controller: Controller, wanted: Array, s: Array) -> tuple[Array, Sequence[str], Array]:
-    """Everything held, but the force by the wanted state, which goes on at its rate.
-
-    Returns the weights of the setpoint samples, names, and how they are read the time s later.
-    """
-    late = _late(controller, controller.reference_age)
-    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
-    rate = np.append(0.0, wanted[:3]) @ late
-    force = _fed_forward(controller, 0) + wanted @ late - 0.5 * s[-1] * rate
-    weights = [
-        controller.position_gain * _late(controller, controller.reference_delay)[0],
-        _late(controller, controller.velocity_age)[1],
-        force,
-        rate,
-    ]
-    reading = np.zeros((3, len(s), 4))
-    reading[0, :, 0] = reading[2, :, 2] = 1.0
-    reading[1, :, 1] = controller.velocity_feedforward
-    reading[2, :, 3] = s
-    names = ("correction", "velocity", "force", "force_rate")
-    used = 4 if controller.state_gains.any() else 3
-    return np.array(weights[:used]), names[:used], reading[:, :, :used]
-
-
-def _interpolation(
-    controller: Controller, wanted: Array, s: Array
-) -> tuple[Array, Sequence[str], Array]:
-    """The wanted motion as a cubic between two setpoints, the force as a line between two forces.
-
-    Returns as ``_hold`` does.
-    """
-    T_p, T_v = controller.position_cycle, controller.velocity_cycle
-    in_drive = controller.position_loop is PositionLoop.DRIVE
-    start = _late(controller, controller.reference_age + T_p)
-    end = _late(controller, controller.reference_age)
-    ends = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, T_p, T_p**2 / 2, T_p**3 / 6]])
-    ends = np.vstack([ends, [0, 1, T_p, T_p**2 / 2]])
-    motion = np.linalg.solve(ends, np.vstack([start[:2], end[:2]]))
-    first = _fed_forward(controller, 1) + wanted @ start
-    last = _fed_forward(controller, 0) + wanted @ end
-    if not in_drive:
-        motion[0] = controller.position_gain * _late(controller, controller.reference_delay)[0]
-    ones, zeros = np.ones_like(s), np.zeros_like(s)
-    before = s - T_v
-    x = np.array([ones, s, s**2 / 2, s**3 / 6, zeros, zeros])
-    x_before = np.array([ones, before, before**2 / 2, before**3 / 6, zeros, zeros])
-    velocity = controller.velocity_feedforward * (x - x_before) / T_v
-    asked = x if in_drive else np.array([ones, *[zeros] * 5])
-    force = np.array([*[zeros] * 4, ones, s])
-    names = ("velocity", "acceleration", "jerk", "force", "force_rate")
-    return (
-        np.vstack([motion, first, (last - first) / T_p]),
-        ("position" if in_drive else "correction", *names),
-        np.array([asked.T, velocity.T, force.T]),
-    )
-
-
-def _late(controller: Controller, delay: float) -> Array:
-    """The setpoint some time ago, over the samples now and kept."""
-    count = kept_samples(controller)
-    return delay_weights(delay, cycle=controller.position_cycle, delays=count)
-
-
-def _fed_forward(controller: Controller, back: int) -> Array:
-    """Force by acceleration and jerk of a sample so many cycles ago, over the same samples."""
-    row = np.zeros((kept_samples(controller) + 1, 4))
-    row[back, 2] = controller.acceleration_feedforward * controller.feedforward_mass
-    row[back, 3] = controller.jerk_feedforward * controller.feedforward_mass * controller.force_lag
-    return row.ravel()
 
 
 def _lift(system: control.StateSpace, cycles: int) -> control.StateSpace:

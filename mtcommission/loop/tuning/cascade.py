@@ -44,8 +44,7 @@ def build_cascade(
 ) -> Controller:
     """Return the cascade without state feedback: given gains as given, the rest by its shape.
 
-    Machine and plant are nominal. ``fraction``: f, Kp over the symmetrical optimum [-], without
-    effect where Kp is given; ``shape``: Kv and Tn over Kp, without effect where they are given.
+    Machine and plant are nominal; ``fraction``: f, Kp over the symmetrical optimum [-].
     """
     given, drive = machine.control, machine.drive
     mass = moving_mass(machine) + mid_payload(machine)

@@ -1,15 +1,25 @@
-"""Loops of one machine that differ in shape alone; of each the largest gains with margins."""
+"""Loops of one machine that differ in shape and filters; of each the largest Kp with the margins.
+
+Margins are read off one grid of frequencies that is affine in the gains (``GainGrid``) while Kp is
+sought, and once off the exact response. Which loop serves the job best only the moves can tell
+(``study.loop_choice``); none is proposed that is softer than the loop by the classic rule or
+forgets a lasting force much more slowly.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import product
+from math import isclose, pi, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.analysis.frequency import GainGrid, lay_grid
 from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.loop.tuning.cascade import Shape, build_cascade
-from mtcommission.loop.tuning.grid import GainGrid, lay_gain_grid
+from mtcommission.loop.tuning.cascade import CLASSIC, Shape, build_cascade
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
@@ -17,22 +27,18 @@ from mtcommission.loop.tuning.state_feedback import (
     moving_modes,
 )
 from mtcommission.loop.tuning.tuned import (
+    SEARCH,
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    close_within_margins,
+    close_loop,
     corner_plants,
 )
-from mtcommission.machine.control import ForceFilter, StateFeedback
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
-
-LEAST_FRACTION = 0.001
-"""Below a thousandth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
-
-BISECTIONS = 5
-"""Between the first Kp that keeps the margins and the one before: its last digit is 0.5 %."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,7 +48,7 @@ class LoopFamily:
     machine: Machine  # nominal
     bench: CornerPlants  # in every corner
     settings: TuningSettings  # required margins, and the shapes tried
-    grid: GainGrid  # with the observer and all filters
+    grids: tuple[GainGrid, ...]  # in every corner, with the observer and all filters
     observer: Observer  # without states where nothing but the cascade is built
     state_gains: Array  # as given, (n_plant,) [N per unit]; zero where none are
     damps: bool = False  # whether state feedback by weight is built
@@ -64,7 +70,7 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
         machine=machine,
         bench=bench,
         settings=settings,
-        grid=lay_gain_grid(bench, controller),
+        grids=tuple(lay_grid(plant, controller) for plant in bench.plants),
         observer=controller.observer,
         state_gains=controller.state_gains,
     )
@@ -86,27 +92,52 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     if not moving_modes(bench.model, controller.sensors):
         return None
     observer = design_observer(machine, bench.model, controller, settings=cascades.settings)
-    grid = lay_gain_grid(bench, replace(controller, observer=observer))
-    return replace(cascades, grid=grid, observer=observer, damps=True)
+    controller = replace(controller, observer=observer)
+    grids = tuple(lay_grid(plant, controller) for plant in bench.plants)
+    return replace(cascades, grids=grids, observer=observer, damps=True)
+
+
+def with_filters(family: LoopFamily, filters: tuple[ForceFilter, ...]) -> LoopFamily:
+    """Return the family with some filters more in the set-force path, behind those it has."""
+    control = family.machine.control
+    own = replace(control, force_filters=(*control.force_filters, *filters))
+    return replace(
+        family,
+        machine=replace(family.machine, control=own),
+        grids=tuple(grid.with_filters(filters, control.velocity_cycle) for grid in family.grids),
+    )
 
 
 def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
-    """Return a controller of the family.
+    """Return a controller of the family, Kp as a fraction of the symmetrical optimum [-].
 
-    The weight of ``shape`` counts where the family damps; ``fraction``: Kp over the symmetrical
-    optimum [-].
+    The weight of ``shape`` counts where the family damps.
     """
-    model = family.bench.model
-    cascade = build_cascade(family.machine, model, fraction=fraction, shape=shape)
+    machine, model = family.machine, family.bench.model
+    cascade = build_cascade(machine, model, fraction=fraction, shape=shape)
     if not family.damps:
         return replace(cascade, state_gains=family.state_gains, observer=family.observer)
     return add_state_feedback(
-        family.machine,
-        model,
-        cascade,
-        weight=shape.mode_weight,
-        observer=family.observer,
+        machine, model, cascade, weight=shape.mode_weight, observer=family.observer
     )
+
+
+def find_largest(
+    keeps: Callable[[float], bool], begin: float, settings: TuningSettings, *, least: float
+) -> float | None:
+    """Return the largest value up to some that keeps what it must; None where that is too small."""
+    low = begin
+    while not keeps(low):
+        if low <= least:
+            return None
+        low *= settings.reduction
+    if low == begin:
+        return begin
+    high = low / settings.reduction
+    for _ in range(SEARCH.bisections):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if keeps(middle) else (low, middle)
+    return low
 
 
 def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop | None:
@@ -115,21 +146,15 @@ def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop
     Kp begins at ``largest``, over the symmetrical optimum [-]. Without remarks and warnings; None
     if no Kp keeps the margins, or the given one does not.
     """
-    low = tune_on_grid(family, shape, largest=largest)
-    while low is not None and low > LEAST_FRACTION:
-        # The grid is coarser than the exact response: what it misses costs half a per cent or two.
-        controller = build(family, shape, fraction=low)
-        found = close_within_margins(
-            family.bench, controller, family.grid.scanned, settings=family.settings
-        )
-        if found is not None or family.machine.control.velocity_gain is not None:
-            return found
-        low *= CLOSER
+    fraction = tune_on_grid(family, shape, largest=largest)
+    while fraction is not None and fraction > SEARCH.least:
+        tuned = close_loop(family.bench, build(family, shape, fraction=fraction), family.grids)
+        if tuned.keeps_margins(family.settings):
+            return tuned
+        if family.machine.control.velocity_gain is not None:
+            return None
+        fraction *= SEARCH.closer
     return None
-
-
-CLOSER = 0.995
-"""Share of Kp that is tried next where the exact margins are missed."""
 
 
 def tune_on_grid(family: LoopFamily, shape: Shape, *, largest: float) -> float | None:
@@ -137,34 +162,246 @@ def tune_on_grid(family: LoopFamily, shape: Shape, *, largest: float) -> float |
 
     A given Kp counts as ``largest``.
     """
-    settings = family.settings
 
     def seems(fraction: float) -> bool:
         controller = build(family, shape, fraction=fraction)
-        return family.grid.keeps_margins(controller, settings=settings)
+        return all(seems_to_keep(grid, controller, family.settings) for grid in family.grids)
 
-    low, good = largest, seems(largest)
     if family.machine.control.velocity_gain is not None:
-        return largest if good else None
-    while not good and low > LEAST_FRACTION:
-        low *= settings.reduction
-        good = seems(low)
-    if low < largest and good:
-        high = low / settings.reduction
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if seems(middle) else (low, middle)
-    return low if good else None
+        return largest if seems(largest) else None
+    return find_largest(seems, largest, family.settings, least=SEARCH.least)
 
 
-def with_filters(family: LoopFamily, filters: tuple[ForceFilter, ...]) -> LoopFamily:
-    """Return the family with some filters more in the set-force path, behind those it has."""
+def seems_to_keep(grid: GainGrid, controller: Controller, settings: TuningSettings) -> bool:
+    """Return whether a controller keeps the margins on a plant, as far as the grid tells.
+
+    Stability by the turns of 1 + L about the origin (Nyquist): three quarters for the three
+    integrators of plant, velocity and position loop, where nothing else stands on the unit circle.
+    """
+    L = grid.open_loop(controller)
+    away = 1.0 + L
+    if np.abs(away).min() * settings.sensitivity_peak < 1.0:
+        return False
+    size = np.abs(L) - 1.0
+    crossing = np.flatnonzero(size[:-1] * size[1:] < 0.0)
+    share = size[crossing] / (size[crossing] - size[crossing + 1])
+    at = L[crossing] + share * (L[crossing + 1] - L[crossing])
+    least = 2.0 * sin(0.5 * radians(settings.phase_margin_deg))
+    if np.any(np.abs(1.0 + at / np.abs(at)) < least):
+        return False
+    turned = float(np.angle(away[1:] / away[:-1]).sum())
+    return abs(turned - 1.5 * pi) <= pi or not grid.is_damped
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilteredLoop:
+    """A loop with filters that the profile does not name."""
+
+    filters: tuple[ForceFilter, ...]  # those that were added
+    family: LoopFamily  # with all filters
+    tuned: TunedLoop  # in every corner
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Sketch:
+    """A loop as far as the grid tells."""
+
+    filters: tuple[ForceFilter, ...]  # those that were added
+    family: LoopFamily
+    controller: Controller
+    stiffness: float  # in the worst corner [N/m]
+
+    def is_worth(self, before: _Sketch) -> bool:
+        """Whether the last filter is worth its place."""
+        rises = self.controller.velocity_gain >= SEARCH.worth * before.controller.velocity_gain
+        return rises and self.stiffness >= SEARCH.worth * before.stiffness
+
+
+def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
+    """Return the loop of the same shape with the filters that make the tool stiffest.
+
+    No more than the kind of control has; None if none is worth its place, or if Kp is given.
+    """
     control = family.machine.control
-    return replace(
-        family,
-        machine=replace(
-            family.machine,
-            control=replace(control, force_filters=(*control.force_filters, *filters)),
-        ),
-        grid=family.grid.with_filters(filters, control.velocity_cycle),
+    begin = None if control.velocity_gain is not None else _sketch(family, shape, ())
+    best, left = begin, control.kind.force_filters - len(control.force_filters)
+    for _ in range(min(SEARCH.most_filters, left)):
+        if best is None or (better := _add_filter(family, shape, best)) is None:
+            break
+        best = better
+    if best is None or best is begin:
+        return None
+    tuned = tune_shape(best.family, shape, largest=family.settings.largest_fraction)
+    return FilteredLoop(filters=best.filters, family=best.family, tuned=tuned) if tuned else None
+
+
+def _add_filter(family: LoopFamily, shape: Shape, before: _Sketch) -> _Sketch | None:
+    """The stiffest loop with one filter more, if that is worth its place."""
+    tried = (
+        _sketch(family, shape, (*before.filters, item)) for item in _candidates(family, before)
     )
+    good = [loop for loop in tried if loop is not None and loop.is_worth(before)]
+    return max(good, key=lambda loop: loop.stiffness, default=None)
+
+
+def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
+    changed = with_filters(family, filters)
+    fraction = tune_on_grid(changed, shape, largest=family.settings.largest_fraction)
+    if fraction is None:
+        return None
+    controller = build(changed, shape, fraction=fraction)
+    softest = max(np.abs(grid.respond(controller).compliance).max() for grid in changed.grids)
+    return _Sketch(
+        filters=filters, family=changed, controller=controller, stiffness=float(1.0 / softest)
+    )
+
+
+def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
+    """Notches about every mode that the encoder sees, low-passes above the weakest frequency."""
+    for mode in family.bench.model.modes:
+        if mode.measured_gain:
+            for place, width in product(SEARCH.notch_places, SEARCH.notch_widths):
+                yield ForceFilter(
+                    kind=FilterKind.NOTCH,
+                    natural_frequency=place * mode.natural_frequency,
+                    damping=SEARCH.notch_depth * width,
+                    width=width,
+                )
+    away = [np.abs(1.0 + grid.open_loop(before.controller)) for grid in before.family.grids]
+    worst = int(np.argmin([distance.min() for distance in away]))
+    weakest = float(family.grids[worst].omega[away[worst].argmin()])
+    for factor in SEARCH.low_passes:
+        yield ForceFilter(
+            kind=FilterKind.LOW_PASS,
+            natural_frequency=factor * weakest,
+            damping=SEARCH.low_pass_damping,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposal:
+    """A loop with all margins."""
+
+    shape: Shape  # how it was built
+    tuned: TunedLoop  # the loop in every corner
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposals:
+    """The loops worth a trial."""
+
+    family: LoopFamily  # what they share
+    classic: TunedLoop | None  # the cascade by the classic rule; None if that lacks the margins
+    loops: tuple[Proposal, ...]  # those that keep what the classic one has, that one first
+    fastest_hz: float  # largest bandwidth of all loops with the margins [Hz]; 0: there is none
+    remark: Message | None = None
+    """Why there is no loop with state feedback, if that was sought in vain."""
+
+
+def propose_cascades(family: LoopFamily) -> Proposals:
+    """Return cascades of all shapes that the settings name, and the one by the classic rule."""
+    classic, settings = tune_shape(family, CLASSIC, largest=1.0), family.settings
+    ratios = product(settings.position_ratios, settings.integral_ratios)
+    shapes = [Shape(position_ratio=Kv, integral_ratio=Tn) for Kv, Tn in ratios]
+    return _propose(family, classic, shapes)
+
+
+def propose_feedback(
+    cascades: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]
+) -> Proposals:
+    """Return loops with state feedback, with a remark why there is none, if so.
+
+    ``cascades`` and ``classic`` are without it; ``shapes`` are those of the cascade in it, each
+    tried with each of the settings' weights.
+    """
+    try:
+        family = feedback_family(cascades)
+        if family is None:
+            raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, Message("loop-sees-no-mode"))
+        weighted = product(shapes, family.settings.mode_weights)
+        found = _propose(
+            family, classic, [replace(shape, mode_weight=weight) for shape, weight in weighted]
+        )
+    except ComputationError as error:
+        remark = Message("loop-no-state-feedback", detail=error.detail)
+        return Proposals(family=cascades, classic=classic, loops=(), fastest_hz=0.0, remark=remark)
+    loops = tuple(item for item in found.loops if item.shape.mode_weight)
+    lost = Message("loop-no-state-feedback", detail=Message("loop-state-feedback-loses"))
+    return replace(found, loops=loops, remark=None if loops else lost)
+
+
+def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ...]:
+    """Return the shapes for which state feedback is worth a try.
+
+    They are ``near``, which serves best without it, and two with a short integral time: state
+    feedback damps what that shakes.
+    """
+    gentle = replace(CLASSIC, position_ratio=min(settings.position_ratios))
+    return tuple(dict.fromkeys((near, CLASSIC, gentle)))
+
+
+def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
+    """Return loops half a step away from the good one of this shape among the proposals."""
+    steps = (1.0 / SEARCH.near, SEARCH.near)
+    near = [replace(shape, position_ratio=step * shape.position_ratio) for step in steps]
+    near += [
+        replace(shape, integral_ratio=step * shape.integral_ratio)
+        for step in steps
+        if step * shape.integral_ratio >= min(proposals.family.settings.integral_ratios)
+    ]
+    if shape.mode_weight:
+        near += [replace(shape, mode_weight=step**2 * shape.mode_weight) for step in steps]
+    found = _propose(proposals.family, proposals.classic, near)
+    return tuple(item for item in found.loops if item.tuned is not proposals.classic)
+
+
+def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]) -> Proposals:
+    """The loops of some shapes, as far as they keep what the classic loop has."""
+    control, settings = family.machine.control, family.settings
+    # Shapes that differ only in what is given are one.
+    given = {"position_ratio": control.position_gain, "integral_ratio": control.integral_time}
+    fixed = {key: getattr(CLASSIC, key) for key, gain in given.items() if gain is not None}
+    found = [Proposal(shape=CLASSIC, tuned=classic)] if classic else []
+    for shape in dict.fromkeys(replace(shape, **fixed) for shape in shapes):
+        tuned = tune_shape(family, shape, largest=settings.largest_fraction)
+        if tuned and not any(_is_same(tuned.controller, item.tuned.controller) for item in found):
+            found.append(Proposal(shape=shape, tuned=tuned))
+    least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
+    return Proposals(
+        family=family,
+        classic=classic,
+        loops=tuple(
+            item
+            for item in found
+            if item.tuned.least_bandwidth_hz >= least_hz
+            and (classic is None or _keeps(classic, item.tuned, settings))
+        ),
+        fastest_hz=max((item.tuned.least_bandwidth_hz for item in found), default=0.0),
+    )
+
+
+def _is_same(one: Controller, other: Controller) -> bool:
+    pairs = (
+        (one.velocity_gain, other.velocity_gain),
+        (one.position_gain, other.position_gain),
+        (one.integral_time, other.integral_time),
+    )
+    gains = all(isclose(a, b, rel_tol=1e-2) for a, b in pairs)
+    return gains and np.allclose(one.state_gains, other.state_gains, rtol=1e-2)
+
+
+def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bool:
+    share = integral_gain(tuned.controller) / integral_gain(classic.controller)
+    is_stiff = tuned.least_stiffness >= classic.least_stiffness
+    longest = max(settings.longest_integral_time, classic.controller.integral_time)
+    is_quick = tuned.controller.integral_time <= longest
+    return is_stiff and is_quick and share >= settings.least_integral_share
+
+
+def integral_gain(controller: Controller) -> float:
+    """Return Kp Kv / Tn [N/(m s)]: a lasting force deflects by an integral over time of F over it.
+
+    Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4: the integrated error after a
+    step of load is one over the integral gain.
+    """
+    return controller.velocity_gain * controller.position_gain / controller.integral_time

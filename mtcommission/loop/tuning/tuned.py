@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.frequency import (
-    BlockResponses,
-    FrequencyResponse,
-    complete_response,
-    frequency_response,
-    scan_blocks_on_grid,
-)
+from mtcommission.loop.analysis.frequency import FrequencyResponse, GainGrid, lay_grid
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.model.controller import Controller, no_observer
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.messages.message import Message
@@ -47,7 +43,7 @@ class TuningSettings:
     largest_fraction: float = 4.0
     """Where Kp begins, as a multiple of the symmetrical optimum (empirical: margins end the search
     before)."""
-    reduction: float = 0.85  # from one try of Kp to the next, until the margins hold [-]
+    reduction: float = 0.85  # from one try of a gain to the next, until the margins hold [-]
     force_noise: float = 0.05
     """Standard deviation of the unknown force of the drive that the observer assumes, relative to
     F_max [-] (empirical, like the two below: they set its bandwidth, not the accuracy of the
@@ -56,6 +52,40 @@ class TuningSettings:
     """Likewise of the force on each mode, relative to F_max [-]; without it the observer itself
     rings at the frequencies at which the encoder stands still."""
     position_noise: float = 1e-7  # standard deviation of the encoder error [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchSettings:
+    """How gains and filters are looked for, and what is worth a word: the same for all machines."""
+
+    least: float = 0.001
+    """Below a thousandth of the symmetrical optimum, or of what was given, a gain is given up
+    (empirical)."""
+    bisections: int = 5  # between the first gain with the margins and the one before: 0.5 %
+    closer: float = 0.995
+    """Share of a gain that is tried next where the exact response misses the margins: the grid is
+    coarser, which costs half a per cent or two (empirical)."""
+    near: float = 2.0**0.5  # shapes near a good one: half a step of the coarse set, which doubles
+    notch_places: tuple[float, ...] = (0.9, 1.0, 1.1)
+    """Frequency of the notches tried, over that of the resonance."""
+    notch_widths: tuple[float, ...] = (0.2, 0.5)  # damping of their denominators
+    notch_depth: float = 0.3
+    """Damping of their numerators over that. Deeper or narrower ones miss a resonance that is off
+    by some per cent, and cost more phase below it (empirical)."""
+    low_passes: tuple[float, ...] = (1.5, 3.0)
+    """Frequency of the low-passes tried, over that at which the sensitivity peaks (empirical)."""
+    low_pass_damping: float = 0.7  # the flattest pass band (Butterworth: 1/sqrt 2)
+    worth: float = 1.03
+    """A filter is worth its place if Kp and dynamic stiffness rise by 3 % (design choice: an entry
+    more that brings less is not worth typing)."""
+    most_filters: int = 2  # that are suggested: each costs phase (design choice)
+    softened: float = 0.5
+    """Filters that leave less than this share of the bandwidth are warned about (empirical)."""
+    undamped: float = 0.5
+    """And modes that keep less than this share of their own damping (empirical)."""
+
+
+SEARCH = SearchSettings()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,7 +111,7 @@ class TunedLoop:
     loops: tuple[SampledLoop, ...]  # one for each corner, like responses and analyses
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
-    remarks: tuple[Message, ...]  # what was chosen, by which rule, and what could not be done
+    remarks: tuple[Message, ...] = ()  # what was chosen, by which rule, what could not be done
     warnings: tuple[Message, ...] = ()  # what is poor about the loop; belongs beside the verdict
 
     @property
@@ -89,9 +119,9 @@ class TunedLoop:
         """The nominal loop as a ``control.StateSpace``, see ``build_model``."""
         from mtcommission.loop.model import diagram  # python-control takes a second
 
-        plant, lifted = self.loops[0].plant, self.loops[0].lifted
         if self.controller.follows:
-            return diagram.as_followed_model(lifted.A, lifted.B, lifted.C, lifted.D, dt=lifted.dt)
+            return diagram.as_open_loop_model(self.loops[0].lifted)
+        plant = self.loops[0].plant
         return diagram.build_model(plant, self.controller, model=plant)
 
     @property
@@ -114,6 +144,10 @@ class TunedLoop:
         """Damping ratio of each mode in its worst corner."""
         return tuple(map(float, np.min([item.mode_damping for item in self.analyses], axis=0)))
 
+    def keeps_margins(self, settings: TuningSettings) -> bool:
+        """Return whether the loop has the margins in every corner."""
+        return all(has_margins(analysis, settings=settings) for analysis in self.analyses)
+
 
 def corner_plants(machine: Machine) -> CornerPlants:
     """Return the plant of a nominal machine in every corner; its requirements hold the ranges."""
@@ -124,18 +158,22 @@ def corner_plants(machine: Machine) -> CornerPlants:
 
 
 def close_loop(
-    bench: CornerPlants, controller: Controller, scanned: Sequence[BlockResponses] = ()
+    bench: CornerPlants, controller: Controller, grids: Sequence[GainGrid] = ()
 ) -> TunedLoop:
     """Return the controller on the machine in every corner, analysed.
 
-    ``scanned``: plant and observer over frequency, where these are known already.
+    ``grids``: of every corner, where these are known already.
     """
-    scanned = scanned or [scan_blocks_on_grid(plant, controller) for plant in bench.plants]
-    closed = [
-        _close_on(plant, controller, complete_response(controller, known), model=bench.model)
-        for plant, known in zip(bench.plants, scanned, strict=True)
-    ]
-    return _gather(bench, controller, closed)
+    grids = grids or [lay_grid(plant, controller) for plant in bench.plants]
+    loops = tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants)
+    responses = tuple(grid.complete(controller) for grid in grids)
+    return TunedLoop(
+        controller=controller,
+        corners=bench.corners,
+        loops=loops,
+        responses=responses,
+        analyses=tuple(map(analyse_loop, loops, responses)),
+    )
 
 
 def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
@@ -143,55 +181,15 @@ def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop
 
     ``machine`` is the nominal one, ``place`` where the machine that is added differs from it.
     """
-    plant, model = build_plant(vary(machine, place)), tuned.loops[0].plant
-    response = frequency_response(plant, tuned.controller)
-    closed = _close_on(plant, tuned.controller, response, model=model)
+    plants = tuned.loops[0].plant, build_plant(vary(machine, place))
+    beside = CornerPlants(corners=(tuned.corners[0], place), plants=plants)
+    added = close_loop(beside, tuned.controller)
     return replace(
         tuned,
         corners=(*tuned.corners, place),
-        loops=(*tuned.loops, closed.loop),
-        responses=(*tuned.responses, closed.response),
-        analyses=(*tuned.analyses, closed.analysis),
-    )
-
-
-def close_within_margins(
-    bench: CornerPlants,
-    controller: Controller,
-    scanned: Sequence[BlockResponses] = (),
-    *,
-    settings: TuningSettings,
-) -> TunedLoop | None:
-    """Return the loop as ``close_loop`` does, or None where a corner lacks the margins."""
-    tuned = close_loop(bench, controller, scanned)
-    within = all(has_margins(item, settings=settings) for item in tuned.analyses)
-    return tuned if within else None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Closed:
-    """The loop in one corner."""
-
-    loop: SampledLoop
-    response: FrequencyResponse
-    analysis: LoopAnalysis
-
-
-def _close_on(
-    plant: Plant, controller: Controller, response: FrequencyResponse, *, model: Plant
-) -> _Closed:
-    loop = build_loop(plant, controller, model=model)
-    return _Closed(loop=loop, response=response, analysis=analyse_loop(loop, response))
-
-
-def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Closed]) -> TunedLoop:
-    return TunedLoop(
-        controller=controller,
-        corners=bench.corners,
-        loops=tuple(item.loop for item in closed),
-        responses=tuple(item.response for item in closed),
-        analyses=tuple(item.analysis for item in closed),
-        remarks=(),
+        loops=(*tuned.loops, added.loops[1]),
+        responses=(*tuned.responses, added.responses[1]),
+        analyses=(*tuned.analyses, added.analyses[1]),
     )
 
 
@@ -214,4 +212,47 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
         gain=min(analysis.gain_margin_db for analysis in analyses),
         phase=min(analysis.phase_margin_deg for analysis in analyses),
         peak=max(analysis.sensitivity_peak for analysis in analyses),
+    )
+
+
+LATE = 2.0
+"""How late an open-loop axis is [position cycles]: one until a setpoint acts, and one because
+between two setpoints both must be known."""
+
+
+def follow(machine: Machine, bench: CornerPlants) -> TunedLoop:
+    """Return an open-loop axis, whose motor follows the setpoint, in every corner of the machine.
+
+    Between two setpoints it moves by the cubic that has position and velocity of both, so that no
+    impulse gets lost, wherever in a cycle the acceleration steps. It has no gains, responses and
+    analyses: there is no loop whose margins could be told.
+    """
+    control = machine.control
+    controller = Controller(
+        position_loop=PositionLoop.DRIVE,
+        position_gain=0.0,
+        velocity_gain=0.0,
+        integral_time=inf,
+        reference_model_time=0.0,
+        velocity_feedforward=1.0,
+        acceleration_feedforward=1.0,
+        jerk_feedforward=0.0,
+        feedforward_mass=machine.mechanics.moving_mass,
+        force_lag=0.0,
+        reference_delay=LATE * control.position_cycle,
+        velocity_cycle=control.velocity_cycle,
+        cycles=round(control.position_cycle / control.velocity_cycle),
+        force_filters=(),
+        sensors=("encoder",),
+        state_gains=np.zeros(bench.model.order),
+        observer=no_observer(n_sensors=1),
+        follows=True,
+    )
+    return TunedLoop(
+        controller=controller,
+        corners=bench.corners,
+        loops=tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants),
+        responses=(),
+        analyses=(),
+        remarks=(Message("loop-motor-follows", delay=controller.reference_delay),),
     )

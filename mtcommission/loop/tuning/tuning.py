@@ -5,32 +5,40 @@ It knows nothing of the moves; which loop serves them best is ``study.loop_choic
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import reduce
+from math import floor, log10
+from typing import Any
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.cascade import CLASSIC, explain_cascade, symmetrical_optimum
 from mtcommission.loop.tuning.family import (
-    LEAST_FRACTION,
     LoopFamily,
     build,
     cascade_family,
+    feedback_shapes,
+    find_largest,
+    propose_cascades,
+    propose_feedback,
+    tune_on_grid,
     tune_shape,
 )
-from mtcommission.loop.tuning.following import follow
-from mtcommission.loop.tuning.judgement import judge_given, warn_of_filters, warn_of_modes
-from mtcommission.loop.tuning.proposals import feedback_shapes, propose_cascades, propose_feedback
 from mtcommission.loop.tuning.state_feedback import is_seen, moving_modes
 from mtcommission.loop.tuning.tuned import (
+    SEARCH,
     CornerPlants,
     TunedLoop,
     TuningSettings,
     close_loop,
     corner_plants,
     describe_margins,
+    follow,
 )
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 
 __all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
@@ -39,8 +47,8 @@ __all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
 def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> TunedLoop:
     """Return the controller of a machine, given gains as given and the rest by the classic rule.
 
-    Where the motor follows its setpoint, just that. With state feedback "auto" the stiffest with
-    one of the weights, where there is one. ``settings``: required margins; None: the defaults.
+    An open-loop axis just follows. With state feedback "auto" the stiffest with one of the weights,
+    where there is one. ``settings``: required margins; None: the defaults.
 
     Raises
     ------
@@ -97,20 +105,21 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
     ComputationError
         UNSTABLE_LOOP, for given gains, with the corner.
     """
-    machine, bench = family.machine, family.bench
+    machine, given = family.machine, family.machine.control
     remarks = explain_cascade(machine, tuned.controller)
     if family.damps:
         remarks = (*remarks, *_explain_feedback(family, tuned))
-    warnings = list(warn_of_modes(bench, tuned))
-    if machine.control.has_given_gains or machine.control.state_gains:
-        warnings += judge_given(family, tuned)
-    if machine.control.force_filters and not machine.control.seeks_force_filters:
-        control = replace(
-            machine.control, force_filters=(), state_feedback=StateFeedback.OFF, state_gains=()
-        )
+    warnings = list(warn_of_modes(family.bench, tuned))
+    if given.has_given_gains or given.state_gains:
+        warnings += _judge_given(family, tuned)
+    if given.force_filters and not given.seeks_force_filters:
+        bare = replace(given, force_filters=(), state_feedback=StateFeedback.OFF, state_gains=())
         with suppress(ComputationError):  # given gains that are unstable without them need them
-            without = tune_loop(replace(machine, control=control), settings=family.settings)
-            warnings += warn_of_filters(tuned, without)
+            without = tune_loop(replace(machine, control=bare), settings=family.settings)
+            filtered, unfiltered = tuned.least_bandwidth_hz, without.least_bandwidth_hz
+            if filtered < SEARCH.softened * unfiltered:
+                costs = {"filtered": filtered, "unfiltered": unfiltered}
+                warnings.append(Message("loop-filters-soften", **costs))
     return replace(tuned, remarks=remarks, warnings=tuple(warnings))
 
 
@@ -170,11 +179,11 @@ def close_as_given(family: LoopFamily) -> TunedLoop:
         free = tune_loop(replace(machine, control=control), settings=family.settings)
         fraction = free.controller.velocity_gain / symmetrical_optimum(machine)
         return close_loop(bench, build(family, CLASSIC, fraction=fraction))
-    softest = close_loop(bench, build(family, CLASSIC, fraction=LEAST_FRACTION))
+    softest = close_loop(bench, build(family, CLASSIC, fraction=SEARCH.least))
     detail = Message(
         "loop-no-margins",
         Kp=softest.controller.velocity_gain,
-        share=LEAST_FRACTION,
+        share=SEARCH.least,
         margins=describe_margins(softest.analyses),
     )
     raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
@@ -188,3 +197,113 @@ def _require_damping(bench: CornerPlants) -> None:
                 Outcome.UNDAMPED_MODE,
                 Message("loop-mode-without-damping", mode=mode.name, frequency=mode.frequency_hz),
             )
+
+
+def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
+    """Yield the modes that the loop damps much less than the structure does."""
+    for index, mode in enumerate(bench.model.modes):
+        own = [plant.modes[index].damping_ratio for plant in bench.plants]
+        closed = [float(analysis.mode_damping[index]) for analysis in tuned.analyses]
+        worst = min(range(len(own)), key=lambda i: closed[i] - own[i])
+        if closed[worst] < SEARCH.undamped * own[worst]:
+            yield Message(
+                "loop-takes-damping", mode=mode.name, closed=closed[worst], own=own[worst]
+            )
+
+
+def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
+    """What is poor about a loop with given gains, and which of them to lower."""
+    settings, control = family.settings, family.machine.control
+    if not tuned.keeps_margins(settings):
+        cure = _name_cure(family)
+        for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True):
+            if not analysis.is_stable:
+                detail = Message(
+                    "loop-unstable",
+                    Kv=tuned.controller.position_gain,
+                    Kp=tuned.controller.velocity_gain,
+                    Tn=tuned.controller.integral_time,
+                    corner=_name_corner(corner),
+                    cure=cure,
+                )
+                raise ComputationError(Outcome.UNSTABLE_LOOP, detail)
+        yield Message(
+            "loop-given-gains-poor",
+            margins=describe_margins(tuned.analyses),
+            gain=settings.gain_margin_db,
+            phase=settings.phase_margin_deg,
+            peak=settings.sensitivity_peak,
+            cure=cure,
+        )
+    reached, wanted = tuned.least_bandwidth_hz, control.minimum_bandwidth_hz
+    if reached < wanted:
+        yield Message("loop-given-gains-slow", reached=reached, wanted=wanted)
+
+
+def _name_corner(corner: Corner) -> tuple[Message, ...]:
+    """What distinguishes a corner from the nominal machine."""
+    if corner == NOMINAL:
+        return (Message("loop-nominal-machine"),)
+    found = []
+    if corner.payload:
+        found.append(Message("loop-corner-payload", value=corner.payload))
+    if corner.frequency_factor != 1.0:
+        found.append(Message("loop-corner-frequencies", value=corner.frequency_factor))
+    if corner.damping_factor != 1.0:
+        found.append(Message("loop-corner-damping", value=corner.damping_factor))
+    return tuple(found)
+
+
+def _name_cure(family: LoopFamily) -> Message:
+    """The value of each given gain, nearest to it, that keeps the margins.
+
+    The other given gains stay as they are; what is left out is tuned, as it will be then.
+    """
+    given, cures = family.machine.control, []
+
+    def largest(value: float, with_value: Callable[[float], dict[str, Any]]) -> float | None:
+        return _largest(family, value, with_value)
+
+    if given.position_gain is not None:
+        Kv = largest(given.position_gain, lambda value: {"position_gain": value})
+        cures += [Message("loop-cure-kv", value=Kv)] if Kv else []
+    if given.velocity_gain is not None:
+        Kp = largest(given.velocity_gain, lambda value: {"velocity_gain": value})
+        cures += [Message("loop-cure-kp", value=Kp)] if Kp else []
+        if not Kp:  # too soft for its integrator, or for Kv
+            softness = largest(
+                1.0 / given.velocity_gain, lambda value: {"velocity_gain": 1.0 / value}
+            )
+            cures += [Message("loop-cure-kp-from", value=1.0 / softness)] if softness else []
+    if given.integral_time is not None:
+        rate = largest(1.0 / given.integral_time, lambda value: {"integral_time": 1.0 / value})
+        cures += [Message("loop-cure-tn", value=1.0 / rate)] if rate else []
+    if not cures:
+        return Message("loop-no-cure")
+    gains = reduce(lambda one, other: Message("loop-one-or-other", first=one, second=other), cures)
+    return Message("loop-cure", gains=gains)
+
+
+def _largest(
+    family: LoopFamily, value: float, with_value: Callable[[float], dict[str, Any]]
+) -> float | None:
+    """The largest value below the given one with the margins, to three digits."""
+
+    def changed(gain: float) -> LoopFamily:
+        control = replace(family.machine.control, **with_value(gain))
+        return replace(family, machine=replace(family.machine, control=control))
+
+    def seems(gain: float) -> bool:
+        return tune_on_grid(changed(gain), CLASSIC, largest=1.0) is not None
+
+    low = find_largest(seems, value, family.settings, least=SEARCH.least * value)
+    if low is None:
+        return None
+    while tune_shape(changed(_round_down(low)), CLASSIC, largest=1.0) is None:
+        low *= SEARCH.closer
+    return _round_down(low)
+
+
+def _round_down(value: float) -> float:
+    step = 10.0 ** (floor(log10(value)) - 2)
+    return floor(value / step) * step
