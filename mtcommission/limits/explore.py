@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +67,7 @@ SAFELY = 0.85
 """Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
 again [-] (empirical)."""
 
-REFINED, REACHES = 4, (0.35, 0.16, 0.08, 0.04, 0.02, 0.01)
+REFINED, REACHES = 4, (0.3, 0.1, 0.03, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
 
 NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)
@@ -232,8 +232,9 @@ class Explorer:
         """Note what quick looks leave possible at some jerk times, where that is soon enough."""
         row, rung = np.indices((len(times), len(self.ladder)))
         a, t_j = self.ladder[rung], times[row]
-        possible = a <= self.largest_jerk * t_j
-        possible[possible] = self.bench.durations(item, a[possible], t_j[possible]) <= latest
+        possible, ends = a <= self.largest_jerk * t_j, np.full(a.shape, inf)
+        ends[possible] = self.bench.durations(item, a[possible], t_j[possible])
+        possible &= ends <= latest
         used = np.full(a.shape, inf)
         if possible.any():
             used[possible] = self.bench.use(item, t_j[possible]).of_after(a[possible])
@@ -252,14 +253,27 @@ class Explorer:
             found.append(most)
         if not rows:
             return
-        t_j = times[rows]
-        most_a = self._within_means(self.bench.use(item, t_j), np.array(found))
+        # Where the gentlest that is soon enough misses a mean already, all that are faster do.
+        t_j, most_a = times[rows], np.array(found)
+        gentlest = np.array([self._just_as_soon(ends[k], latest) for k in rows])
+        kept = self.bench.use(item, t_j).of_means(gentlest) <= 1.0 + CLOSE
+        t_j = t_j[kept]
+        most_a = self._within_means(self.bench.use(item, t_j), most_a[kept])
         durations = self.bench.durations(item, most_a, t_j)
         for t, each, duration in zip(t_j.tolist(), most_a.tolist(), durations, strict=True):
             if duration <= latest:
                 self.hoped[item, t] = Found(
                     duration=float(duration), acceleration=each, jerk_time=t, setpoint_filter=item
                 )
+
+    def _just_as_soon(self, ends: Array, latest: float) -> float:
+        """The acceleration with which a motion ends at some time, from those on the ladder."""
+        first = int(np.argmax(ends <= latest))
+        if first == 0 or not isfinite(ends[first - 1]):
+            return float(self.ladder[0])
+        low, high = np.log(self.ladder[first - 1 : first + 1])
+        share = (ends[first - 1] - latest) / (ends[first - 1] - ends[first])
+        return float(np.exp(low + share * (high - low)))
 
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
