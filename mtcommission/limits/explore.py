@@ -113,7 +113,8 @@ def explore(
         own = near.setpoint_filter
         items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY), *beside]))
         if is_free:
-            jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
+            times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
+            jerk_times = list(dict.fromkeys(times))
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
     # One after the other: what was refined before decides what is worth it.
     looks = (explorer.look_at([p], latest=WORTHWHILE * explorer.soonest()) for p in begins)

@@ -143,7 +143,8 @@ def try_all(machine: Machine, plant: Plant, proposals: Proposals) -> LoopSearch:
     """
     looked = _look_at_all(machine, plant, proposals)
     finalists = [
-        item if item.is_explored else _explore(machine, plant, item) for item in looked[:FINALISTS]
+        item if item.is_explored else _explore_closely(machine, plant, item)
+        for item in looked[:FINALISTS]
     ]
     finalists.sort(key=_price)
     best: LoopTrial | None = None
@@ -194,6 +195,12 @@ def _explore(
     found = explore(bench, near=near, beside=beside, refined=refined)
     time = found[0].duration + bench.delay if found else inf
     return replace(item, found=found, is_explored=bool(refined), price=priced(time, item.tuned))
+
+
+def _explore_closely(machine: Machine, plant: Plant, item: Finalist) -> Finalist:
+    """A loop with the best limits near those of its first look, behind any filter that did well."""
+    beside = [each.setpoint_filter for each in item.found[1:BESIDE]]
+    return _explore(machine, plant, item, near=item.limits, beside=beside)
 
 
 def _look_like(machine: Machine, plant: Plant, loop: Finalist, known: Finalist) -> Finalist:
