@@ -34,7 +34,6 @@ from mtcommission.record.loop import feature_entries
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.schema.loop import ClosedLoop
 from mtcommission.record.schema.record import SCHEMA, Record
-from mtcommission.record.schema.values import ForceFilterEntry
 from mtcommission.record.shape import entry_of, to_entry, to_plain
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
@@ -1024,10 +1023,7 @@ def exportable_record(text: str) -> Json:
         "Tn": None if follows else controller.integral_time,
         "reference_delay": controller.reference_delay,
         "state_feedback": {},
-        "force_filters": [
-            to_plain(entry_of(ForceFilterEntry, item, kind=item.kind.value))
-            for item in controller.force_filters
-        ],
+        "force_filters": [to_plain(item) for item in controller.force_filters],
         "feedforward": {
             "velocity": controller.velocity_feedforward,
             "acceleration": controller.acceleration_feedforward,

@@ -20,9 +20,9 @@ from mtcommission.machine.machine import Motion
 from mtcommission.messages.quantities import Formatter
 from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.recommend import Recommendation
-from mtcommission.record.answer import limits_answer
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
+from mtcommission.record.limits import limits_answer
 from mtcommission.record.read_back import read_filter
 from mtcommission.record.schema.record import Profile, Record
 from tests.independent_loop import behind, judge, profile_of, run

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from mtcommission.errors import InputError
 from mtcommission.machine.shapers import shape
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.record.agreement import trusting
-from mtcommission.record.read_back import read_filter, read_force_filters, read_machine
+from mtcommission.record.read_back import read_filter, read_machine
 from mtcommission.record.schema.machine import Datum
 from mtcommission.record.schema.record import Profile, Record
-from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.shape import to_entry
 from tests.sheet_record import example_record
 
@@ -35,19 +32,8 @@ def test_the_force_limit_is_that_of_the_run(name: str, key: str) -> None:
     assert read_machine(with_profile(name, [datum])).drive.max_force == 12.5
 
 
-def test_a_record_without_its_force_limit_contradicts_itself() -> None:
-    """If it failed, a record that somebody shortened would end as an internal error."""
-    with pytest.raises(InputError, match="contradicts"), trusting(Path("record.json")):
-        read_machine(with_profile("rotary-table", []))
-
-
 def test_filters_come_back_as_they_were() -> None:
     """If it failed, the loop of an export or a verification would be another one."""
-    entry = ForceFilterEntry(kind="notch", natural_frequency=500.0, damping=0.1, width=0.5)
-    (item,) = read_force_filters([entry])
-    assert (item.kind.value, item.natural_frequency, item.damping, item.width) == (
-        "notch", 500.0, 0.1, 0.5,
-    )  # fmt: skip
     impulses = shape("zv", frequency_hz=40.0, damping_ratio=0.05)
     zv = read_filter(SetpointFilterEntry(
         kind="zv", time=0.0, second_time=0.0, frequency_hz=40.0, damping_ratio=0.05,

@@ -163,7 +163,7 @@ def optimal(
     )
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
-    from mtcommission.record.optima import optimum_entry
+    from mtcommission.record.moves import optimum_entry
     from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file, inputs=[profile])
@@ -225,8 +225,8 @@ def limits(
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
     from mtcommission.recommend import recommend
-    from mtcommission.record.answer import limits_answer
     from mtcommission.record.files import dump_json
+    from mtcommission.record.limits import limits_answer
 
     with show_stage() as progress:
         found = recommend(

@@ -34,7 +34,6 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
-    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
     from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
@@ -44,7 +43,7 @@ def sheet(
     loaded = load_record(record)
     before = load_record(compare) if compare else None
     found = load_verdict(verified, loaded) if verified else None
-    with trusting(record), show_stage() as progress:
+    with show_stage() as progress:
         progress(Message("stage-sheet"))
         typed = type_in(loaded)
         page = print_html(loaded, language=language, before=before, verified=found, typed=typed)
@@ -96,11 +95,10 @@ def export(
     require_writable(output, inputs=[record])
 
     from mtcommission.export.write import export_record
-    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
 
     loaded = load_record(record)
-    with trusting(record), show_stage() as progress:
+    with show_stage() as progress:
         progress(Message("stage-responses"))
         found = export_record(loaded, control=key, language=language, as_list=as_csv)
     write_text(output, found.text)

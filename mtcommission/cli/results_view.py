@@ -10,7 +10,7 @@ from mtcommission.cli.terminal import empty_table, heading, warn, words_for
 from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.answer import LimitsAnswer
+from mtcommission.record.limits import LimitsAnswer
 from mtcommission.record.schema.limits import (
     RecommendedEntry,
     RuleResult,

@@ -56,7 +56,6 @@ def verify(
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.machine import Motion
     from mtcommission.profile.read import parse_profile
-    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import dump_json, load_record
     from mtcommission.verify.columns import Axis
     from mtcommission.verify.entry import verification_entry
@@ -72,7 +71,7 @@ def verify(
     speak_of(machine)
     axis = Axis(rotary=machine.motion is Motion.ROTARY, drive=machine.drive, constant=force)
     recorded = [read_trace(name, said, axis) for name in traces]
-    with trusting(record), show_stage() as progress:
+    with show_stage() as progress:
         progress(Message("verify-stage"))
         found = compare(loaded, recorded)
         refined = refine(found)

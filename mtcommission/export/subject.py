@@ -23,12 +23,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
-from mtcommission.record.read_back import (
-    close_as_held,
-    read_force_filters,
-    read_limits,
-    read_machine,
-)
+from mtcommission.record.read_back import close_as_held, read_limits, read_machine
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -217,7 +212,7 @@ def _as_recorded(record: Record) -> Machine:
         integral_time=loop.Tn,
         reference_delay=loop.reference_delay,
         feedforward_mass=loop.feedforward.mass,
-        force_filters=read_force_filters(loop.force_filters),
+        force_filters=tuple(loop.force_filters),
         seeks_force_filters=False,
         state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
         state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),

@@ -12,33 +12,32 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
-from mtcommission.record.comparisons import comparison_entry
-from mtcommission.record.data import list_assumptions, list_data, machine_entry, profile_entry
+from mtcommission.record.data import (
+    list_assumptions,
+    list_data,
+    machine_entry,
+    profile_entry,
+)
 from mtcommission.record.files import find_checksum
 from mtcommission.record.identified import read_evidence
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
-from mtcommission.record.moves import assessment_part, move_entry
-from mtcommission.record.optima import optima_entry
+from mtcommission.record.moves import assessment_part, comparison_entry, move_entry, optima_entry
 from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
-from mtcommission.record.schema.machine import ModeEntry, PlantEntry
+from mtcommission.record.schema.machine import PlantEntry
 from mtcommission.record.schema.record import SCHEMA, Profile, Record, Tool
 from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, to_plain
 from mtcommission.record.what_if import what_if_part
 from mtcommission.version import __version__
 
+LIBRARIES = ("casadi", "highspy", "ruckig", "control", "numpy", "scipy")
+"""Those that computed."""
+
 
 def record_run(found: Commissioning, *, created: str) -> Record:
-    """Return the record of a machine that was read from its profile.
-
-    Parameters
-    ----------
-    found
-        With the profile that it came from; what was measured stands beside that.
-    created
-        Date and time, ISO 8601.
+    """Return the record of a machine that was read from its profile; ``created``: ISO 8601.
 
     Raises
     ------
@@ -58,7 +57,7 @@ def record_run(found: Commissioning, *, created: str) -> Record:
 
 
 def build_record(
-    commissioning: Commissioning,
+    found: Commissioning,
     *,
     profile: Profile,
     created: str,
@@ -67,74 +66,54 @@ def build_record(
 ) -> Record:
     """Return the record of a commissioning.
 
-    Parameters
-    ----------
-    commissioning
-        What was computed.
-    profile
-        Name, hash and text of the profile that it came from.
-    created
-        Date and time, ISO 8601.
-    warnings
-        Physical warnings about the profile; those about its loop and its robustness are added.
-    identified
-        What was measured on the axis.
+    ``warnings``: physical ones about the profile, to which those about loop and robustness are
+    added; ``identified``: what was measured on the axis.
     """
-    machine, plant = commissioning.machine, commissioning.plant
-    robustness = robustness_part(machine, commissioning.robustness)
-    limits = limits_part(commissioning, improvements=commissioning.improvements)
+    machine, plant, tuned, moves = found.machine, found.plant, found.tuned, found.moves
+    robustness, limits, freed = found.robustness, limits_part(found), found.tool_sensor
+    if identified and freed:
+        identified = replace(identified, tool_sensor=entry_of(ToolSensorEntry, freed))
     record = Record(
         schema=SCHEMA,
         checksum="",
-        tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
+        tool=Tool(
+            name="mtcommission",
+            version=__version__,
+            libraries={name: version(name) for name in LIBRARIES},
+        ),
         created=created,
         profile=profile,
         machine=machine_entry(machine),
         data=list_data(machine, plant, profile.text),
-        settings=_settings_entry(commissioning),
-        assumptions=[*list_assumptions(machine), *_friction(commissioning, is_kept=True)],
+        settings=_settings(found),
+        assumptions=[*list_assumptions(machine), *_friction(found, is_kept=True)],
         warnings=[
             *warnings,
             *limits.warnings,
-            *commissioning.tuned.warnings,
+            *tuned.warnings,
             *robustness.warnings,
-            *_friction(commissioning, is_kept=False),
+            *_friction(found, is_kept=False),
         ],
         plant=_plant_entry(plant),
         optima=[
             optima_entry(plant, item, within)
-            for item, within in zip(commissioning.optima, commissioning.within_band, strict=True)
+            for item, within in zip(found.optima, found.within_band, strict=True)
         ],
         limits=limits,
-        loop=loop_part(commissioning),
-        moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
-        comparisons=[
-            comparison_entry(machine, plant, item, result)
-            for item, result in zip(commissioning.comparisons, commissioning.moves, strict=True)
-        ],
-        robustness=robustness,
-        assessment=assessment_part(commissioning.assessment, machine.requirements.reserve),
-        identified=identified
-        and replace(
-            identified,
-            tool_sensor=entry_of(ToolSensorEntry, freed)
-            if (freed := commissioning.tool_sensor)
-            else None,
-        ),
-        what_if=what_if_part(
-            machine,
-            plant,
-            commissioning.tuned,
-            commissioning.choice.limits,
-            commissioning.today,
-        ),
+        loop=loop_part(found),
+        moves=[move_entry(plant, tuned, result) for result in moves],
+        comparisons=[comparison_entry(plant, item) for item in found.comparisons],
+        robustness=robustness_part(machine, robustness),
+        assessment=assessment_part(found.assessment, machine.requirements.reserve),
+        identified=identified,
+        what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
 
 
-def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:
+def _friction(found: Commissioning, *, is_kept: bool) -> list[Message]:
     """What the stated friction does to moves that keep their requirements, or do not."""
-    drive = commissioning.machine.drive
+    drive = found.machine.drive
     return [
         Message(
             "friction-kept" if is_kept else "friction-broken",
@@ -146,19 +125,18 @@ def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:
             residual=one.residual_deviation,
             force=one.max_force,
         )
-        for one in commissioning.friction
+        for one in found.friction
         if one.is_kept is is_kept
     ]
 
 
-def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:
+def _settings(found: Commissioning) -> dict[str, float | str]:
     """Every numerical setting, with the name of its group."""
-    found: dict[str, float | str] = {}
-    for group, values in asdict(commissioning.settings).items():
-        for name, value in values.items():
-            shown = value if isinstance(value, int | float) else ", ".join(map(str, value))
-            found[f"{group}.{name}"] = shown
-    return found
+    return {
+        f"{group}.{name}": value if isinstance(value, int | float) else ", ".join(map(str, value))
+        for group, values in asdict(found.settings).items()
+        for name, value in values.items()
+    }
 
 
 def _plant_entry(plant: Plant) -> PlantEntry:
@@ -167,11 +145,5 @@ def _plant_entry(plant: Plant) -> PlantEntry:
         plant,
         units=dict(zip(plant.signals, plant.signal_units, strict=True)),
         outputs=dict(zip(plant.outputs, plant.C.tolist(), strict=True)),
-        modes=[entry_of(ModeEntry, mode) for mode in plant.modes],
         controllability_rank=kalman_rank(plant),
     )
-
-
-def _library_versions() -> dict[str, str]:
-    names = ("casadi", "highspy", "ruckig", "control", "numpy", "scipy")
-    return {name: version(name) for name in names}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite
 
 import numpy as np
@@ -16,7 +17,7 @@ from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.profile.read import ProfileSource
 from mtcommission.record.schema.machine import Datum, MachineEntry
 from mtcommission.record.schema.record import Profile
-from mtcommission.record.schema.values import Series, SetpointFilterEntry
+from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.shape import entry_of
 
 Array = NDArray[np.float64]
@@ -59,18 +60,8 @@ def list_assumptions(machine: Machine) -> list[Message]:
 def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     """Return every machine datum with its key, SI unit and source.
 
-    Parameters
-    ----------
-    machine, plant
-        Nominal.
-    profile_text
-        The profile: what it does not state is a default.
-
-    Returns
-    -------
-    list of Datum
-        Data of plant and drive have the machine's source, moves and requirements the profile
-        itself, but for what ``machine.assumed`` names.
+    What the text of the profile does not state is a default. Data of plant and drive have the
+    machine's source, moves and requirements the profile itself, but for ``machine.assumed``.
     """
     rows = [
         *_control_rows(machine),
@@ -187,27 +178,14 @@ def profile_entry(source: ProfileSource) -> Profile:
 
 def machine_entry(machine: Machine) -> MachineEntry:
     """Return what a machine is called, and where its data come from."""
-    return entry_of(
-        MachineEntry,
-        machine,
-        motion=machine.motion.value,
-        kind=machine.mechanics.kind,
-        drive=machine.drive.kind.value,
-    )
+    return entry_of(MachineEntry, machine, kind=machine.mechanics.kind, drive=machine.drive.kind)
 
 
-def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
-    """Return signals by name, states and outputs rounded to seven digits: for plots only.
+def by_name(names: Sequence[str], values: Array) -> dict[str, float]:
+    """Return values by the names of signals or states."""
+    return dict(zip(names, values.tolist(), strict=True))
 
-    ``t``, ``states``: shapes (n_samples,) [s], (n_samples, n_states); ``extra``: further signals
-    by name, each of shape (n_samples,).
-    """
-    columns = dict(zip(plant.states, states.T, strict=True))
-    columns |= dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True))
-    return Series(
-        t=[float(f"{value:.7g}") for value in t],
-        signals={
-            name: [float(f"{value:.7g}") for value in column]
-            for name, column in {**extra, **columns}.items()
-        },
-    )
+
+def by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
+    """Return values by the names of the plant's modes."""
+    return {mode.name: float(value) for mode, value in zip(plant.modes, values, strict=True)}

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from hashlib import sha256
 from itertools import islice
 from math import isfinite
 from pathlib import Path
-from typing import NoReturn
-
-from cattrs import BaseValidationError
+from typing import Any, NoReturn
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import STEERING, Message
-from mtcommission.record.agreement import find_contradictions
 from mtcommission.record.schema.record import SCHEMA, Record
-from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
+from mtcommission.record.shape import (
+    WRONG,
+    find_broken_rules,
+    find_faults,
+    to_entry,
+    to_plain,
+)
 
 LARGEST_FILE = 50_000_000
 """Bytes; a record of many moves has a few million."""
 LAYOUT = {ord(letter): None for letter in "\n\r\t"}
 """Stand in the profile's text."""
 MOST_NAMED = 3
-"""Entries of an unexpected form that a message names."""
+"""Wrong places that a message names."""
 
 
 def dump_json(value: object) -> str:
@@ -34,19 +37,9 @@ def dump_json(value: object) -> str:
 
 
 def find_checksum(record: Mapping[str, object]) -> str:
-    """Return the SHA-256 of everything in a record but its checksum.
+    """Return the SHA-256 of everything in a record but its checksum, in hexadecimal digits.
 
     Whoever exports a record or prints it again must know that nobody edited it since the run.
-
-    Parameters
-    ----------
-    record
-        Fresh, or as read from its file.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits; order and layout of the keys do not matter.
 
     Examples
     --------
@@ -58,48 +51,60 @@ def find_checksum(record: Mapping[str, object]) -> str:
 
 
 def load_record(path: Path) -> Record:
-    """Return a record from its file.
-
-    Parameters
-    ----------
-    path
-        A ``record.json`` of this schema.
+    """Return a record from the ``record.json`` of a run.
 
     Raises
     ------
     InputError
-        If the file is no such record; says what is wrong.
+        If the file is no record of this schema, or not as it was written; says what is wrong.
     """
-    content = read_bytes(path, folder=Message("record-is-directory"), most=LARGEST_FILE + 1)
-    if len(content) > LARGEST_FILE:
-        raise _fault(path, Message("record-too-large", most=LARGEST_FILE))
-    try:
-        data = json.loads(
-            content.decode("utf-8-sig"), parse_constant=_refuse, parse_float=_read_float
-        )
-    except _NoNumberError as error:
-        raise _fault(path, Message("record-not-readable", why=error.message)) from error
-    except (ValueError, RecursionError) as error:
-        raise _fault(path, Message("record-not-json")) from error
+    data = load_json(path, most=LARGEST_FILE)
     if any(STEERING.search(text.translate(LAYOUT)) for text in _texts(data)):
-        raise _fault(path, Message("record-steers"))
+        raise fault(path, Message("record-steers"))
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
-        raise _fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
+        raise fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
     if data["schema"] != SCHEMA:
         is_earlier = isinstance(data["schema"], int) and data["schema"] < SCHEMA
         kind = "record-of-earlier-schema" if is_earlier else "record-of-other-schema"
         given = json.dumps(data["schema"])
-        raise _fault(path, Message(kind, given=given, read=SCHEMA), "schema")
+        raise fault(path, Message(kind, given=given, read=SCHEMA), "schema")
     record, wrong = _read(data)
     if data["checksum"] != find_checksum(data):
-        raise _fault(path, _named("record-edited", wrong), "checksum")
+        raise fault(path, _named("record-edited", wrong), "checksum")
     if record is None:
-        raise _fault(path, _named("record-of-other-version", wrong))
-    contradictions = list(islice(find_contradictions(record), MOST_NAMED + 1))
-    if contradictions:
-        raise _fault(path, _named("record-disagrees", contradictions))
+        raise fault(path, _named("record-of-other-version", wrong))
+    broken = list(islice(find_broken_rules(record), MOST_NAMED + 1))
+    if broken:
+        raise fault(path, _named("record-disagrees", broken))
     return record
+
+
+def load_json(path: Path, *, most: int) -> Any:
+    """Return what a file of JSON holds, of so many bytes at most; JSON's own numbers alone.
+
+    Raises
+    ------
+    InputError
+        If it is too large or no JSON.
+    """
+    content = read_bytes(path, folder=Message("record-is-directory"), most=most + 1)
+    if len(content) > most:
+        raise fault(path, Message("record-too-large", most=most))
+    try:
+        return json.loads(
+            content.decode("utf-8-sig"), parse_constant=_refuse, parse_float=_read_float
+        )
+    except _NoNumberError as error:
+        why = Message("json-no-number", constant=str(error))
+        raise fault(path, Message("record-not-readable", why=why)) from error
+    except (ValueError, RecursionError) as error:
+        raise fault(path, Message("record-not-json")) from error
+
+
+def fault(path: Path, message: Message, key: str = "") -> InputError:
+    """Return the error that something is wrong in a file."""
+    return InputError([Fault(where=str(path), key=key, message=message)])
 
 
 def _texts(data: object) -> Iterator[str]:
@@ -118,31 +123,23 @@ def _read(data: object) -> tuple[Record | None, list[Message]]:
     """The record, or what is of another form in it."""
     try:
         return to_entry(data, Record), []
-    except (WrongFormError, BaseValidationError) as error:
+    except WRONG as error:
         return None, list(islice(find_faults(error), MOST_NAMED + 1))
 
 
-def _named(kind: str, wrong: Sequence[Message]) -> Message:
+def _named(kind: str, wrong: list[Message]) -> Message:
     """A message that tells the first wrong places, and whether there are more."""
     if not wrong:
         return Message(kind)
-    shown = list(wrong[:MOST_NAMED])
+    shown: Iterable[Message] = wrong[:MOST_NAMED]
     if len(wrong) > MOST_NAMED:
-        shown.append(Message("record-has-more-wrong"))
+        shown = [*shown, Message("record-has-more-wrong")]
     told = reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
     return Message(f"{kind}-where", wrong=told)
 
 
-def _fault(path: Path, message: Message, key: str = "") -> InputError:
-    return InputError([Fault(where=str(path), key=key, message=message)])
-
-
 class _NoNumberError(ValueError):
     """What Python writes for a number that JSON does not know."""
-
-    def __init__(self, constant: str) -> None:
-        self.message = Message("json-no-number", constant=constant)
-        super().__init__(constant)
 
 
 def _read_float(text: str) -> float:

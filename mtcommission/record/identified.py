@@ -2,72 +2,51 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cattrs import BaseValidationError
-
 from mtcommission.errors import InputError
-from mtcommission.files import read_bytes
 from mtcommission.machine.identified import Identification, MeasuredMode
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.messages.message import Message
-from mtcommission.record.files import find_checksum
+from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
 from mtcommission.record.schema.identified import IdentifiedPart, SpreadEntry
-from mtcommission.record.shape import WrongFormError, to_entry
+from mtcommission.record.shape import WRONG, entry_of, to_entry
 
 APART = ("files", "sensor", "profile")
 """Keys of the file beside a profile that say the same once more; the profile names its checksum."""
-LARGEST = 20_000_000
-"""Bytes of such a file; one has some hundred thousand."""
 
 
 def evidence_checksum(entry: Mapping[str, Any]) -> str:
-    """Return what a profile says of the file beside it: the checksum of all that it holds itself.
-
-    Parameters
-    ----------
-    entry
-        JSON of ``identify``.
-    """
+    """Return what a profile says of the JSON of ``identify``: the checksum of all but itself."""
     return find_checksum({key: value for key, value in entry.items() if key not in APART})
 
 
 def read_evidence(machine: Machine, folder: Path | None) -> IdentifiedPart | None:
     """Return what was measured on an axis; None where its numbers come from elsewhere.
 
-    Parameters
-    ----------
-    machine
-        From its profile.
-    folder
-        Where the profile stands, and the file with points and advice beside it; None: not known.
-
-    Returns
-    -------
-    IdentifiedPart or None
-        From the profile alone where that file is missing or is another one; a warning says so.
+    ``folder``: where the profile stands, and the file with points and advice beside it. Where that
+    is missing or is another one, the profile alone tells, with a warning.
     """
     said = machine.identified
     if said is None:
         return None
     if not said.evidence or folder is None:
         return _from_profile(machine, said, Message("identified-without-evidence"))
+    missing = Message("identified-evidence-missing", file=said.evidence)
     try:
-        missing = Message("identified-evidence-missing", file=said.evidence)
-        data = json.loads(read_bytes(folder / said.evidence, folder=missing, most=LARGEST))
-    except (InputError, ValueError, RecursionError):
+        data = load_json(folder / said.evidence, most=LARGEST_FILE)
+    except InputError:
         return _from_profile(machine, said, missing)
-    other = Message("identified-evidence-differs", file=said.evidence)
     if not isinstance(data, dict) or evidence_checksum(data) != said.checksum:
+        other = Message("identified-evidence-differs", file=said.evidence)
         return _from_profile(machine, said, other)
     try:
         kept = {key: value for key, value in data.items() if key not in APART}
         return _renamed(to_entry(kept, IdentifiedPart), said)
-    except (WrongFormError, BaseValidationError):
+    except WRONG:
         return _from_profile(machine, said, missing)
 
 
@@ -84,24 +63,19 @@ def _renamed(part: IdentifiedPart, said: Identification) -> IdentifiedPart:
 
 def _from_profile(machine: Machine, said: Identification, warning: Message) -> IdentifiedPart:
     needs = machine.requirements
-    return IdentifiedPart(
+    spread = SpreadEntry(frequency=needs.frequency_spread, damping=needs.damping_spread, because=[])
+    return entry_of(
+        IdentifiedPart,
+        said,
         created=said.date,
         rotary=machine.motion is Motion.ROTARY,
         base_excited=False,
-        sources=list(said.files),
+        sources=said.files,
         formats={},
-        band_hz=list(said.band_hz) if said.band_hz else None,
-        moving_mass=said.moving_mass,
-        delay=said.delay,
-        lag=said.lag,
-        modes=list(said.modes),
         states=[],
-        spread=SpreadEntry(
-            frequency=needs.frequency_spread, damping=needs.damping_spread, because=[]
-        ),
-        misfit=said.misfit,
-        proposals=list(said.proposals),
+        spread=spread,
         checks=[],
         warnings=[warning],
         responses=[],
+        tool_sensor=None,
     )

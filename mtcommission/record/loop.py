@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,64 +12,59 @@ from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.loop.analysis.analysis import find_mixed_modes
 from mtcommission.loop.analysis.cross_check import check_by_blocks
 from mtcommission.loop.analysis.frequency import FrequencyResponse
-from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+from mtcommission.record.data import by_mode
 from mtcommission.record.schema.loop import (
     CandidateEntry,
-    ClosedLoop,
-    CrossCheckEntry,
     DelayEntry,
-    EncoderNoiseEntry,
     FeatureEntry,
     FeedforwardEntry,
-    JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
     Margins,
     ObserverEntry,
     VariantEntry,
 )
-from mtcommission.record.schema.values import ForceFilterEntry, Series
+from mtcommission.record.schema.values import Series
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loop_study import LoopStudy
 from mtcommission.study.loop_trials import LoopTrial, LoopVariant
 
-Array = NDArray[np.float64]
-
 PUSH_STEP = 0.5e-3
 """Spacing of the samples of a disturbance response for its plot [s]."""
 
+NOT_WITHOUT_LOOP = (
+    *("Kv", "Kp", "Tn", "gain_margin_db", "gain_margin_up_db", "gain_margin_down_db"),
+    *("phase_margin_deg", "sensitivity_peak", "bandwidth_hz", "dynamic_stiffness"),
+    *("weakest_frequency_hz", "worst_corner", "cross_check"),
+)
+"""What is None where the motor follows its setpoint."""
 
-def loop_part(commissioning: Commissioning) -> LoopPart:
+NO_SERIES = Series(t=[], signals={})
+
+
+def loop_part(found: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
-    tuned, plant = commissioning.tuned, commissioning.plant
-    controller, lifted = tuned.controller, tuned.loops[0].lifted
-    machine, control = commissioning.machine, commissioning.machine.control
+    tuned, plant, machine = found.tuned, found.plant, found.machine
+    controller, control = tuned.controller, machine.control
+    gains = zip(plant.states, controller.state_gains.tolist(), strict=True)
     return entry_of(
         LoopPart,
         *tuned.analyses[:1],
         controller,
         tuned,
-        kind=control.kind.key,
-        jerk=control.kind.jerk.value,
-        position_loop=control.position_loop.value,
+        control,
+        machine.drive,
+        jerk=control.kind.jerk,
+        position_loop=control.position_loop,
         features=feature_entries(control.kind),
-        motion_force=machine.drive.motion_force,
-        encoder_resolution=machine.drive.encoder_resolution,
-        encoder_noise=_noise_entry(tuned, machine.drive.encoder_resolution),
-        force_filters=[
-            entry_of(ForceFilterEntry, item, kind=item.kind.value)
-            for item in controller.force_filters
-        ],
-        state_feedback={
-            state: float(gain)
-            for state, gain in zip(plant.states, controller.state_gains, strict=True)
-            if gain
-        },
+        encoder_noise=_noise(tuned, machine.drive.encoder_resolution),
+        state_feedback={state: gain for state, gain in gains if gain},
         feedforward=FeedforwardEntry(
             velocity=controller.velocity_feedforward,
             acceleration=controller.acceleration_feedforward,
@@ -80,96 +74,63 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         observer=entry_of(
             ObserverEntry,
             controller.observer,
+            controller,
             states=[plant.states[i] for i in controller.observer.states],
-            sensors=controller.sensors,
         ),
-        closed_loop=entry_of(ClosedLoop, lifted),
-        candidates=[_candidate_entry(trial) for trial in commissioning.loop.trials],
-        reasons=list(commissioning.loop.remarks),
-        variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
-        corners=_corner_entries(plant, tuned) if tuned.analyses else [],
+        closed_loop=tuned.loops[0].lifted,
+        candidates=[_candidate_entry(trial) for trial in found.loop.trials],
+        reasons=found.loop.remarks,
+        variants=[_variant_entry(plant, variant) for variant in found.loop.variants],
+        corners=[
+            entry_of(LoopCornerEntry, corner, a, mode_damping=by_mode(plant, a.mode_damping))
+            for corner, a in zip(tuned.corners, tuned.analyses, strict=bool(tuned.analyses))
+        ],
         delays=_delay_entries(controller),
-        disturbance=_disturbance_entry(commissioning.loop_study),
-        jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
+        disturbance=_disturbance(found.loop_study),
+        jerk_feedforward=found.loop_study.jerk_feedforward,
         **_judged(plant, tuned),
     )
 
 
-NOT_WITHOUT_LOOP = (
-    "Kv",
-    "Kp",
-    "Tn",
-    "gain_margin_db",
-    "gain_margin_up_db",
-    "gain_margin_down_db",
-    "phase_margin_deg",
-    "sensitivity_peak",
-    "bandwidth_hz",
-    "dynamic_stiffness",
-    "weakest_frequency_hz",
-    "worst_corner",
-    "cross_check",
-)
-"""What is null where the motor follows its setpoint."""
-
-NO_SERIES = Series(t=[], signals={})
-
-
 def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
-    """Gains, poles and margins of a loop; null and empty where the motor follows its setpoint."""
+    """Gains, poles and margins of a loop; None and empty where the motor follows its setpoint."""
     if tuned.controller.follows:
-        return {
-            **dict.fromkeys(NOT_WITHOUT_LOOP),
-            "poles": [],
-            "mode_damping": {},
-            "worst_mode_damping": {},
-            "bode": NO_SERIES,
-            "remarks": list(tuned.remarks),
-        }
+        empty = {"poles": [], "mode_damping": {}, "worst_mode_damping": {}, "bode": NO_SERIES}
+        return dict.fromkeys(NOT_WITHOUT_LOOP) | empty
     controller, nominal = tuned.controller, tuned.nominal
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return {
         "Kv": controller.position_gain,
         "Kp": controller.velocity_gain,
         "Tn": controller.integral_time,
-        "poles": [[float(pole.real), float(pole.imag)] for pole in nominal.poles],
-        "mode_damping": _by_mode(plant, nominal.mode_damping),
+        "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
+        "mode_damping": by_mode(plant, nominal.mode_damping),
         "worst_corner": _worst_corner(tuned),
-        "cross_check": _cross_check(tuned),
-        "worst_mode_damping": _by_mode(plant, tuned.least_damping),
+        "cross_check": check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz),
+        "worst_mode_damping": by_mode(plant, tuned.least_damping),
         "bode": _bode(tuned.responses[0]),
         "remarks": [*tuned.remarks, *(item.remark for item in mixed)],
     }
 
 
-def _cross_check(tuned: TunedLoop) -> CrossCheckEntry:
-    found = check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz)
-    return CrossCheckEntry(
-        pole_difference=found.pole_difference,
-        gain_margin_db=finite_or_none(found.gain_margin_db),
-        phase_margin_deg=finite_or_none(found.phase_margin_deg),
-    )
-
-
-def _noise_entry(tuned: TunedLoop, resolution: float) -> EncoderNoiseEntry | None:
+def _noise(tuned: TunedLoop, resolution: float) -> EncoderNoise | None:
+    """What the steps of the encoder do in the worst corner; None: they are not stated."""
     if not resolution:
         return None
     found = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
-    return EncoderNoiseEntry(
-        tool=max(noise.tool for noise in found), force=max(noise.force for noise in found)
-    )
+    tool, force = max(noise.tool for noise in found), max(noise.force for noise in found)
+    return EncoderNoise(tool=tool, force=force)
 
 
 def feature_entries(kind: ControlKind) -> list[FeatureEntry]:
     """Return what a kind of control has, by its own names, with the sources."""
     return [
-        FeatureEntry(
+        entry_of(
+            FeatureEntry,
+            feature,
             name=name,
             # What is evidence only, such as a gain, every kind has.
             has=kind.has_jerk_limit if name == "jerk" else bool(getattr(kind, name, True)),
-            parameters=feature.parameters,
-            source=feature.source,
-            verified=feature.is_verified,
         )
         for name, feature in kind.features.items()
     ]
@@ -189,6 +150,7 @@ def _candidate_entry(trial: LoopTrial) -> CandidateEntry:
     controller, candidate = trial.tuned.controller, trial.candidate
     return entry_of(
         CandidateEntry,
+        trial,
         _worst_corner(trial.tuned),
         candidate,
         Kv=controller.position_gain,
@@ -196,42 +158,46 @@ def _candidate_entry(trial: LoopTrial) -> CandidateEntry:
         Tn=controller.integral_time,
         state_feedback=bool(controller.state_gains.any()),
         meets_requirements=candidate.assessment.is_met,
-        classic=trial.is_classic,
-        used=trial.is_used,
+    )
+
+
+def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
+    nominal, candidate = variant.tuned.nominal, variant.candidate
+    return entry_of(
+        VariantEntry,
+        variant,
+        nominal,
+        candidate,
+        mode_damping=by_mode(plant, nominal.mode_damping),
+        max_force=candidate.assessment.check_of(SET_FORCE).value,
     )
 
 
 def _bode(response: FrequencyResponse) -> Series:
-    return Series(
-        t=response.frequency_hz.tolist(),
-        signals={
-            "open_loop_db": _decibel(response.open_loop),
-            "open_loop_deg": _phase_deg(response.open_loop).tolist(),
-            "closed_velocity_db": _decibel(response.closed_velocity_loop),
-        },
-    )
+    phase = np.degrees(np.unwrap(np.angle(response.open_loop)))
+    signals = {
+        "open_loop_db": _decibel(response.open_loop),
+        # In (-360, 0] at its start, as drive engineers draw it.
+        "open_loop_deg": (phase - 360.0 * np.ceil(phase[0] / 360.0)).tolist(),
+        "closed_velocity_db": _decibel(response.closed_velocity_loop),
+    }
+    return Series(t=response.frequency_hz.tolist(), signals=signals)
 
 
 def _decibel(response: NDArray[np.complex128]) -> list[float]:
     return list((20 * np.log10(np.abs(response))).tolist())
 
 
-def _phase_deg(response: NDArray[np.complex128]) -> Array:
-    """Unwrapped phase that starts in (-360, 0], as drive engineers draw it [degrees]."""
-    phase = np.degrees(np.unwrap(np.angle(response)))
-    return np.asarray(phase - 360.0 * np.ceil(phase[0] / 360.0))
-
-
-def _corner_entries(plant: Plant, tuned: TunedLoop) -> list[LoopCornerEntry]:
-    return [
-        entry_of(
-            LoopCornerEntry,
-            corner,
-            analysis,
-            mode_damping=_by_mode(plant, analysis.mode_damping),
-        )
-        for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True)
-    ]
+def _disturbance(study: LoopStudy) -> Series:
+    if not study.disturbed:
+        return NO_SERIES
+    t = study.disturbed[0].step.t
+    every = max(1, round(PUSH_STEP / (t[1] - t[0])))
+    steps = {item.name.kind: item.step.deflection for item in study.disturbed}
+    return Series(
+        t=t[::every].tolist(),
+        signals={name: deflection[::every].tolist() for name, deflection in steps.items()},
+    )
 
 
 def _delay_entries(controller: Controller) -> list[DelayEntry]:
@@ -283,40 +249,3 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
             lag=controller.force_lag + filters,
         ),
     ]
-
-
-def _disturbance_entry(study: LoopStudy) -> Series:
-    if not study.disturbed:
-        return NO_SERIES
-    t = study.disturbed[0].step.t
-    every = max(1, round(PUSH_STEP / (t[1] - t[0])))
-    return Series(
-        t=t[::every].tolist(),
-        signals={
-            item.name.kind: item.step.deflection[::every].tolist() for item in study.disturbed
-        },
-    )
-
-
-def _jerk_feedforward_entries(study: LoopStudy) -> list[JerkFeedforwardEntry]:
-    return [
-        entry_of(JerkFeedforwardEntry, item, used=item.is_used) for item in study.jerk_feedforward
-    ]
-
-
-def _by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
-    return {mode.name: float(value) for mode, value in zip(plant.modes, values, strict=True)}
-
-
-def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
-    nominal, candidate = variant.tuned.nominal, variant.candidate
-    force = candidate.assessment.check_of(SET_FORCE)
-    return entry_of(
-        VariantEntry,
-        nominal,
-        candidate,
-        name=variant.name,
-        used=variant.is_used,
-        mode_damping=_by_mode(plant, nominal.mode_damping),
-        max_force=force.value,
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from mtcommission.control_kinds.kind import FIR
@@ -16,14 +15,13 @@ from mtcommission.loop.tuning.tuned import (
     follow,
 )
 from mtcommission.loop.tuning.tuning import warn_of_modes
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.schema.limits import LimitsEntry
-from mtcommission.record.schema.record import Record
-from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
-from mtcommission.record.vocabulary import FORCE_LIMITS
+from mtcommission.record.schema.record import FORCE_LIMITS, Record
+from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 
@@ -76,17 +74,4 @@ def read_filter(entry: SetpointFilterEntry) -> SetpointFilter:
         damping_ratio=entry.damping_ratio,
         taps=tuple(entry.shares) if is_fir else (),
         spacing=entry.delays[1] if is_fir else 0.0,
-    )
-
-
-def read_force_filters(entries: Iterable[ForceFilterEntry]) -> tuple[ForceFilter, ...]:
-    """Return the filters in the set-force path."""
-    return tuple(
-        ForceFilter(
-            kind=FilterKind(item.kind),
-            natural_frequency=item.natural_frequency,
-            damping=item.damping,
-            width=item.width,
-        )
-        for item in entries
     )

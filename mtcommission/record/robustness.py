@@ -11,7 +11,6 @@ from mtcommission.machine.machine import Machine
 from mtcommission.record.schema.robustness import (
     DampingErrorEntry,
     DistributionEntry,
-    FrequencyErrorEntry,
     HistogramEntry,
     MonteCarloEntry,
     Quantile,
@@ -35,36 +34,33 @@ settles at its end on every machine."""
 
 
 def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
-    """Return all about robustness.
-
-    Parameters
-    ----------
-    machine
-        Nominal; its units count.
-    robustness
-        Of the recommended limits.
-    """
-    drawn = robustness.monte_carlo
-    return RobustnessPart(
-        monte_carlo=None if drawn is None else _monte_carlo_entry(machine, drawn),
-        frequency_error=entry_of(FrequencyErrorEntry, robustness.frequency_error),
-        damping_error=entry_of(
-            DampingErrorEntry, robustness.damping_range, factor=DAMPING_FACTORS.tolist()
-        ),
-        warnings=list(robustness.warnings),
+    """Return how the recommended limits fare where machine or limits differ a little."""
+    drawn, damping = robustness.monte_carlo, robustness.damping_range
+    return entry_of(
+        RobustnessPart,
+        robustness,
+        monte_carlo=drawn and _monte_carlo_entry(drawn, machine.axis_units.length.si),
+        damping_error=entry_of(DampingErrorEntry, damping, factor=DAMPING_FACTORS),
     )
 
 
-def _monte_carlo_entry(machine: Machine, drawn: MonteCarlo) -> MonteCarloEntry:
-    length = machine.axis_units.length.si
+def _monte_carlo_entry(drawn: MonteCarlo, length: str) -> MonteCarloEntry:
+    def sample(index: int) -> SampleEntry:
+        return entry_of(
+            SampleEntry,
+            drawn.variations.corner(index),
+            settling_time=drawn.settling_time[index],
+            residual_deviation=drawn.residual_deviation[index],
+        )
+
     return entry_of(
         MonteCarloEntry,
         drawn,
         samples=len(drawn.settling_time),
         settling_time=_distribution(drawn.settling_time, "s"),
         residual_deviation=_distribution(drawn.residual_deviation, length),
-        worst=_sample_entry(drawn, drawn.worst),
-        slowest=_sample_entry(drawn, drawn.slowest),
+        worst=sample(drawn.worst),
+        slowest=sample(drawn.slowest),
     )
 
 
@@ -77,7 +73,7 @@ def _distribution(values: Array, unit: str) -> DistributionEntry:
             # The least value that so many samples do not exceed: a sample, no mean of two.
             Quantile(
                 share=share,
-                value=finite_or_none(float(ordered[max(ceil(share * len(ordered)), 1) - 1])),
+                value=finite_or_none(ordered[max(ceil(share * len(ordered)), 1) - 1]),
             )
             for share in SHARES
         ],
@@ -95,12 +91,3 @@ def _histogram(ordered: Array) -> HistogramEntry:
         return HistogramEntry(edges=[low, high], counts=[len(ordered)])
     counts, edges = np.histogram(ordered, bins=BINS)
     return HistogramEntry(edges=edges.tolist(), counts=counts.tolist())
-
-
-def _sample_entry(drawn: MonteCarlo, index: int) -> SampleEntry:
-    return entry_of(
-        SampleEntry,
-        drawn.variations.corner(index),
-        settling_time=float(drawn.settling_time[index]),
-        residual_deviation=float(drawn.residual_deviation[index]),
-    )

@@ -7,20 +7,28 @@ in a curve) and refused elsewhere, unless the entry may be null.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from enum import Enum
 from functools import cache
 from math import isfinite, nan
 from types import NoneType
-from typing import Any, TypeVar, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
-from cattrs import ClassValidationError, Converter, IterableValidationError
+from cattrs import (
+    BaseValidationError,
+    ClassValidationError,
+    Converter,
+    IterableValidationError,
+    IterableValidationNote,
+)
 from cattrs.cols import list_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, to_json
+from mtcommission.record.rules import Place, Rule
 
 Entry = TypeVar("Entry")
 
@@ -32,19 +40,20 @@ SHOWN = 40
 
 
 class WrongFormError(ValueError):
-    """A value of JSON is of another form than the entry's.
+    """A value of JSON is of another form than the entry's, whose name is ``expected``."""
 
-    Parameters
-    ----------
-    got
-        The value, as a text or as what it is.
-    expected
-        Key of the form's name in the catalogue.
-    """
-
-    def __init__(self, got: Message | str, expected: str) -> None:
+    def __init__(self, value: object, expected: Message | str) -> None:
+        shown = "null" if value is None else repr(value)
+        got: Message | str = shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}..."
+        if isinstance(value, dict | list):
+            got = Message("json-object" if isinstance(value, dict) else "json-array")
         super().__init__(got, expected)
-        self.message = Message("record-got", got=got, expected=Message(expected))
+        called = Message(expected) if isinstance(expected, str) else expected
+        self.message = Message("record-got", got=got, expected=called)
+
+
+WRONG = (WrongFormError, BaseValidationError)
+"""What ``to_entry`` raises."""
 
 
 def to_plain(entry: object) -> Any:
@@ -61,73 +70,62 @@ def to_plain(entry: object) -> Any:
 def to_entry(value: object, form: type[Entry]) -> Entry:
     """Return an entry from the JSON that ``to_plain`` made of one.
 
-    Parameters
-    ----------
-    value
-        As ``json`` reads it.
-    form
-        A class of the schema, or what one is made of.
-
     Raises
     ------
-    WrongFormError, BaseValidationError
+    one of WRONG
         It is of another form; ``find_faults`` tells where.
     """
     return _CONVERTER.structure(value, form)
 
 
 def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
-    """Yield each place that was of another form, with what was got.
-
-    Parameters
-    ----------
-    error
-        From ``to_entry``.
-    key
-        Where the value stands that was read.
-
-    Yields
-    ------
-    Message
+    """Yield each place that ``to_entry`` found of another form, with what was got.
 
     Examples
     --------
-    >>> from cattrs import BaseValidationError
     >>> from mtcommission.messages.catalogue import Catalogue
     >>> try:
     ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
-    ... except BaseValidationError as error:
+    ... except WRONG as error:
     ...     [Catalogue().say(fault) for fault in find_faults(error)]
     ["a[2]: got 'x', expected a number"]
     """
-    if isinstance(error, ClassValidationError):
-        for inner, place in error.group_exceptions()[0]:
-            yield from find_faults(inner, key=f"{key}.{place.name}" if key else place.name)
-    elif isinstance(error, IterableValidationError):
+    if isinstance(error, ClassValidationError | IterableValidationError):
         for inner, note in error.group_exceptions()[0]:
-            index = note.index
-            below = f"{key}[{index + 1}]" if isinstance(index, int) else f"{key}.{index}"
+            place = note.index if isinstance(note, IterableValidationNote) else note.name
+            below = f"{key}[{place + 1}]" if isinstance(place, int) else f"{key}.{place}"
             yield from find_faults(inner, key=below.removeprefix("."))
+    elif isinstance(error, WrongFormError):
+        yield Message("record-wrong-at", key=key or "record", fault=error.message)
     else:
-        yield Message("record-wrong-at", key=key or "record", fault=_fault(error))
+        kind = "record-missing" if isinstance(error, KeyError) else "record-of-no-known-form"
+        yield Message("record-wrong-at", key=key or "record", fault=Message(kind))
+
+
+def find_broken_rules(record: Any) -> Iterator[Message]:
+    """Yield each place of a record that breaks one of the rules behind its fields' types."""
+
+    def look(key: str, value: Any, rules: tuple[Rule, ...], entry: Any) -> Iterator[Message]:
+        for rule in rules:
+            yield from rule(Place(key, value, entry, record))
+        if is_dataclass(value):
+            for name, hint in _hints(type(value)).items():  # type: ignore[arg-type]
+                inner = getattr(value, name)
+                below = f"{key}.{name}" if key else name
+                yield from look(below, inner, () if inner is None else _form_of(hint)[1], value)
+        elif isinstance(value, list) and value and is_dataclass(value[0]):
+            for number, inner in enumerate(value, start=1):
+                yield from look(f"{key}[{number}]", inner, (), entry)
+
+    yield from look("", record, (), record)
 
 
 def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
     """Return an entry whose values are the attributes of the same names of some results.
 
-    Parameters
-    ----------
-    form
-        A class of the schema.
-    *sources
-        Results; the first that has an attribute gives it.
-    **given
-        What has another name or form there.
-
-    Returns
-    -------
-    Entry
-        Arrays and tuples as lists; None for numbers that are not finite.
+    The first source that has the attribute gives it (``is_used`` gives ``used``); ``given`` has
+    another name or form there. Arrays and tuples become lists, results within them entries, numbers
+    that are not finite None, and what has a word or a key (a requirement) that.
 
     Examples
     --------
@@ -135,16 +133,12 @@ def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
     >>> entry_of(Segment, Segment(duration=0.1, jerk=2.0), jerk=float("inf"))
     Segment(duration=0.1, jerk=None)
     """
-    values = {}
-    for field in fields(form):  # type: ignore[arg-type]
-        name = field.name
-        if name in given:
-            value = given[name]
-        else:
-            owner = next((source for source in sources if hasattr(source, name)), sources[-1])
-            value = getattr(owner, name)
-        values[name] = _held(value)
-    return form(**values)
+    return form(
+        **{
+            name: _held(given[name] if name in given else _find(name, sources), hint)
+            for name, hint in _hints(form).items()  # type: ignore[arg-type]
+        }
+    )
 
 
 def finite_or_none(value: float) -> float | None:
@@ -152,33 +146,53 @@ def finite_or_none(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def _held(value: object) -> object:
+def _find(name: str, sources: tuple[object, ...]) -> object:
+    for source in sources:
+        for attribute in (name, f"is_{name}"):
+            if hasattr(source, attribute):
+                return getattr(source, attribute)
+    raise AttributeError(f"{name} of {', '.join(type(source).__name__ for source in sources)}")
+
+
+def _held(value: Any, hint: Any) -> object:
     """A value of a result as an entry holds it."""
+    form, _ = _form_of(hint)
     if isinstance(value, float):
         return finite_or_none(value)
+    if form is str and not isinstance(value, str):
+        return value.value if isinstance(value, Enum) else value.key
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    return [_held(item) for item in value] if isinstance(value, tuple | list) else value
+    if isinstance(value, tuple | list):
+        inner = get_args(form)[0] if get_origin(form) is list else form
+        return [_held(item, inner) for item in value]
+    if isinstance(form, type) and is_dataclass(form) and value is not None:
+        return value if isinstance(value, form) else entry_of(form, value)
+    return value
 
 
-def _fault(error: Exception) -> Message:
-    if isinstance(error, WrongFormError):
-        return error.message
-    return Message("record-missing" if isinstance(error, KeyError) else "record-of-no-known-form")
+@cache
+def _hints(form: Any) -> Mapping[str, Any]:
+    """The type of each field, with its rules."""
+    hints = get_type_hints(form, include_extras=True)
+    return {field.name: hints[field.name] for field in fields(form)}
 
 
-def _wrong(value: object, expected: str) -> WrongFormError:
-    if isinstance(value, dict | list):
-        form = "json-object" if isinstance(value, dict) else "json-array"
-        return WrongFormError(Message(form), expected)
-    shown = "null" if value is None else repr(value)
-    return WrongFormError(shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}...", expected)
+def _form_of(hint: Any) -> tuple[Any, tuple[Rule, ...]]:
+    """A type that may be None, without that, and its rules."""
+    rules: tuple[Rule, ...] = ()
+    if get_origin(hint) is Annotated:
+        hint, *found = get_args(hint)
+        rules = tuple(found)
+    parts = [part for part in get_args(hint) if part is not NoneType]
+    is_optional = len(parts) < len(get_args(hint))
+    return (parts[0] if is_optional and len(parts) == 1 else hint), rules
 
 
 def _plain(form: type, expected: str) -> Callable[[object, Any], object]:
     def read(value: object, _: Any) -> object:
         if type(value) is not form:
-            raise _wrong(value, expected)
+            raise WrongFormError(value, expected)
         return value
 
     return read
@@ -192,8 +206,8 @@ def _message(value: object, _: Any) -> Message:
             _english().say(found)
             return found
     except (KeyError, ValueError, RecursionError) as error:
-        raise _wrong(value, "json-message") from error
-    raise _wrong(value, "json-message")
+        raise WrongFormError(value, "json-message") from error
+    raise WrongFormError(value, "json-message")
 
 
 def _message_or_text(value: object, form: Any) -> Message | str:
@@ -205,28 +219,24 @@ def _english() -> Catalogue:
     return Catalogue()
 
 
-def _number_or_gap(value: object, form: Any) -> float:
-    return nan if value is None else _number(value, form)
+def _word(value: object, form: type[Enum]) -> Enum:
+    try:
+        return form(value)
+    except ValueError as error:
+        words = ", ".join(str(word.value) for word in form)
+        raise WrongFormError(value, Message("json-one-of", words=words)) from error
 
 
-def _number(value: object, _: Any) -> float:
-    if not isinstance(value, float | int) or isinstance(value, bool) or abs(value) > LARGEST:
-        raise _wrong(value, "json-number")
-    return value
+def _numbers(expected: str, *others: type) -> Callable[[object, Any], object]:
+    """How a number is read that may also be of other types."""
 
-
-def _number_or_null(value: object, form: Any) -> float | None:
-    if type(value) not in (float, int, NoneType):
-        raise _wrong(value, "json-number-or-null")
-    return None if value is None else _number(value, form)
-
-
-def _number_or_text(value: object, form: Any) -> float | str:
-    if isinstance(value, str):
+    def read(value: object, _: Any) -> object:
+        is_number = type(value) in (float, int) and abs(value) <= LARGEST  # type: ignore[arg-type]
+        if not is_number and type(value) not in others:
+            raise WrongFormError(value, expected)
         return value
-    if type(value) not in (float, int):
-        raise _wrong(value, "json-number-or-text")
-    return _number(value, form)
+
+    return read
 
 
 def _strictly(
@@ -239,7 +249,7 @@ def _strictly(
 
         def read(value: object, _: Any) -> Any:
             if not isinstance(value, form):
-                raise _wrong(value, expected)
+                raise WrongFormError(value, expected)
             return inner(value, entry)
 
         return read
@@ -252,34 +262,34 @@ def _is_a(form: type) -> Callable[[Any], bool]:
 
 
 def _converter() -> Converter:
+    number = _numbers("json-number")
+    array = _strictly(list, "json-array", list_structure_factory)
     gaps = Converter()
-    gaps.register_structure_hook(float, _number_or_gap)
-    gaps.register_structure_hook_factory(
-        _is_a(list), _strictly(list, "json-array", list_structure_factory)
-    )
+    gaps.register_structure_hook(float, lambda v, form: nan if v is None else number(v, form))
+    gaps.register_structure_hook_factory(_is_a(list), array)
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
-    made.register_structure_hook(Message, _message)
-    made.register_structure_hook(Message | str, _message_or_text)
-    made.register_structure_hook(float, _number)
-    made.register_structure_hook(float | None, _number_or_null)
-    made.register_structure_hook(float | str, _number_or_text)
-    for form, expected in (
-        (int, "json-whole-number"),
-        (str, "json-text"),
-        (bool, "json-boolean"),
+    for form, read in (
+        (Message, _message),
+        (Message | str, _message_or_text),
+        (float, number),
+        (float | None, _numbers("json-number-or-null", NoneType)),
+        (float | str, _numbers("json-number-or-text", str)),
+        (int, _plain(int, "json-whole-number")),
+        (str, _plain(str, "json-text")),
+        (bool, _plain(bool, "json-boolean")),
     ):
-        made.register_structure_hook(form, _plain(form, expected))
-    made.register_structure_hook_factory(
-        is_dataclass, _strictly(dict, "json-object", make_dict_structure_fn)
+        made.register_structure_hook(form, read)
+    made.register_structure_hook_func(
+        lambda form: isinstance(form, type) and issubclass(form, Enum), _word
     )
-    made.register_structure_hook_factory(
-        _is_a(dict), _strictly(dict, "json-object", mapping_structure_factory)
-    )
-    made.register_structure_hook_factory(
-        _is_a(list), _strictly(list, "json-array", list_structure_factory)
-    )
+    for predicate, factory in (
+        (is_dataclass, _strictly(dict, "json-object", make_dict_structure_fn)),
+        (_is_a(dict), _strictly(dict, "json-object", mapping_structure_factory)),
+        (_is_a(list), array),
+    ):
+        made.register_structure_hook_factory(predicate, factory)
     made.register_structure_hook_func(lambda form: form == list[float], gaps.structure)
     return made
 

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.files import read_bytes
 from mtcommission.messages.message import Message
+from mtcommission.record.files import LARGEST_FILE, fault, load_json
 from mtcommission.record.schema.record import Record
-from mtcommission.record.shape import WrongFormError, to_entry
-
-LARGEST = 50_000_000
-"""Of a verdict's file [bytes]."""
+from mtcommission.record.shape import WRONG, to_entry
 
 VERDICTS = ("holds", "does not hold", "cannot tell")
 
@@ -37,64 +31,56 @@ class Verified:
     values: Mapping[str, Measured]
 
 
-def load_verdict(path: Path, record: Record) -> Verified:
-    """Return a verdict from its file.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Check:
+    name: str
+    measured: float | None
+    uncertainty: float | None
+    verdict: str
 
-    Parameters
-    ----------
-    path
-        ``verdict.json`` of ``verify``.
-    record
-        Whose promises it must be about.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Refined:
+    new: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Verdict:
+    """What is read of ``verdict.json``."""
+
+    verdict: str
+    record: str
+    checks: list[_Check]
+    refined: dict[str, _Refined]
+
+
+def load_verdict(path: Path, record: Record) -> Verified:
+    """Return a verdict from the ``verdict.json`` of ``verify``.
 
     Raises
     ------
     InputError
         It is no such file, or it is about another record.
     """
-    content = read_bytes(path, folder=Message("record-is-directory"), most=LARGEST)
     try:
-        data = json.loads(content.decode())
-    except (ValueError, RecursionError) as error:
-        raise _fault(path, "record-not-json") from error
-    if not isinstance(data, dict) or data.get("verdict") not in VERDICTS:
-        raise _fault(path, "verdict-of-other-form")
-    if data.get("record") != record.checksum:
-        raise _fault(path, "verdict-of-other-record")
-    try:
-        checks = {str(check["name"]): _check(check) for check in data["checks"]}
-        refined = {
-            str(name): _refined(one, checks.get(_check_of(str(name))))
-            for name, one in data["refined"].items()
-        }
-    except (AttributeError, KeyError, TypeError, WrongFormError) as error:
-        raise _fault(path, "verdict-of-other-form") from error
-    return Verified(verdict=data["verdict"], values={**checks, **refined})
-
-
-def _check(check: Mapping[str, Any]) -> Measured:
-    if check["verdict"] not in VERDICTS:
-        raise KeyError(check["verdict"])
-    return Measured(
-        value=to_entry(check["measured"], float) if check["measured"] is not None else None,
-        uncertainty=None if check["uncertainty"] is None else to_entry(check["uncertainty"], float),
-        verdict=check["verdict"],
-    )
-
-
-def _check_of(parameter: str) -> str:
-    """Name of the check of a parameter, e.g. ``base: damping ratio`` of base.damping_ratio."""
-    mode, _, key = parameter.rpartition(".")
-    return f"{mode}: {key.replace('_', ' ')}"
-
-
-def _refined(one: Mapping[str, Any], check: Measured | None) -> Measured:
-    return Measured(
-        value=to_entry(one["new"], float),
-        uncertainty=2.0 * to_entry(one["sigma"], float),
-        verdict=check.verdict if check else "",
-    )
-
-
-def _fault(path: Path, kind: str) -> InputError:
-    return InputError([Fault(where=str(path), message=Message(kind))])
+        found = to_entry(load_json(path, most=LARGEST_FILE), _Verdict)
+    except WRONG as error:
+        raise fault(path, Message("verdict-of-other-form")) from error
+    if not {found.verdict, *(check.verdict for check in found.checks)} <= set(VERDICTS):
+        raise fault(path, Message("verdict-of-other-form"))
+    if found.record != record.checksum:
+        raise fault(path, Message("verdict-of-other-record"))
+    values = {
+        check.name: Measured(
+            value=check.measured, uncertainty=check.uncertainty, verdict=check.verdict
+        )
+        for check in found.checks
+    }
+    for name, one in found.refined.items():
+        # base.damping_ratio is judged by the check "base: damping ratio".
+        mode, _, key = name.rpartition(".")
+        check = values.get(f"{mode}: {key.replace('_', ' ')}")
+        verdict = check.verdict if check else ""
+        values[name] = Measured(value=one.new, uncertainty=2.0 * one.sigma, verdict=verdict)
+    return Verified(verdict=found.verdict, values=values)

@@ -14,7 +14,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.schema.what_if import (
     KnownLimitsEntry,
     LimitEntry,
@@ -66,7 +66,6 @@ def what_if_part(
             NeedsEntry,
             machine.requirements,
             machine.drive,
-            motion_force=machine.drive.motion_force,
             checks=[
                 LimitEntry(
                     name=item.key,
@@ -78,10 +77,7 @@ def what_if_part(
             ],
         ),
         limits=known,
-        force_filters=[
-            entry_of(ForceFilterEntry, item, kind=item.kind.value)
-            for item in controller.force_filters
-        ],
+        force_filters=list(controller.force_filters),
         averages=list(average.times(controller.position_cycle)) if average else None,
     )
 

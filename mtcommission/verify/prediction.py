@@ -17,7 +17,7 @@ from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.record.read_back import read_force_filters, read_machine
+from mtcommission.record.read_back import read_machine
 from mtcommission.record.schema.loop import LoopPart
 from mtcommission.record.schema.record import Record
 from mtcommission.verify.setpoint import Motion
@@ -196,7 +196,7 @@ def _controller(entry: LoopPart, plant: Plant) -> Controller:
         reference_delay=entry.reference_delay,
         velocity_cycle=entry.velocity_cycle,
         cycles=round(entry.position_cycle / entry.velocity_cycle),
-        force_filters=read_force_filters(entry.force_filters),
+        force_filters=tuple(entry.force_filters),
         sensors=tuple(entry.sensors),
         state_gains=np.array([entry.state_feedback.get(name, 0.0) for name in states]),
         observer=Observer(

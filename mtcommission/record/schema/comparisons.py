@@ -36,14 +36,9 @@ class FedForwardEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComparisonEntry:
-    """One move in the loop and by its optima.
-
-    ``claims`` measure the two claims of the paper, terminal overshoot and a transfer time much
-    larger than the least one, a sentence each for the rectangular and the trapezoidal setpoint;
-    ``why_not_the_optimum`` says what each optimum does when it is fed forward.
-    """
+    """One move in the loop and by its optima."""
 
     controls: list[ComparedEntry]
     fed_forward: list[FedForwardEntry]
-    claims: list[Words]
-    why_not_the_optimum: list[Words]
+    claims: list[Words]  # of the paper, measured: overshoot, and a transfer time far from the least
+    why_not_the_optimum: list[Words]  # what each optimum does when it is fed forward

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 from mtcommission.machine.identified import Estimate, MeasuredFile, MeasuredMode, ShaperProposal
 from mtcommission.messages.message import Message
+from mtcommission.record.rules import above_zero
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,21 +32,19 @@ class MeasuredStateEntry:
 class MeasuredResponseEntry:
     """Measured points of a response or of a spectrum, and the curve that was fitted.
 
-    ``magnitude`` and ``error`` (standard error of real and imaginary part) in ``unit``; ``missed``:
-    distance of point and curve in that error. A spectrum has no such error and no phase, and its
-    scale means nothing.
+    A spectrum has no error and no phase, and its scale means nothing.
     """
 
     name: str
-    unit: str
+    unit: str  # of magnitude and error
     misfit: float | None
-    frequency_hz: list[float]
+    frequency_hz: Annotated[list[float], above_zero]
     magnitude: list[float]
-    error: list[float] | None
+    error: list[float] | None  # standard error of real and imaginary part
     phase_deg: list[float] | None
     coherence: list[float] | None
-    missed: list[float] | None
-    curve_hz: list[float]
+    missed: list[float] | None  # distance of point and curve in that error
+    curve_hz: Annotated[list[float], above_zero]
     curve_magnitude: list[float]
     curve_phase_deg: list[float] | None
 
@@ -60,30 +60,26 @@ class RecordCheckEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToolSensorEntry:
-    """What a sensor at the tool could free: the settling time where the modes stand still there.
+    """What a sensor at the tool could free: the settling time where the modes stand still there."""
 
-    ``modes`` are those whose share at the tool was assumed; ``least`` is null where no limits meet
-    the requirements even then.
-    """
-
-    modes: list[str]
+    modes: list[str]  # whose share at the tool was assumed
     settling_time: float | None
-    least: float | None
+    least: float | None  # None: no limits meet the requirements even then
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IdentifiedPart:
     """What was measured on the axis.
 
-    ``formats`` (by name of a source), ``states``, ``responses``, ``checks`` and ``warnings`` come
-    from the file beside the profile; without it they are empty, and the warnings say so.
+    ``formats``, ``states``, ``responses``, ``checks`` and ``warnings`` come from the file beside
+    the profile; without it they are empty, and the warnings say so.
     """
 
     created: str
     rotary: bool
     base_excited: bool
     sources: list[MeasuredFile]
-    formats: dict[str, Message]
+    formats: dict[str, Message]  # by name of a source
     band_hz: list[float] | None
     moving_mass: Estimate | None
     delay: Estimate | None

@@ -3,9 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.values import SetpointFilterEntry, Words
+from mtcommission.record.rules import above_zero, filled, found_in, long, one_of
+from mtcommission.record.schema.values import (
+    Move,
+    NotNegative,
+    Positive,
+    PositiveOrNone,
+    Positives,
+    SetpointFilterEntry,
+    Words,
+)
+
+Plane = Annotated[list[list[float | None]], long("acceleration", "jerk_time")]
+PerSize = Annotated[list[float | None], long("size")]
+
+
+def _checked(record: Any) -> list[str]:
+    return [check.name for check in record.assessment.checks]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,46 +35,36 @@ class SizesEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorstSizeEntry:
-    """The worst of all sizes of move for one requirement.
+    """The worst of all sizes of move for one requirement."""
 
-    ``value``: worst of the sizes that were looked at; ``bound``: what no size between them exceeds
-    either, null where that was not proved. ``move``: its number, from 1; ``size``: velocity step or
-    distance of the worst.
-    """
-
-    requirement: str
-    value: float
-    bound: float | None
-    move: int
-    size: float
+    requirement: Annotated[str, found_in(_checked)]
+    value: float  # worst of the sizes that were looked at
+    bound: float | None  # what no size between them exceeds either; None: not proved
+    move: int  # its number, from 1
+    size: float  # velocity step or distance of the worst
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecommendedEntry:
-    """Limits for the control, what binds them, and where they were judged.
+    """Limits for the control, what binds them, and where they were judged."""
 
-    ``valid_for``: by move; ``worst_sizes``: empty where the listed sizes alone count.
-    """
-
-    acceleration: float
-    jerk: float
-    jerk_time: float
+    acceleration: Positive
+    jerk: Positive
+    jerk_time: Positive
     setpoint_filter: SetpointFilterEntry | None
     bound_by: Words
-    settling_time: float | None
-    residual_deviation: float | None
+    settling_time: PositiveOrNone
+    residual_deviation: NotNegative
     peak_deviation: float
-    valid_for: list[SizesEntry]
-    worst_sizes: list[WorstSizeEntry]
+    valid_for: Annotated[list[SizesEntry], long("/moves")]
+    worst_sizes: list[WorstSizeEntry]  # empty where the listed sizes alone count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsEntry(RecommendedEntry):
-    """The same with how far frequencies and damping may be off.
+    """The same with the factors by which all frequencies or damping ratios may be off.
 
-    ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
-    between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
-    of all damping ratios.
+    None: the requirements are not even kept at those of the profile.
     """
 
     frequency_range: list[float] | None
@@ -66,23 +73,17 @@ class LimitsEntry(RecommendedEntry):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TodayEntry:
-    """The values now in the control, judged like the recommended ones.
+    """The values now in the control, judged; all None where ``failure`` says why they cannot be."""
 
-    ``jerk`` is null where the control has no limit of the jerk; ``jerk_time`` is then the ramp
-    that was simulated. ``stated`` names those of Kv, Kp and Tn that are today's, ``basis`` says
-    it as a sentence. All that was to be judged is null
-    where ``failure`` says why it cannot be told, e.g. that the loop is unstable.
-    """
-
-    acceleration: float
-    jerk: float | None
-    jerk_time: float
+    acceleration: Positive
+    jerk: float | None  # None: the control has no limit of the jerk
+    jerk_time: Positive  # then the ramp that was simulated
     setpoint_filter: SetpointFilterEntry | None
     Kv: float
     Kp: float
     Tn: float
-    stated: list[str]
-    basis: Words
+    stated: list[str]  # which of Kv, Kp and Tn are today's
+    basis: Words  # the same as a sentence
     failure: Message | None
     bound_by: Message | None
     settling_time: float | None
@@ -96,18 +97,15 @@ class TodayEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JudgedLimits:
-    """Limits and what they reach, worst over moves and corners.
+    """Limits and what they reach, worst over moves and corners."""
 
-    ``keeps_reserve``: they need no more of what is allowed than recommendations may use.
-    """
-
-    acceleration: float
-    jerk: float
-    settling_time: float | None
-    residual_deviation: float | None
+    acceleration: Positive
+    jerk: Positive
+    settling_time: PositiveOrNone
+    residual_deviation: NotNegative
     peak_deviation: float
     meets_requirements: bool
-    keeps_reserve: bool
+    keeps_reserve: bool  # they need no more of what is allowed than recommendations may use
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,9 +156,9 @@ class RuleText:
     formula: list[RuleFormulaEntry]
     advice: Words
     valid_for: Words
-    acceleration: float
-    jerk: float
-    jerk_time: float
+    acceleration: Positive
+    jerk: Positive
+    jerk_time: Positive
     average: float
     chosen: Words
     bound_by: Words
@@ -172,29 +170,20 @@ class RuleText:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Landscape:
-    """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k.
+    """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
 
-    ``usage`` is the share of the force limit (and of bounded peaks and RMS force) that is used.
-    """
-
-    acceleration: list[float]
-    jerk_time: list[float]
-    settling_time: list[list[float | None]]
-    residual_deviation: list[list[float | None]]
-    usage: list[list[float | None]]
+    acceleration: Annotated[list[float], filled, above_zero]
+    jerk_time: Annotated[list[float], filled, above_zero]
+    settling_time: Plane
+    residual_deviation: Plane
+    usage: Plane  # share of the limits of force, bounded peaks and RMS force [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeLimitsEntry:
-    """Limits for one machining mode, from a band of its own.
+    """Limits for one machining mode, from a band of its own; None where ``reason`` says why."""
 
-    Where none were found that meet all requirements with this band, ``meets_requirements`` is
-    false, ``reason`` says so, and all values are null: nothing must be typed in. ``attainable``
-    is then the least residual deviation that was found with all other requirements kept, i.e.
-    the band that could be asked for [m]; null if there is none.
-    """
-
-    name: str
+    name: Annotated[str, one_of("surface", "accuracy", "speed")]
     band: float
     acceleration: float | None
     jerk: float | None
@@ -205,89 +194,69 @@ class ModeLimitsEntry:
     peak_deviation: float | None
     meets_requirements: bool
     reason: Words
-    attainable: float | None
+    attainable: float | None  # the band that could be asked for instead
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AttainableEntry:
-    """A requirement that stands in the way: ``value`` could be met instead of ``limit``.
+    """A requirement that stands in the way: ``value`` could be met instead, by these limits."""
 
-    All other requirements are kept then, by these limits. Names as in the verdict's checks.
-    ``together_with``: the requirements that must give way, too, where none helps alone.
-    """
-
-    requirement: str
+    requirement: str  # named as in the verdict's checks
     limit: float
     value: float
     unit: str
     acceleration: float
     jerk: float
-    together_with: list[str]
+    together_with: list[str]  # what must give way, too, where none helps alone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MoveSizesEntry:
     """The same limits on smaller and larger moves than the profile's, worst over the corners.
 
-    ``way``: "recommended", "commissioning rule", or "moving average" (the setpoint filter with
-    the length of one period, without a jerk limit: ``jerk`` null; only where it keeps the band
-    on all smaller moves). ``size`` is the velocity step [m/s] or the distance [m]; ``own`` that
-    of the profile's move. From ``full_from`` on the acceleration is reached (a²/j, or 2 a³/j²;
-    null: never). The band is kept for all sizes from ``kept_from`` to ``kept_to``, about
-    ``own`` (both null if not even there); an end of ``size`` means: at least so far.
+    An end of ``size`` means: the band is kept at least so far.
     """
 
-    way: Words
-    acceleration: float
+    way: Words  # recommended, by the commissioning rule, or by a moving average alone
+    acceleration: Positive
     jerk: float | None
     setpoint_filter: SetpointFilterEntry | None
-    move: dict[str, float]
-    own: float
-    size: list[float]
-    settling_time: list[float | None]
-    residual_deviation: list[float | None]
-    full_from: float | None
-    kept_from: float | None
+    move: Move
+    own: Positive  # size of the profile's move
+    size: Positives  # velocity steps or distances
+    settling_time: PerSize
+    residual_deviation: PerSize
+    full_from: float | None  # from here on the acceleration is reached; None: never
+    kept_from: float | None  # the band is kept about ``own`` from here; None: not even there
     kept_to: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImprovementEntry:
-    """What a single change would bring.
-
-    ``saved`` is what the settling time is less than with the recommendation [s], ``share`` the same
-    relative to that [-]. ``outcome`` says why numbers are null, or what was not judged;
-    empty where all was.
-    """
+    """What a single change would bring; ``outcome`` says why it has no number, or is not judged."""
 
     name: str
     change: Words
     settling_time: float | None
-    saved: float | None
-    share: float | None
+    saved: float | None  # of the settling time
+    share: float | None  # the same relative to that of the recommendation [-]
     meets_requirements: bool
     outcome: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsPart:
-    """All about the limits.
-
-    ``attainable`` is empty if all requirements are met, or if no single one is the obstacle.
-    ``listed_only`` is null where the listed sizes alone count anyway, or where no limits are met.
-    ``today`` is null where the profile does not state the values now in the control.
-    ``warnings`` are part of the record's warnings, too. ``would_bring`` is empty but in a record.
-    """
+    """All about the limits."""
 
     recommended: LimitsEntry
-    listed_only: ListedEntry | None
-    today: TodayEntry | None
+    listed_only: ListedEntry | None  # None: the listed sizes alone count anyway, or none are met
+    today: TodayEntry | None  # None: the profile does not state the values now in the control
     modes: list[ModeLimitsEntry]
-    attainable: list[AttainableEntry]
+    attainable: list[AttainableEntry]  # empty: all are met, or no single one is the obstacle
     move_sizes: list[MoveSizesEntry]
     alternatives: list[Alternative]
     rules: list[RuleResult]
     rule: RuleText
     landscape: Landscape
-    warnings: list[Words]
+    warnings: list[Words]  # part of the record's warnings, too
     would_bring: list[ImprovementEntry]

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from mtcommission.record.schema.values import Words
+from mtcommission.machine.machine import DriveKind, Motion
+from mtcommission.plant.kinds import KINDS
+from mtcommission.record.rules import filled, long, named, one_of
+from mtcommission.record.schema.values import Matrix, Positive, Words, signals_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,29 +39,26 @@ class PlantEntry:
     Where the motor follows its setpoint, F is its acceleration and B the column of its jerk.
     """
 
-    states: list[str]
-    units: dict[str, str]
-    A: list[list[float]]
-    B: list[float]
-    outputs: dict[str, list[float]]
+    states: Annotated[list[str], filled]
+    units: Annotated[dict[str, str], named(signals_of)]
+    A: Annotated[Matrix, long("states", "states")]
+    B: Annotated[list[float], long("states")]
+    outputs: Annotated[dict[str, list[float]], long("", "states")]
     modes: list[ModeEntry]
     controllability_rank: int
-    moving_mass: float
+    moving_mass: Positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineEntry:
-    """What the machine is called, and where its data come from.
-
-    ``drive`` is ``servo``, or ``position_source`` where the motor follows its setpoint.
-    """
+    """What the machine is called, and where its data come from."""
 
     name: str
     axis: str
-    motion: str
+    motion: Annotated[str, one_of(*(motion.value for motion in Motion))]
     source: str
-    kind: str
-    drive: str = "servo"
+    kind: Annotated[str, one_of(*KINDS)]
+    drive: Annotated[str, one_of(*(kind.value for kind in DriveKind))] = "servo"
 
     @property
     def follows(self) -> bool:

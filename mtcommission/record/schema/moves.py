@@ -3,8 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
-from mtcommission.record.schema.values import Series, SetpointFilterEntry, Words
+from mtcommission.record.rules import filled, named
+from mtcommission.record.schema.values import (
+    ByMode,
+    BySignal,
+    Move,
+    Series,
+    SetpointFilterEntry,
+    Words,
+    signals_of,
+)
+
+REFERENCES = ("x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation", "F_set")
+"""Signals of a simulated move beside those of the plant."""
+
+
+def moved_signals(record: Any) -> list[str]:
+    """Return the names of all signals of a simulated move."""
+    return [*REFERENCES, *signals_of(record)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,8 +52,8 @@ class ResponseEntry:
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
-    mode_amplitudes: dict[str, float]
-    peaks: dict[str, float]
+    mode_amplitudes: ByMode
+    peaks: BySignal
     max_force: float
     rms_force: float
     saturated: bool
@@ -45,24 +63,21 @@ class ResponseEntry:
 class MoveEntry:
     """One move with the recommended limits: nominal response, corners, motion for the plots."""
 
-    move: dict[str, float]
+    move: Move
     setpoint: SetpointEntry
     response: ResponseEntry
-    corners: list[ResponseEntry]
-    series: Series
+    corners: Annotated[list[ResponseEntry], filled]
+    series: Annotated[Series, named(moved_signals)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One requirement against what was found; ``value`` null = not settled.
-
-    ``reserve`` is the share of the limit that a recommendation may use [-]; 1: all of it.
-    """
+    """One requirement against what was found."""
 
     name: str
-    value: float | None
+    value: float | None  # None: not settled
     limit: float
-    reserve: float
+    reserve: float  # share of the limit that a recommendation may use [-]
     unit: str
     met: bool
     where: Words
@@ -74,19 +89,16 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: str
+    obstacle: str  # the requirement that stands in the way; "": none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationPart:
-    """What ``simulate`` prints: the first move's setpoint and response, and all moves.
-
-    ``warnings`` say what is poor about the loop.
-    """
+    """What ``simulate`` prints: the first move's setpoint and response, and all moves."""
 
     setpoint: SetpointEntry
     response: ResponseEntry
     corners: list[ResponseEntry]
     moves: list[MoveEntry]
-    warnings: list[Words]
+    warnings: list[Words]  # what is poor about the loop
     assessment: AssessmentPart

@@ -3,8 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
-from mtcommission.record.schema.values import Series, Words
+from mtcommission.record.rules import named, one_of
+from mtcommission.record.schema.values import (
+    BySignal,
+    Move,
+    Positive,
+    Series,
+    Words,
+    signals_of,
+)
+
+
+def _signals(record: Any) -> list[str]:
+    return ["F_set", *signals_of(record)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,7 +39,7 @@ class TouchPointEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProofEntry:
-    """What proves a least time; null: not known."""
+    """What proves a least time; None: not known."""
 
     t_f_lower_bound: float | None
     relative_gap: float | None
@@ -47,29 +60,29 @@ class LawEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OptimumEntry:
-    """An optimal control as `optimal --json` prints it, with its motion for the plots."""
+    """An optimal control as ``optimal --json`` prints it, with its motion for the plots."""
 
-    kind: str
+    kind: Annotated[str, one_of("time", "damping")]
     method: str
-    f_max: float
-    move: dict[str, float]
+    f_max: Positive
+    move: Move
     limits: dict[str, float]
-    t_f: float
+    t_f: Positive
     arcs: list[ArcEntry]
     switching_times: list[float]
     touch_points: list[TouchPointEntry]
-    peaks: dict[str, float]
+    peaks: BySignal
     terminal_error: dict[str, float]
     cost: float | None
     cost_terms: dict[str, float]
     weights: dict[str, float]
     certificate: ProofEntry | LawEntry
-    series: Series
+    series: Annotated[Series, named(_signals)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceSegment:
-    """A set force and how long it acts [N or N m, s]."""
+    """A set force and how long it acts."""
 
     duration: float
     force: float
@@ -77,47 +90,36 @@ class ForceSegment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BandEntry:
-    """The fastest control to a state from which the free motion keeps the tool within the band.
+    """The fastest control to a state from which the free motion keeps the tool within the band."""
 
-    ``lower_bound`` is proved, ``gap`` is what lies between it and ``t_f``, relative to ``t_f``.
-    The reference lies ``offset`` beyond the place at which the tool comes to rest [m or rad].
-    """
-
-    t_f: float
-    lower_bound: float
-    gap: float
-    band: float
-    offset: float
+    t_f: Positive
+    lower_bound: float  # proved
+    gap: float  # between that and t_f, relative to t_f
+    band: Positive
+    offset: float  # from where the tool comes to rest to the reference
     segments: list[ForceSegment]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobustEntry:
-    """The fastest force found after which all ``machines`` of the spread keep the band.
+    """The fastest force found after which all ``machines`` of the spread keep the band."""
 
-    ``peak`` is the largest deviation afterwards, over those machines [m or rad].
-    """
-
-    t_f: float
-    band: float
+    t_f: Positive
+    band: Positive
     offset: float
     machines: int
-    peak: float
+    peak: float  # largest deviation afterwards, over those machines
     segments: list[ForceSegment]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OptimaEntry:
-    """The optima of one move; ``constrained`` is null where the profile bounds no peaks.
+    """The optima of one move; ``remarks`` say why one was not found."""
 
-    ``band`` is null where it was not found, ``robust`` where there is no spread, too; then
-    ``remarks`` say why.
-    """
-
-    move: dict[str, float]
+    move: Move
     time: OptimumEntry
-    constrained: OptimumEntry | None
+    constrained: OptimumEntry | None  # None: the profile bounds no peaks
     damping: OptimumEntry | None
     band: BandEntry | None
-    robust: RobustEntry | None
+    robust: RobustEntry | None  # None where there is no spread, too
     remarks: list[Words]

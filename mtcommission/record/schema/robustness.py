@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
+from mtcommission.messages.message import Message
+from mtcommission.record.rules import Place, above_zero, long
 from mtcommission.record.schema.values import Words
+
+
+def _between_edges(at: Place) -> Iterator[Message]:
+    if len(at.value) != max(len(at.entry.edges) - 1, 0):
+        counts = f"{len(at.value)}, {len(at.entry.edges)} - 1"
+        yield Message("record-lengths-differ", key=at.key, counts=counts)
+
+
+def _as_many(at: Place) -> Iterator[Message]:
+    counts = {len(one.quantiles) for one in (at.entry.settling_time, at.value)}
+    if len(counts) > 1:
+        shown = ", ".join(map(str, sorted(counts)))
+        yield Message("record-lengths-differ", key=f"{at.key}.quantiles", counts=shown)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantile:
-    """The least value that so many of the samples do not exceed; null: not settled."""
+    """The least value that so many of the samples do not exceed; None: not settled."""
 
     share: float
     value: float | None
@@ -23,26 +40,22 @@ class HistogramEntry:
     """
 
     edges: list[float]
-    counts: list[int]
+    counts: Annotated[list[int], _between_edges]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DistributionEntry:
-    """One quantity over the samples, in ``unit``.
-
-    ``quantiles`` are over all samples (share 0: the least, 1: the largest), the histogram over
-    those that settle; ``not_settled`` counts the others.
-    """
+    """One quantity over the samples, in ``unit``."""
 
     unit: str
-    quantiles: list[Quantile]
-    histogram: HistogramEntry
+    quantiles: list[Quantile]  # over all samples; share 0: the least, 1: the largest
+    histogram: HistogramEntry  # of those that settle
     not_settled: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SampleEntry:
-    """One machine that was drawn [kg, -, -], and what the limits do on it [s, m]."""
+    """One machine that was drawn, and what the limits do on it."""
 
     payload: float
     frequency_factor: float
@@ -53,46 +66,35 @@ class SampleEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MonteCarloEntry:
-    """The recommended limits on machines drawn from the stated spread.
-
-    Payload, frequency factor and damping factor are drawn uniformly and independently.
-    ``share_met``: of samples that keep every requirement (band, settling time, force, peaks,
-    RMS force); ``share_in_band``: the band alone [-]. ``worst`` has the largest residual
-    deviation, ``slowest`` the longest settling time; worst over the moves each.
-    """
+    """The recommended limits on machines drawn uniformly from the stated spread."""
 
     samples: int
     seed: int
-    share_met: float
-    share_in_band: float
+    share_met: float  # of samples that keep every requirement [-]
+    share_in_band: float  # of those that keep the band [-]
     settling_time: DistributionEntry
-    residual_deviation: DistributionEntry
-    worst: SampleEntry
-    slowest: SampleEntry
+    residual_deviation: Annotated[DistributionEntry, _as_many]
+    worst: SampleEntry  # with the largest residual deviation of all moves
+    slowest: SampleEntry  # with the longest settling time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrequencyErrorEntry:
-    """The recommended limits where all eigenfrequencies are off by a common factor [-].
+    """The limits where all eigenfrequencies are off by a factor, worst over moves and corners.
 
-    Settling time [s] and residual deviation [m], worst over moves and over the ends of payload
-    and damping. Every requirement is kept from ``kept_from`` to ``kept_to`` (both null if not
-    even at factor 1); an end that is the first or last ``factor`` may lie further out.
+    An end of the kept range that is the first or last ``factor`` may lie further out.
     """
 
-    factor: list[float]
-    settling_time: list[float | None]
-    residual_deviation: list[float | None]
-    kept_from: float | None
+    factor: Annotated[list[float], above_zero]
+    settling_time: Annotated[list[float | None], long("factor")]
+    residual_deviation: Annotated[list[float | None], long("factor")]
+    kept_from: float | None  # every requirement is kept from here; None: not even at 1
     kept_to: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampingErrorEntry:
-    """The recommended limits where all damping ratios are off by a common factor [-].
-
-    ``factor``: those looked at; ``kept_from`` and ``kept_to`` as for the frequencies.
-    """
+    """The limits where all damping ratios are off by a factor; ends as for the frequencies."""
 
     factor: list[float]
     kept_from: float | None
@@ -101,14 +103,9 @@ class DampingErrorEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobustnessPart:
-    """How the recommended limits fare where machine or limits differ a little.
+    """How the recommended limits fare where machine or limits differ a little."""
 
-    ``monte_carlo`` is null where the profile states neither spread nor a range of payload.
-    ``warnings`` say on what unstated knowledge the verdict hangs; they are part of the record's
-    warnings, too.
-    """
-
-    monte_carlo: MonteCarloEntry | None
+    monte_carlo: MonteCarloEntry | None  # None: neither spread nor range of payload is stated
     frequency_error: FrequencyErrorEntry
     damping_error: DampingErrorEntry
-    warnings: list[Words]
+    warnings: list[Words]  # on what unstated knowledge the verdict hangs

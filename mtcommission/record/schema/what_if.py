@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.machine.control import ForceFilter
+from mtcommission.record.rules import above_zero, filled, long, of_one_size, one_of
+from mtcommission.record.schema.values import Jerk, Matrix, Positive, SetpointFilterEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,15 +22,15 @@ class SampledEntry:
     """
 
     follows: bool
-    velocity_cycle: float
-    cycles: int
+    velocity_cycle: Positive
+    cycles: Annotated[int, above_zero]
     reference_delay: float
     states: list[str]
     pending: int
     held: int
-    cycle: list[list[float]]
-    by_state: list[list[float]]
-    by_setpoint: list[list[float]]
+    cycle: Matrix
+    by_state: Matrix
+    by_setpoint: Matrix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,15 +44,12 @@ class VariedModeEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalEntry:
-    """A row over the plant's states whose largest magnitude counts, from t_e + τ on or always.
-
-    Less that derivative of the delayed setpoint (0: position); null: as it is.
-    """
+    """A row over the plant's states whose largest magnitude counts, from t_e + τ on or always."""
 
     name: str
     unit: str
     row: list[float]
-    less: int | None
+    less: int | None  # less that derivative of the delayed setpoint, 0: position; None: as it is
     is_after: bool
 
 
@@ -62,10 +62,10 @@ class VariedPlantEntry:
     then each that a check of the same name bounds.
     """
 
-    A: list[list[float]]
+    A: Matrix
     B: list[float]
     tcp: list[float]
-    signals: list[SignalEntry]
+    signals: Annotated[list[SignalEntry], filled]
     position: int
     velocity: int
     moving_mass: float
@@ -74,7 +74,7 @@ class VariedPlantEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoisyCornerEntry:
-    """A corner, and what the steps of the encoder add there either way [m, N]."""
+    """A corner, and what the steps of the encoder add there either way."""
 
     payload: float
     frequency_factor: float
@@ -95,41 +95,37 @@ class LimitEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NeedsEntry:
-    """What moves are judged by; null: not stated. ``every_size``: smaller moves count, too."""
+    """What moves are judged by; None: not stated. ``every_size``: smaller moves count, too."""
 
     checks: list[LimitEntry]
-    tcp_deviation: float
+    tcp_deviation: Positive
     contour_feed: float | None
-    motion_force: float
+    motion_force: Positive
     static_load: float
     every_size: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KnownLimitsEntry:
-    """Limits to begin with: ``today`` or ``recommended``; ``loop`` where it is another one."""
+    """Limits to begin with; ``loop`` where it is another one."""
 
-    name: str
-    acceleration: float
-    jerk: float
+    name: Annotated[str, one_of("today", "recommended")]
+    acceleration: Positive
+    jerk: Positive
     setpoint_filter: SetpointFilterEntry | None
     loop: SampledEntry | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WhatIfPart:
-    """All that it takes to run other limits, moves and machines through the loop again.
+    """All that it takes to run other limits, moves and machines through the loop again."""
 
-    ``jerk``: how the control limits the jerk (``limit``, ``time``, ``none``); ``averages``: from
-    which to which length it can set a moving average [s]; null: it has none.
-    """
-
-    jerk: str
+    jerk: Jerk
     loop: SampledEntry
     plant: VariedPlantEntry
-    corners: list[NoisyCornerEntry]
-    moves: list[dict[str, float]]
+    corners: Annotated[list[NoisyCornerEntry], filled]
+    moves: Annotated[list[dict[str, float]], of_one_size, long("/moves")]
     requirements: NeedsEntry
-    limits: list[KnownLimitsEntry]
-    force_filters: list[ForceFilterEntry]
-    averages: list[float] | None
+    limits: Annotated[list[KnownLimitsEntry], filled]
+    force_filters: list[ForceFilter]
+    averages: list[float] | None  # least and longest moving average; None: the control has none

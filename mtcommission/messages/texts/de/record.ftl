@@ -1,7 +1,6 @@
 record-not-readable = kein Protokoll von mtcommission run: { $why }
 record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist kein Protokoll
 record-without-profile = ein Protokoll enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
-record-contradicts = widerspricht sich selbst, was kein Lauf schreibt ({ $why }); das Profil neu rechnen, und es melden, wenn das neue Protokoll dasselbe tut
 record-disagrees = widerspricht sich selbst, sodass es nicht zu lesen ist; das Profil neu rechnen
 record-disagrees-where = { $wrong }; das Protokoll widerspricht sich selbst, was kein Lauf schreibt; das Profil neu rechnen
 record-lengths-differ = { $key }: hat Längen { $counts }, die gleich sein müssen
@@ -31,6 +30,7 @@ json-no-number = { $constant } ist keine Zahl in JSON
 json-object = ein Objekt
 json-array = eine Liste
 json-message = eine hier bekannte Meldung
+json-one-of = eines von { $words }
 json-text = ein Text
 json-boolean = true oder false
 json-number = eine Zahl

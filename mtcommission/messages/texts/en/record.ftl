@@ -4,7 +4,6 @@
 record-not-readable = not a record of mtcommission run: { $why }
 record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
 record-without-profile = a record holds the text of the profile, and this machine was not run from one; run the profile's file
-record-contradicts = contradicts itself, which no run writes ({ $why }); run the profile again, and report it if the new record does the same
 record-disagrees = disagrees with itself, so that it cannot be read; run the profile again
 record-disagrees-where = { $wrong }; the record disagrees with itself, which no run writes; run the profile again
 record-lengths-differ = { $key }: has lengths { $counts } that must be equal
@@ -34,6 +33,7 @@ json-no-number = { $constant } is no number of JSON
 json-object = an object
 json-array = an array
 json-message = a message that is known here
+json-one-of = one of { $words }
 json-text = a text
 json-boolean = true or false
 json-number = a number
