@@ -197,16 +197,19 @@ def free_motion(
     setpoint = np.repeat(np.arange(len(end)), len(m))
     cycles = (end[:, None] + m).ravel()
     near = transients(motions, setpoint, cycles, rows, parts, all_steps=True)
-    near = near.reshape(len(end), len(m), -1, len(parts)).transpose(0, 2, 1, 3)
-    near = near + (v_end[:, None, None] * coasting[:, parts])[:, :, None]
-    e = near.reshape(len(end), near.shape[1], -1)
-    instants = (T * m[:, None] + T_v * parts).ravel()
+    near = near.reshape(len(end), len(m), -1, len(parts)).transpose(2, 0, 1, 3)
+    instants, part = (T * m[:, None] + T_v * parts).ravel(), np.tile(parts, len(m))
     if poles.factors.size:
-        far = seen(motions.held[-1], shapes_on(poles, grid, rows))
-        if np.any(v_end):
-            far += v_end[:, None, None] * coasting[:, grid.part]
         instants = np.append(instants, T * (poles.forced + grid.cycle) + T_v * grid.part)
-        e = np.concatenate([e, far], axis=2)
+        part = np.append(part, grid.part)
+    by_corner = np.empty((len(near), len(end), len(instants)))
+    known = len(m) * len(parts)
+    by_corner[:, :, :known] = near.reshape(len(near), len(end), known)
+    e = by_corner.transpose(1, 0, 2)
+    if poles.factors.size:
+        e[:, :, known:] = seen(motions.held[-1], shapes_on(poles, grid, rows))
+    if np.any(v_end):
+        e += v_end[:, None, None] * coasting[:, part]
     until = t_e + tau
     own = until - end * T
     begin = np.searchsorted(instants, own - INSTANT)

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
+from mtcommission.loop.motions import FORCE
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -78,7 +79,16 @@ def step_through(
     # What is handed down by the encoder differs from machine to machine.
     handing = np.array([loop.handed_down for loop in loops])
     outputs = np.empty((len(loops), len(references), first.controller.cycles, seen))
+    whole = np.array([_rows_of_a_cycle(loop) for loop in loops])
+    size = X.shape[1]
     for k, r in enumerate(np.tile(references[:, None], (1, len(loops), 1))):
+        # A position cycle in which nothing saturates or rubs is one product.
+        Y = (whole @ np.hstack([X, r])[:, :, None])[:, :, 0]
+        later, moved = Y[:, :size], Y[:, size:].reshape(outputs[:, k].shape)
+        forces = np.hstack([moved[:, 1:, FORCE], later[:, [z + 1]]])
+        if friction is None and np.abs(forces).max() <= force_limit:
+            outputs[:, k], X = moved, later
+            continue
         handed_down = (handing @ np.hstack([X, r])[:, :, None])[:, :, 0]
         for i in range(first.controller.cycles):
             Y = (rows @ X[:, :, None])[:, :, 0]
@@ -92,6 +102,12 @@ def step_through(
                 rubbed += np.outer(friction.force(rubbed.T), friction.push)
         X = np.hstack([X[:, :held], handed_down, r, X[:, own:]])[:, : X.shape[1]]
     return X, outputs.reshape(len(loops), -1, seen)
+
+
+def _rows_of_a_cycle(loop: SampledLoop) -> Array:
+    """State after a position cycle, and outputs during it, over state and references."""
+    lifted = loop.lifted
+    return np.block([[lifted.A, lifted.B], [lifted.C, lifted.D]])
 
 
 def step_linear(loop: SampledLoop, X: Array, references: Array) -> Array:

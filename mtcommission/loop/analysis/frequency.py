@@ -65,6 +65,7 @@ class GainGrid:
     """A plant at n frequencies under all controllers that differ in their gains alone."""
 
     plant: Plant
+    velocity_cycle: float  # T_v [s]
     omega: Array  # (n,) [rad/s]
     z: ComplexArray  # exp(i ω T_v)
     asked: ComplexArray
@@ -72,7 +73,12 @@ class GainGrid:
     (2, n_gains, n)."""
     velocity: ComplexArray  # velocity of the encoder per velocity setpoint, by Kp and Kp/Tn, (2, n)
     tool: ComplexArray  # per set force and per force of disturbance, (2, n)
-    is_damped: bool  # whether only the rigid body's poles of the plant stand on the unit circle
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether only the rigid body's poles of the plant stand on the unit circle."""
+        poles = np.linalg.eigvals(discretise(self.plant, self.velocity_cycle)[0])
+        return int(np.sum(np.abs(poles) > 1.0 - STEADY)) <= RIGID
 
     def open_loop(self, controller: Controller) -> ComplexArray:
         """Return L, shape (n,)."""
@@ -98,9 +104,9 @@ class GainGrid:
             found = _merge(found, scan(self.plant, controller, omega).respond(controller))
         return found
 
-    def with_filters(self, filters: tuple[ForceFilter, ...], velocity_cycle: float) -> GainGrid:
+    def with_filters(self, filters: tuple[ForceFilter, ...]) -> GainGrid:
         """Return the same behind more filters of the set force."""
-        factor = _filtered(filters, self.z, velocity_cycle)
+        factor = _filtered(filters, self.z, self.velocity_cycle)
         return replace(self, asked=self.asked * factor, velocity=self.velocity * factor)
 
 
@@ -139,15 +145,14 @@ def scan(plant: Plant, controller: Controller, omega: Array) -> GainGrid:
     cascade = [rate, integral * rate, position, integral * modelled * position]
     path = _filtered(controller.force_filters, z, T_v) / z
     asked = np.concatenate([np.array(cascade), (estimates @ known).transpose(1, 2, 0)])
-    poles = np.abs(np.linalg.eigvals(A))
     return GainGrid(
         plant=plant,
+        velocity_cycle=T_v,
         omega=omega,
         z=z,
         asked=np.ascontiguousarray(path * asked.swapaxes(0, 1)),
         velocity=path * np.array([rate[0], integral * modelled * rate[0]]),
         tool=tool,
-        is_damped=int(np.sum(poles > 1.0 - STEADY)) <= RIGID,
     )
 
 

@@ -104,7 +104,7 @@ def with_filters(family: LoopFamily, filters: tuple[ForceFilter, ...]) -> LoopFa
     return replace(
         family,
         machine=replace(family.machine, control=own),
-        grids=tuple(grid.with_filters(filters, control.velocity_cycle) for grid in family.grids),
+        grids=tuple(grid.with_filters(filters) for grid in family.grids),
     )
 
 
