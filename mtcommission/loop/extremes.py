@@ -91,7 +91,7 @@ def _far_from_steps(
         left = gaps[own, j] - poles.forced
         used = int(np.searchsorted(grid.cycle, left.max()))
         cycle, part = grid.cycle[:used], grid.part[:used]
-        found = seen(motions.held[j, own], shapes[:, :, : used * R])
+        found = seen(motions.held[j, own], shapes[:, :, : used * R]).transpose(1, 0, 2)
         found = found.reshape(len(own), -1, used, R)
         at, setpoint = first[own, j, None] + poles.forced + cycle, np.repeat(own, used)
         sampled = np.asarray(at.ravel() * poles.dt)

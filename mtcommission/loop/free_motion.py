@@ -37,6 +37,9 @@ RESTING = 1e-12
 BACKWARDS = np.unique(np.append(np.arange(-1, 13), np.geomspace(13, 1e4, 40).round()))[::-1]
 """Position cycles before the envelope enters the band, at which its last swings are looked at."""
 
+BISECTIONS = 40
+"""Halvings of the time until an envelope enters the band: to 1e-12 of it."""
+
 TOGETHER = 500
 """Setpoints and corners whose last swings are looked at at once."""
 
@@ -50,6 +53,15 @@ class Grid:
     faded: Complex  # λ^cycle, (n_instants, n_corners, n_poles)
 
 
+def swing_times(pole: complex, periods: float) -> tuple[float, float]:
+    """Return until when the swings of a pole [1/s] are looked at densely, and when it is gone [s].
+
+    Densely for so many periods.
+    """
+    gone = log(1.0 / FADED) / max(-pole.real, 1e-9)
+    return min(periods * 2.0 * pi / abs(pole), gone), gone
+
+
 @lru_cache(maxsize=32)
 def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     """Return instants, so many to a period of each nominal pole at first, then ever fewer.
@@ -59,9 +71,8 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     """
     found = [np.zeros(1)]
     for pole in poles.rates[0][np.abs(poles.factors[0]) > 0.0]:
-        period, gone = 2.0 * pi / abs(pole), log(1.0 / FADED) / max(-pole.real, 1e-9)
-        dense = min(SWINGS * period, gone)
-        found.append(np.arange(0.0, dense, period / samples))
+        dense, gone = swing_times(pole, SWINGS)
+        found.append(np.arange(0.0, dense, 2.0 * pi / abs(pole) / samples))
         if gone > dense:
             count = min(ceil(log(gone / dense) * samples / 2.0), LATER)
             found.append(np.geomspace(dense, gone, count + 1))
@@ -131,7 +142,7 @@ class FreeMotion:
             high = np.log(sizes.sum(axis=1) / left) / -p.real.max(axis=1)
         is_seen = np.isfinite(high) & (high > 0.0)
         high = np.where(is_seen, high, 0.0)
-        for _ in range(40):
+        for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
             is_out = (sizes * np.exp(p.real * middle[:, None])).sum(axis=1) > left
             low, high = np.where(is_out, middle, low), np.where(is_out, high, middle)
@@ -205,9 +216,9 @@ def free_motion(
     by_corner = np.empty((len(near), len(end), len(instants)))
     known = len(m) * len(parts)
     by_corner[:, :, :known] = near.reshape(len(near), len(end), known)
-    e = by_corner.transpose(1, 0, 2)
     if poles.factors.size:
-        e[:, :, known:] = seen(motions.held[-1], shapes_on(poles, grid, rows))
+        seen(motions.held[-1], shapes_on(poles, grid, rows), out=by_corner[:, :, known:])
+    e = by_corner.transpose(1, 0, 2)
     if np.any(v_end):
         e += v_end[:, None, None] * coasting[:, part]
     until = t_e + tau

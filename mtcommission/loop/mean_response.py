@@ -18,12 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import factorial, log, pi
+from math import factorial, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.extremes import RAMPS
+from mtcommission.loop.free_motion import swing_times
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -41,6 +42,9 @@ SAMPLES = 12
 
 SWINGS = 1.75
 """Periods of each pole for which free times are looked at densely (empirical)."""
+
+LATER = 8
+"""Free times between these and when the pole is gone (empirical)."""
 
 COUNTS = 0.03
 """A pole counts if ramps excite it to this share of the one that they excite most [-]."""
@@ -134,10 +138,9 @@ def _lay_ages(poles: LoopPoles) -> Array:
     """Free times that meet the swings of every pole of the nominal loop that counts."""
     found, gone = [np.zeros(1)], 1e-3
     for pole in _counting_poles(poles):
-        period, fades = 2.0 * pi / abs(pole), log(1e3) / max(-pole.real, 1e-9)
-        dense = min(SWINGS * period, fades)
-        found.append(np.arange(0.0, dense, period / SAMPLES))
-        found.append(np.geomspace(dense, max(fades, 1.01 * dense), 9))
+        dense, fades = swing_times(pole, SWINGS)
+        found.append(np.arange(0.0, dense, 2.0 * pi / abs(pole) / SAMPLES))
+        found.append(np.geomspace(dense, max(fades, 1.01 * dense), LATER + 1))
         gone = max(gone, fades)
     ages = np.unique(np.concatenate(found))
     finest = np.min(np.diff(ages[:2])) if len(ages) > 1 else gone

@@ -126,10 +126,10 @@ def by_parts(shapes: Complex) -> Array:
     return np.ascontiguousarray(parts.transpose(0, 2, 1))
 
 
-def seen(state: Complex, shapes: Array) -> Array:
-    """Return signals of what poles hold, (n, n_corners, n_seen); ``shapes`` from ``by_parts``."""
-    by_corner = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
-    return np.asarray((by_corner @ shapes).transpose(1, 0, 2))
+def seen(state: Complex, shapes: Array, *, out: Array | None = None) -> Array:
+    """Return signals of what poles hold, (n_corners, n, n_seen); ``shapes`` from ``by_parts``."""
+    held = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
+    return np.asarray(np.matmul(held, shapes, out=out))
 
 
 def outputs_at(motions: Motions, n: Cycles, rows: Array) -> Array:
@@ -198,7 +198,7 @@ def transients(
     if poles.factors.size and len(far):
         last = told[far] - 1
         state = motions.held[last, setpoint[far]] * poles.power(age[far, last] - poles.forced)
-        found[far] += seen(state, view.shapes).reshape(len(far), -1)
+        found[far] += seen(state, view.shapes).transpose(1, 0, 2).reshape(len(far), -1)
     return found.reshape(len(n), len(poles.loops), len(parts), len(rows))
 
 

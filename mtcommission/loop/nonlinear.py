@@ -115,12 +115,19 @@ def step_linear(loop: SampledLoop, X: Array, references: Array) -> Array:
 
     ``references``: at each position cycle, shape (n_cycles, 4).
     """
-    A, B, C, D = loop.lifted.A, loop.lifted.B, loop.lifted.C, loop.lifted.D
+    lifted = loop.lifted
+    states = march(lifted.A, X, references @ lifted.B.T)
+    outputs = states @ lifted.C.T + references @ lifted.D.T
+    return np.asarray(outputs.reshape(-1, len(loop.outputs)))
+
+
+def march(A: Array, X: Array, pushes: Array) -> Array:
+    """Return the states X⁺ = A X + push, the first one included, shape of ``pushes``."""
     # In blocks side by side, each from rest; what each begins with is added afterwards.
-    length = ceil(sqrt(len(references)))
-    blocks = ceil(len(references) / length)
+    length = ceil(sqrt(len(pushes)))
+    blocks = ceil(len(pushes) / length)
     padded = np.zeros((blocks * length, len(A)))
-    padded[: len(references)] = references @ B.T
+    padded[: len(pushes)] = pushes
     pushed = padded.reshape(blocks, length, len(A))
     from_rest, powers = np.zeros((length + 1, blocks, len(A))), np.empty((length + 1, *A.shape))
     powers[0] = np.eye(len(A))
@@ -132,8 +139,7 @@ def step_linear(loop: SampledLoop, X: Array, references: Array) -> Array:
         begins[k] = X
         X = powers[-1] @ X + from_rest[-1, k]
     states = from_rest[:-1] + begins @ powers[:-1].transpose(0, 2, 1)
-    history = states.swapaxes(0, 1).reshape(-1, len(A))[: len(references)]
-    return np.asarray((history @ C.T + references @ D.T).reshape(-1, len(loop.outputs)))
+    return np.asarray(states.swapaxes(0, 1).reshape(-1, len(A))[: len(pushes)])
 
 
 def drive_loop(

@@ -45,6 +45,9 @@ nor exceed what was seen, or leaves it beyond the horizon in any case [s]."""
 ROUNDING = 1e-9
 """Relative excess over the force limit that is none."""
 
+SAMPLES = 24
+"""Instants to a period at which the size of what is followed is looked at: to 1 %."""
+
 LEAST_SIZE = 1e-6
 """Free motion below this share of the band is not followed to its own end: picometres."""
 
@@ -152,7 +155,7 @@ def _follow(
     held = motions.held[-1, 0] * poles.power(np.maximum(begun, 0))[0]
     sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(held)  # (n_corners, n_poles)
     radii = np.maximum(np.abs(poles.factors), 1e-9)
-    residual = free_motion(motions, lay_grid(poles, 24)).residual[0]
+    residual = free_motion(motions, lay_grid(poles, SAMPLES)).residual[0]
     size = np.minimum(np.maximum(residual, LEAST_SIZE * band), band)
     longest, settles = 0, np.ones(len(radii), dtype=bool)
     for corner, (amplitude, radius) in enumerate(zip(sizes, radii, strict=True)):
@@ -241,8 +244,7 @@ def _judge(
         at = np.concatenate([[until], t[begin:]])
         settling = float(last_crossing(at, judged[None], band, begin=at[:1])[1][0])
     peak, window = float(np.max(np.abs(deviation))), setpoint.duration + setpoint.move.dwell
-    stands_for = np.repeat(np.gradient(n.astype(np.float64)), cycles)  # cycles for each one
-    shares, motor = stands_for * window_shares(t, window, step=T_v), outputs[:, -1]
+    shares, motor = window_shares(n, window, step=T_v, cycles=cycles).ravel(), outputs[:, -1]
     rms = rms_force(
         np.array(shares @ motor),
         np.array(shares @ motor**2),
@@ -280,17 +282,19 @@ def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
     return np.array(amplitudes)
 
 
-def window_shares(times: Array, window: Array | float, *, step: float) -> Array:
-    """Return how much of a window from t = 0 on each sample, a velocity cycle, stands for [s].
+def window_shares(n: Cycles, window: float, *, step: float, cycles: int) -> Array:
+    """Return how much of a window from t = 0 on each velocity cycle stands for [s], (n, cycles).
 
-    The window may end between two samples; it cuts the last one.
+    Of some position cycles ``n``, each standing for those until the next one; ``step``: a velocity
+    cycle [s]. The window may end between two of them; it cuts the last one.
 
     Examples
     --------
-    >>> window_shares(np.array([0.0, 1.0, 2.0, 3.0]), 1.7, step=1.0)
+    >>> window_shares(np.arange(4), 1.7, step=1.0, cycles=1).ravel()
     array([1. , 1. , 0.2, 0. ])
     """
-    return np.asarray(step * np.clip((window - times) / step + 0.5, 0.0, 1.0))
+    left = window / step - (n[:, None] * cycles + np.arange(cycles))
+    return np.asarray(step * np.clip(left + 0.5, 0.0, 1.0) * np.gradient(n.astype(float))[:, None])
 
 
 def rms_force(first: Array, square: Array, *, window: Array | float, static_load: float) -> Array:

@@ -29,9 +29,7 @@ def rms_forces(
     n = np.unique(np.linspace(0, cycles, min(cycles, most_cycles) + 1).astype(np.int64))
     motor = np.eye(1, poles.outputs, poles.outputs - 1)  # the last of the plant's states
     force = outputs_at(set_in_motion(poles, steps), n[None], motor)[0, ..., 0]
-    T_v = poles.velocity_cycle
-    t = n[:, None] * poles.dt + T_v * np.arange(poles.cycles)
-    share = window_shares(t, window, step=T_v) * np.gradient(n.astype(float))[:, None]
+    share = window_shares(n, window, step=poles.velocity_cycle, cycles=poles.cycles)
     return rms_force(
         (share * force).sum(axis=(1, 2)) * window / share.sum(),
         (share * force**2).sum(axis=(1, 2)) * window / share.sum(),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
+from mtcommission.loop.nonlinear import march
 
 Array = NDArray[np.float64]
 
@@ -56,9 +57,7 @@ def step_response(
         added.append(rows @ pushed)
         state, pushed = cycle @ state, cycle @ pushed + entry
     pushed[loop.held :] = handed_down
-    C, D = np.vstack(seen), np.concatenate(added)
-    X, found = np.zeros(size), []
-    for _ in range(ceil(duration / loop.controller.position_cycle)):
-        found.append(C @ X + D)
-        X = A @ X + pushed
-    return np.array(found).reshape(-1, len(rows))
+    count = ceil(duration / loop.controller.position_cycle)
+    states = march(A, np.zeros(size), np.tile(pushed, (count, 1)))
+    found = states @ np.vstack(seen).T + np.concatenate(added)
+    return np.asarray(found.reshape(-1, len(rows)))
