@@ -132,7 +132,7 @@ def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
     tuned = tuned_member(seed)
     loop, T_v = tuned.loops[0], tuned.controller.velocity_cycle
     omega = np.geomspace(2 * pi * 0.3, 0.99 * pi / T_v, 60)
-    ours = scan(loop.plant, tuned.controller, omega).open_loop(tuned.controller)
+    ours = scan([loop.plant], tuned.controller, [omega])[0].open_loop(tuned.controller)
     theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 

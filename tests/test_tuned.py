@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.population import random_machine
-from mtcommission.loop.analysis.frequency import lay_grid
+from mtcommission.loop.analysis.frequency import lay_grids
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import (
     CLASSIC,
@@ -73,7 +73,7 @@ def test_quick_verdict_is_that_of_the_whole_loop() -> None:
     for machine in machines():
         bench = corner_plants(machine)
         ladder = list(tries(machine, bench))
-        grids = [lay_grid(plant, ladder[0]) for plant in bench.plants]
+        grids = lay_grids(bench.plants, ladder[0])
         for controller in ladder:
             expected = close_loop(bench, controller).keeps_margins(SETTINGS)
             seems = all(seems_to_keep(grid, controller, SETTINGS) for grid in grids)

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.analysis.cross_check import check_by_blocks
-from mtcommission.loop.analysis.frequency import frequency_response, scan
+from mtcommission.loop.analysis.frequency import scan
 from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
@@ -26,7 +26,7 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
-from mtcommission.loop.tuning.tuned import close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import CornerPlants, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine.control import (
     FilterKind,
@@ -203,7 +203,7 @@ def test_what_is_read_off_the_grid_is_right_to_six_digits() -> None:
 
     def closed(frequency_hz: float) -> float:
         omega = np.array([2 * pi * frequency_hz])
-        found = scan(plant, tuned.controller, omega).respond(tuned.controller)
+        found = scan([plant], tuned.controller, [omega])[0].respond(tuned.controller)
         return float(abs(found.closed_velocity_loop[0])) - np.sqrt(0.5)
 
     grid, response = tuned.responses[0].frequency_hz, tuned.responses[0].open_loop
@@ -430,7 +430,10 @@ def test_corner_loops_are_those_of_the_varied_machine() -> None:
     machine = in_corners(5)
     tuned = tune_loop(machine)
     for corner, response in zip(tuned.corners, tuned.responses, strict=True):
-        again = frequency_response(build_plant(vary(machine, corner)), tuned.controller)
+        plant = build_plant(vary(machine, corner))
+        (again,) = close_loop(
+            CornerPlants(corners=(corner,), plants=(plant,)), tuned.controller
+        ).responses
         assert np.array_equal(again.open_loop, response.open_loop)
 
 

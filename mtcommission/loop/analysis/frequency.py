@@ -12,6 +12,7 @@ The grid is refined where something is read off it: at crossings and at the high
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from math import exp, pi, sqrt
 
@@ -96,14 +97,6 @@ class GainGrid:
             compliance=self.tool[1] - self.tool[0] * reaction / (1.0 + L),
         )
 
-    def complete(self, controller: Controller) -> FrequencyResponse:
-        """Return the same, finest where margins, the bandwidth and the peaks are read."""
-        found = self.respond(controller)
-        for _ in range(REFINEMENTS):
-            omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
-            found = _merge(found, scan(self.plant, controller, omega).respond(controller))
-        return found
-
     def with_filters(self, filters: tuple[ForceFilter, ...]) -> GainGrid:
         """Return the same behind more filters of the set force."""
         factor = _filtered(filters, self.z, self.velocity_cycle)
@@ -117,68 +110,94 @@ def _gains(controller: Controller) -> Array:
     return np.concatenate([[Kp, Kp / Tn, Kp * Kv, Kp * Kv / Tn], gains])
 
 
-def scan(plant: Plant, controller: Controller, omega: Array) -> GainGrid:
-    """Return a plant at frequencies [rad/s] below the Nyquist frequency.
+def scan(
+    plants: Sequence[Plant], controller: Controller, omegas: Sequence[Array]
+) -> tuple[GainGrid, ...]:
+    """Return plants of the same states at frequencies of their own [rad/s], all below Nyquist.
 
     Of the controller its cycles, filters, sensors and observer count.
     """
     T_v, N, observer = controller.velocity_cycle, controller.cycles, controller.observer
-    z = np.exp(1j * omega * T_v)
-    A, B = discretise(plant, T_v)
+    counts = [len(omega) for omega in omegas]
+    own = np.repeat(np.arange(len(plants)), counts)
+    z = np.exp(1j * np.concatenate(omegas) * T_v)
+    A, B = map(np.array, zip(*(discretise(plant, T_v) for plant in plants), strict=True))
     # A disturbance on the line of the drive force enters like the force state itself.
-    entries = np.column_stack([B, discretise_disturbance(plant, T_v)])
-    rows = np.array([plant.row(name) for name in ("encoder", "tcp", *controller.sensors)])
-    seen = rows @ _resolvent(A, entries, z)
+    pushes = [discretise_disturbance(plant, T_v) for plant in plants]
+    names = ("encoder", "tcp", *controller.sensors)
+    rows = np.array([[plant.row(name) for name in names] for plant in plants])
+    seen = rows[own] @ _resolvent(A[own], np.stack([B, pushes], axis=2)[own], z)
     encoder, tool = seen[:, 0].T, seen[:, 1].T
     rate = encoder * (1.0 - 1.0 / z) / T_v
-    drives = np.column_stack([observer.B, observer.L])
-    estimates = _resolvent(observer.A - observer.L @ observer.C, drives, z)
-    # The observer does not know a disturbance.
-    known = np.concatenate([np.broadcast_to([[1.0, 0.0]], (z.size, 1, 2)), seen[:, 2:]], axis=1)
     # The position controller's demand reaches the integral branch through the reference model.
     integral, modelled = T_v / (z - 1.0), _reference_model(controller, z)
+    position = encoder
     if controller.position_loop is not PositionLoop.DRIVE:
         late = z**-N
         position = encoder * late * (1.0 - late) / (1.0 - 1.0 / z) / N
-    else:
-        position = encoder
-    cascade = [rate, integral * rate, position, integral * modelled * position]
+    asked = np.array([rate, integral * rate, position, integral * modelled * position])
+    if observer.states:
+        drives = np.column_stack([observer.B, observer.L])
+        estimates = _resolvent(observer.A - observer.L @ observer.C, drives, z)
+        # The observer does not know a disturbance.
+        known = np.broadcast_to([[1.0, 0.0]], (z.size, 1, 2))
+        told = estimates @ np.concatenate([known, seen[:, 2:]], axis=1)
+        asked = np.concatenate([asked, told.transpose(1, 2, 0)])
     path = _filtered(controller.force_filters, z, T_v) / z
-    asked = np.concatenate([np.array(cascade), (estimates @ known).transpose(1, 2, 0)])
-    return GainGrid(
-        plant=plant,
-        velocity_cycle=T_v,
-        omega=omega,
-        z=z,
-        asked=np.ascontiguousarray(path * asked.swapaxes(0, 1)),
-        velocity=path * np.array([rate[0], integral * modelled * rate[0]]),
-        tool=tool,
+    asked = path * asked.swapaxes(0, 1)
+    velocity = path * np.array([rate[0], integral * modelled * rate[0]])
+    ends = np.cumsum(counts)
+    return tuple(
+        GainGrid(
+            plant=plant,
+            velocity_cycle=T_v,
+            omega=omega,
+            z=z[part],
+            asked=np.ascontiguousarray(asked[:, :, part]),
+            velocity=velocity[:, part],
+            tool=tool[:, part],
+        )
+        for plant, omega, part in zip(plants, omegas, map(slice, ends - counts, ends), strict=True)
     )
 
 
-def lay_grid(plant: Plant, controller: Controller) -> GainGrid:
-    """Return a plant from 0.1 Hz to the Nyquist frequency of the velocity cycle.
+def lay_grids(plants: Sequence[Plant], controller: Controller) -> tuple[GainGrid, ...]:
+    """Return plants of the same states from 0.1 Hz to the Nyquist frequency of the velocity cycle.
 
     With a cluster of frequencies about each mode.
     """
     nyquist = pi / controller.velocity_cycle
-    parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
-    for mode in plant.modes:
-        width = HALF_WIDTHS * max(mode.damping_ratio, NARROWEST)
-        parts.append(mode.natural_frequency * (1.0 + np.linspace(-width, width, CLUSTER)))
-    omega = np.unique(np.concatenate(parts))
-    return scan(plant, controller, omega[(omega > 0.0) & (omega < nyquist)])
+    omegas = []
+    for plant in plants:
+        parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
+        for mode in plant.modes:
+            width = HALF_WIDTHS * max(mode.damping_ratio, NARROWEST)
+            parts.append(mode.natural_frequency * (1.0 + np.linspace(-width, width, CLUSTER)))
+        omega = np.unique(np.concatenate(parts))
+        omegas.append(omega[(omega > 0.0) & (omega < nyquist)])
+    return scan(plants, controller, omegas)
 
 
-def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
-    """Return open and closed loop from 0.1 Hz to the Nyquist frequency of the velocity cycle."""
-    return lay_grid(plant, controller).complete(controller)
+def complete(grids: Sequence[GainGrid], controller: Controller) -> tuple[FrequencyResponse, ...]:
+    """Return open and closed loops, finest where margins, the bandwidth and the peaks are read."""
+    found = [grid.respond(controller) for grid in grids]
+    for _ in range(REFINEMENTS):
+        omegas = [
+            _between(2 * pi * item.frequency_hz, _intervals_of_interest(item)) for item in found
+        ]
+        finer = scan([grid.plant for grid in grids], controller, omegas)
+        found = [
+            _merge(item, grid.respond(controller)) for item, grid in zip(found, finer, strict=True)
+        ]
+    return tuple(found)
 
 
 def _resolvent(A: Array, drives: Array, z: ComplexArray) -> ComplexArray:
     """(zI - A)^-1 drives at each frequency, shape (n_frequencies, n, n_drives)."""
-    matrices = z[:, None, None] * np.eye(A.shape[0]) - A
-    return np.asarray(np.linalg.solve(matrices, np.broadcast_to(drives, (z.size, *drives.shape))))
+    matrices = z[:, None, None] * np.eye(A.shape[-1]) - A
+    return np.asarray(
+        np.linalg.solve(matrices, np.broadcast_to(drives, (z.size, *drives.shape[-2:])))
+    )
 
 
 def _filtered(

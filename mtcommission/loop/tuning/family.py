@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis.frequency import GainGrid, lay_grid
+from mtcommission.loop.analysis.frequency import GainGrid, lay_grids
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape, build_cascade
 from mtcommission.loop.tuning.state_feedback import (
@@ -70,7 +70,7 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
         machine=machine,
         bench=bench,
         settings=settings,
-        grids=tuple(lay_grid(plant, controller) for plant in bench.plants),
+        grids=lay_grids(bench.plants, controller),
         observer=controller.observer,
         state_gains=controller.state_gains,
     )
@@ -93,7 +93,7 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
         return None
     observer = design_observer(machine, bench.model, controller, settings=cascades.settings)
     controller = replace(controller, observer=observer)
-    grids = tuple(lay_grid(plant, controller) for plant in bench.plants)
+    grids = lay_grids(bench.plants, controller)
     return replace(cascades, grids=grids, observer=observer, damps=True)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.frequency import FrequencyResponse, GainGrid, lay_grid
+from mtcommission.loop.analysis.frequency import FrequencyResponse, GainGrid, complete, lay_grids
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller, no_observer
 from mtcommission.machine.machine import Machine
@@ -164,9 +164,9 @@ def close_loop(
 
     ``grids``: of every corner, where these are known already.
     """
-    grids = grids or [lay_grid(plant, controller) for plant in bench.plants]
+    grids = grids or lay_grids(bench.plants, controller)
     loops = tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants)
-    responses = tuple(grid.complete(controller) for grid in grids)
+    responses = complete(grids, controller)
     return TunedLoop(
         controller=controller,
         corners=bench.corners,
