@@ -59,7 +59,7 @@ PHASES = 8
 SHARES = np.geomspace(0.01, 1.0, 24)
 """Of the listed size, at which what counts during a move is looked at, where all sizes count."""
 
-TOGETHER = 400
+TOGETHER = 128
 """Sizes that are judged at once: keeps their free motion in the cache."""
 
 LONGEST_SEEN = 2.0

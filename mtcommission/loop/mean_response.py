@@ -46,6 +46,9 @@ SWINGS = 1.75
 LATER = 8
 """Free times between these and when the pole is gone (empirical)."""
 
+CELLS = 100_000
+"""Numbers that are looked at at once: keeps them in the cache."""
+
 COUNTS = 0.03
 """A pole counts if ramps excite it to this share of the one that they excite most [-]."""
 
@@ -80,10 +83,15 @@ class MeanResponse:
 
         ``held``: G F of each at the end of its setpoint, (n_setpoints, n_corners, n_poles).
         """
-        both = np.concatenate([held.real, held.imag], axis=2).astype(np.float32)
-        found = np.abs(both.transpose(1, 0, 2) @ self.seen)
-        found = found.reshape(*found.shape[:2], self.signals, -1)
-        return np.asarray(found.max(axis=(0, 3)), dtype=np.float64)
+        both = np.concatenate([held.real, held.imag], axis=2).astype(np.float32).transpose(1, 0, 2)
+        largest = np.empty((len(held), self.signals))
+        together = max(CELLS // (len(self.seen) * self.seen.shape[2]), 1)
+        for start in range(0, len(held), together):
+            found = both[:, start : start + together] @ self.seen
+            np.abs(found, out=found)
+            found = found.reshape(*found.shape[:2], self.signals, -1)
+            largest[start : start + together] = found.max(axis=3).max(axis=0)
+        return largest
 
     def residual(self, steps: JerkSteps, behind: Complex) -> Array:
         """Return the same of moves, from ``jerk_steps``, with F of the filter."""

@@ -117,8 +117,8 @@ def simulate_corners(
     return responses
 
 
-TOGETHER = 2000
-"""Position cycles that are computed at once."""
+TOGETHER = 200
+"""Position cycles that are computed at once: keeps them in the cache."""
 
 
 STEPPED = 80_000
