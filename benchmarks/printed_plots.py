@@ -14,8 +14,8 @@ from time import process_time
 
 from mtcommission.record.files import load_record
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.legend import BORDER_DASHES, LINES
-from mtcommission.sheet.plot_model import LinePlot
+from mtcommission.sheet.document import LinePlot
+from mtcommission.sheet.figures import LIMIT, LINES
 
 HEIGHT = 90.0
 """Of a panel [pt]."""
@@ -24,7 +24,7 @@ HEIGHT = 90.0
 def by_canvas(plot: LinePlot) -> bytes:
     from mtcommission.sheet.figures import draw_svg
 
-    return draw_svg(plot, panel_height=HEIGHT)
+    return draw_svg(plot, panel_height=HEIGHT).encode()
 
 
 def by_matplotlib(plot: LinePlot) -> bytes:
@@ -44,7 +44,7 @@ def by_matplotlib(plot: LinePlot) -> bytes:
                 pair.plot(line.x, line.y, color=color, ls=style, lw=width, label=line.label,
                           drawstyle=drawn)  # fmt: skip
             for border in panel.borders:
-                pair.axhline(border.y, color="k", ls=(0, BORDER_DASHES), lw=0.7)
+                pair.axhline(border.y, color="k", ls=(0, LIMIT[1]), lw=0.7)
             pair.set_title(panel.y_label, loc="left", fontsize=8.0)
             pair.grid(visible=True)
         if plot.x_is_log:

@@ -14,29 +14,27 @@ from markupsafe import Markup
 
 
 def render_page(folder: Path, *, style: str, script: str, **values: object) -> str:
-    """Return ``page.html`` of a folder with its values, all text escaped.
+    """Return ``page.html`` of a folder with its values; what is ``Markup`` stands as it is.
 
-    Parameters
-    ----------
-    folder
-        Of the template.
-    style, script
-        Admitted by their hashes; the content security policy forbids everything else.
-    values
-        Of the template; what is ``Markup`` stands as it is.
+    Style and script are admitted by their hashes; the content security policy forbids all else.
     """
-    environment = Environment(
-        loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined
-    )
     policy = (
         "default-src 'none'; base-uri 'none'; form-action 'none'; "
         f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
     )
-    page = environment.get_template("page.html").render(
-        policy=policy, style=Markup(style), script=Markup(script), **values
+    page = fill_template(
+        folder / "page.html", policy=policy, style=Markup(style), script=Markup(script), **values
     )
     # A file name may hold bytes that are no letters: they must not lose the whole page.
     return page.encode(errors="replace").decode()
+
+
+def fill_template(path: Path, **values: object) -> str:
+    """Return a template with its values, all text escaped; others of its folder may be included."""
+    environment = Environment(
+        loader=FileSystemLoader(path.parent), autoescape=True, undefined=StrictUndefined
+    )
+    return environment.get_template(path.name).render(**values)
 
 
 def _hash_source(text: str) -> str:

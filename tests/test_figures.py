@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import struct
-import zlib
 
 import numpy as np
 import pytest
@@ -15,11 +13,9 @@ from matplotlib.textpath import TextPath
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import tick_text
-from mtcommission.sheet.axes import Axis, span
-from mtcommission.sheet.canvas import SIZE, text_width, write_png
-from mtcommission.sheet.figures import ALONG, draw_svg, drop_straight
-from mtcommission.sheet.placement import place_labels
-from mtcommission.sheet.plot_model import Border, HeatMap, Line, LinePlot, Mark, Panel, PointPlot
+from mtcommission.sheet.canvas import SIZE, Axis, place_labels, span, text_width
+from mtcommission.sheet.document import Border, HeatMap, Line, LinePlot, Mark, Panel, PointPlot
+from mtcommission.sheet.figures import ALONG, draw_svg
 
 ENDS = st.tuples(st.floats(min_value=-1e6, max_value=1e6), st.floats(min_value=1e-6, max_value=1e6))
 
@@ -97,50 +93,6 @@ def test_labels_hide_neither_each_other_nor_leave_the_frame(points):
     assert np.all(high <= (432.0 + 1e-9, 128.0 + 1e-9))
 
 
-@given(st.integers(min_value=3, max_value=400), st.integers(min_value=0, max_value=2**32 - 1))
-def test_points_left_out_change_nothing_that_is_seen(count, seed):
-    """Compared at every place of the full curve; 0.05 pt is a sixtieth of a millimetre."""
-    generator = np.random.default_rng(seed)
-    x = np.linspace(0.0, 430.0, count)
-    y = np.cumsum(generator.choice([0.0, 0.0, 0.001, -0.3, 2.0], size=count))
-    kept = drop_straight(np.column_stack([x, y]))
-    assert np.max(np.abs(np.interp(x, kept[:, 0], kept[:, 1]) - y)) < 0.05
-    assert kept[0].tolist() == [x[0], y[0]]
-    assert kept[-1].tolist() == [x[-1], y[-1]]
-
-
-@pytest.mark.parametrize("count", [3, 100, 401, 5000])
-@pytest.mark.parametrize(
-    "bend", [np.square, np.sin, np.exp, np.cbrt], ids=lambda bend: bend.__name__
-)
-def test_a_gentle_bend_stays_a_bend_however_fine_it_is_sampled(bend, count):
-    """The sheet showed a velocity of a tenth of its peak where each step alone was straight."""
-    u = np.linspace(-3.0, 3.0, count)
-    x, y = 70.0 * u, 2.0 * bend(u)
-    kept = drop_straight(np.column_stack([x, y]))
-    assert np.max(np.abs(np.interp(x, kept[:, 0], kept[:, 1]) - y)) < 0.05
-    assert len(kept) < max(0.6 * count, 4)
-
-
-def test_a_spike_is_no_straight():
-    spike = np.array([[0.0, 0.0], [1.0, 5.0], [1.0, 0.0], [2.0, 0.0]])
-    assert drop_straight(spike).tolist() == spike.tolist()
-
-
-def test_the_picture_of_a_map_reads_back():
-    """Read by the specification: filter 0, grey with alpha, white is the least value."""
-    grey = np.array([[0.0, 0.5, 1.0], [np.nan, 0.2, 0.8]])
-    data = write_png(grey)
-    width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
-    assert (width, height, depth, kind) == (3, 2, 8, 4)
-    begin = data.index(b"IDAT") + 4
-    length = struct.unpack(">I", data[begin - 8 : begin - 4])[0]
-    rows = np.frombuffer(zlib.decompress(data[begin : begin + length]), np.uint8).reshape(2, 7)
-    assert rows[:, 0].tolist() == [0, 0]
-    assert rows[:, 1::2].tolist() == [[255, 128, 0], [255, 204, 51]]
-    assert rows[:, 2::2].tolist() == [[255, 255, 255], [0, 255, 255]]
-
-
 def line_plot(**changes):
     x = np.linspace(0.0, 10.0, 11)
     line = Line(label="a & b", x=x, y=x**2, style=4)
@@ -150,7 +102,7 @@ def line_plot(**changes):
 
 
 def test_a_curve_lies_where_its_numbers_are():
-    svg = draw_svg(line_plot()).decode()
+    svg = draw_svg(line_plot())
     # The first one is the sample in the legend; the curve is inside the clipped group.
     curve = re.search(r'<g clip-path.*?<path d="M([^"]*)"[^>]*stroke="#0b4f9e"', svg, re.DOTALL)
     assert curve
@@ -173,7 +125,7 @@ def test_a_marked_point_has_its_name_beside_it():
         marks=marks,
         border=Border(label="band", y=5.0),
     )
-    words = re.findall(r">([^<>]+)</text>", draw_svg(plot).decode())
+    words = re.findall(r">([^<>]+)</text>", draw_svg(plot))
     assert {"rule 0", "rule 1", "rule 2", "rule 3", "band"} <= set(words)
 
 
@@ -190,7 +142,7 @@ def test_the_chosen_point_of_a_map_is_explained():
         values=np.array([[1.0, 2.0, np.nan], [2.0, 4.0, 8.0]]),
         chosen=Mark(label="chosen", x=2.0, y=1.5, style=0),
     )
-    svg = draw_svg(plot, decimal_mark=",").decode()
+    svg = draw_svg(plot, decimal_mark=",")
     assert ">chosen</text>" in svg
     assert svg.count("#d00000") == 2
     assert {"1", "8"} <= set(re.findall(r">([^<>]+)</text>", svg))

@@ -19,9 +19,9 @@ from mtcommission.profile.shipped import shipped_names
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf
-from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.plot_model import LinePlot
+from mtcommission.sheet.document import LinePlot
+from mtcommission.sheet.loop import bode
 
 from .sheet_record import (
     example_record,

@@ -27,12 +27,12 @@ from mtcommission.record.identified import read_evidence
 from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.document import Table
 from mtcommission.sheet.html import set_html
-from mtcommission.sheet.identified_part import identified
-from mtcommission.sheet.model import Table
-from mtcommission.sheet.responses_part import response_blocks
+from mtcommission.sheet.identified import identified
+from mtcommission.sheet.loop import bode
+from mtcommission.sheet.responses import second_page
 from mtcommission.study.tool_sensor import value_tool_sensor
 from tests.sheet_record import example_record
 from tests.test_cli import Run, run
@@ -249,7 +249,7 @@ def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
     words = Catalogue()
     tables = [
         block
-        for block in response_blocks(replace(record, limits=limits), words)
+        for block in second_page(replace(record, limits=limits), words).blocks
         if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
     ]
     rows = {row[0]: row[-1] for row in tables[0].rows}

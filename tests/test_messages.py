@@ -157,8 +157,8 @@ def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
 NO_PROSE = {
     "export/layout.py": "rows of a file, read back as they were written",
     "export/wording.py": "umlauts among capitals",
-    "sheet/entry_part.py": "numbers and units as they are typed",
     "sheet/html.py": "indices of a formula",
+    "sheet/verdict.py": "numbers and units as they are typed",
     "sweep/case_table.py": "columns of a table of cases",
     "sweep/cases.py": "ranges as one types them",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",

@@ -25,7 +25,7 @@ from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry
 from mtcommission.sheet import print_html, type_in
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.model import Headline, Table
+from mtcommission.sheet.document import Headline, Table
 
 from .sheet_record import Json, average, example_record, exportable_record
 

@@ -32,7 +32,7 @@ from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.sheet.limits_part import shown_jerk
+from mtcommission.sheet.limits import shown_jerk
 from tests.independent_loop import shaper
 
 PRINTER = """

@@ -35,10 +35,9 @@ from mtcommission.record.what_if import what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
+from mtcommission.sheet.document import document
 from mtcommission.sheet.html import set_html
-from mtcommission.sheet.model import Document
-from mtcommission.sheet.panel import Panel
-from mtcommission.sheet.what_if_part import what_if
+from mtcommission.sheet.what_if import Panel, what_if
 
 from .test_cli import Run, run  # noqa: F401
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
@@ -85,21 +84,17 @@ def build_bench(name: str, language: str = "en") -> Bench:
     words = Catalogue(language, rotary=machine.motion.value == "rotary", follows=follows)
     part = what_if_part(machine, plant, tuned, recommended, None)
     panel = what_if(part, words, profile=f"{name}.toml")
-    document = Document(
-        language=language,
+    page = document(
+        words,
         title="Values to try",
         machine=machine.name,
         axis=machine.axis,
         identity=name,
         created="today",
         disclaimer="calculated",
-        contents_heading="Contents",
-        skip_link="skip",
-        script_note="",
-        page_word="page",
         sections=(),
     )
-    html = set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
+    html = set_html(page, decimal_mark=LANGUAGES[language], panel=panel)
     return Bench(machine, plant, tuned, recommended, panel, html)
 
 

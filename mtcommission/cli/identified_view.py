@@ -10,7 +10,7 @@ from mtcommission.cli.language import words
 from mtcommission.cli.terminal import heading, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
 from mtcommission.record.schema.identified import IdentifiedPart
-from mtcommission.sheet.measured_blocks import doubts_and_notes, facts, mode_heads, mode_row
+from mtcommission.sheet.identified import doubts_and_notes, facts, mode_heads, mode_row
 
 
 def refusal(part: IdentifiedPart, *, forced: bool) -> tuple[str, ...]:

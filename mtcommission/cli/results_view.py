@@ -17,8 +17,9 @@ from mtcommission.record.schema.limits import (
     TodayEntry,
 )
 from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
-from mtcommission.sheet.values import ROUNDED, filter_rows, say_requirement
-from mtcommission.sheet.verdict_part import share_used, verdict_on
+from mtcommission.sheet.limits import ROUNDED
+from mtcommission.sheet.tables import filter_rows, say_requirement
+from mtcommission.sheet.verdict import share_used, verdict_on
 
 
 def describe_limits(machine: Machine, answer: LimitsAnswer) -> Group:

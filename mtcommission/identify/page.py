@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.sheet.document import BigValue, Block, Headline, Preformatted, Section, document
 from mtcommission.sheet.html import set_html
-from mtcommission.sheet.measured_blocks import (
+from mtcommission.sheet.identified import (
     check_table,
     file_table,
     mode_tables,
@@ -13,7 +14,6 @@ from mtcommission.sheet.measured_blocks import (
     remarks,
     result_table,
 )
-from mtcommission.sheet.model import BigValue, Block, Document, Headline, Preformatted, Section
 
 
 def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> str:
@@ -39,25 +39,22 @@ def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> st
         "sources": (file_table(part, words),),
         "profile": (Preformatted(caption=say("identify-part-profile"), text=profile),),
     }
-    document = Document(
-        language=language,
+    page = document(
+        words,
+        script_note="identify-script-note",
         title=say("identify-title"),
         machine=say("identify-document-name"),
         axis=created[:10],
         identity=", ".join(state.name for state in part.states),
         created=created,
         disclaimer=say("identify-page-note"),
-        contents_heading=say("contents"),
-        skip_link=say("skip"),
-        script_note=say("identify-script-note"),
-        page_word=say("page"),
         sections=tuple(
             Section(key=key, heading=say(f"identify-part-{key}"), blocks=blocks)
             for key, blocks in sections.items()
             if blocks
         ),
     )
-    return set_html(document, decimal_mark=words.format.decimal_mark)
+    return set_html(page, decimal_mark=words.format.decimal_mark)
 
 
 def _headline(part: IdentifiedPart, words: Catalogue) -> Headline:

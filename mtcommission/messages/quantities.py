@@ -131,7 +131,9 @@ class Formatter:
             shown = float(f"{shown:.{DIGITS}g}")
         return self.with_unit(self.number(shown, digits=digits), scale.unit)
 
-    def axis(self, value: float | None, unit: str, *, missing: str = "–") -> str:
+    def axis(
+        self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
+    ) -> str:
         """Return a value of the axis's own motion, as ``quantity`` does.
 
         Parameters
@@ -145,7 +147,8 @@ class Formatter:
         """
         if self.follows:
             unit = {"N": "m/s^2", "kg": "", "1/kg": ""}.get(unit, unit)
-        return self.quantity(value, motion_unit(unit, rotary=self.rotary), missing=missing)
+        unit = motion_unit(unit, rotary=self.rotary)
+        return self.quantity(value, unit, missing=missing, digits=digits)
 
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""

@@ -1,13 +1,16 @@
 """The commissioning sheet: record -> neutral document -> HTML, PDF, terminal.
 
-content.py      record -> document: four pages and an appendix (``*_part.py``)
-model.py        what a document consists of
-values.py       values that have a word where there is no number
-html.py         document -> one offline page (page.html, page.css, page.js)
-what_if_part.py what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
-figures.py      plots -> SVG for print (legend.py, axes.py, canvas.py, placement.py)
-pdf.py          document -> PDF (sheet.typ)
-terminal.py     record -> summary in 80 columns
+content.py    record -> document: four pages and an appendix
+              (verdict, basis, responses, loop, measurements; limits, machine, identified,
+              robustness, differences, evidence)
+document.py   what a document consists of
+tables.py     the printing kit: a table is quantities and items
+plots.py      curves in SI -> plots; figures.py and canvas.py draw them for print
+diagram.py    the loop as a drawing (structure.svg)
+html.py       document -> one offline page (page.html, page.css, page.js)
+what_if.py    what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
+pdf.py        document -> PDF (sheet.typ)
+terminal.py   record -> summary in 80 columns
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ from mtcommission.record.schema.machine import MachineEntry
 from mtcommission.record.schema.record import Profile, Record
 from mtcommission.record.schema.what_if import WhatIfPart
 from mtcommission.record.verified import Verified
-from mtcommission.sheet.entry_part import type_in
+from mtcommission.sheet.verdict import type_in
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
@@ -41,36 +44,23 @@ def print_html(
 ) -> str:
     """Return the sheet as one HTML file that works offline.
 
-    Parameters
-    ----------
-    record
-        A whole commissioning.
-    language
-        Code of a language, e.g. "en".
-    before
-        An earlier record of the axis; then the sheet tells what changed.
-    verified
-        What ``verify`` found; then the sheet shows it beside what was calculated.
-    typed
-        ``type_in`` of the record, where page and PDF are to share it.
+    With an earlier record of the axis (``before``) it tells what changed; with what ``verify``
+    found (``verified``) it shows that beside what was calculated. ``typed`` is ``type_in`` of the
+    record, where page and PDF are to share it.
 
     Raises
     ------
     InputError
         If there is no such language, or if the two records cannot be compared.
     """
-    from mtcommission.messages.catalogue import Catalogue
-    from mtcommission.sheet.content import compose
+    from mtcommission.sheet.content import compose, words_for
     from mtcommission.sheet.html import set_html
-    from mtcommission.sheet.what_if_part import what_if
+    from mtcommission.sheet.what_if import what_if
 
     _require(language)
     document = compose(record, language, before=before, verified=verified, typed=typed)
-    part, panel = record.what_if, None
-    if part is not None:
-        axis = record.machine
-        words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
-        panel = what_if(part, words, profile=record.profile.name)
+    part, words = record.what_if, words_for(record.machine, language)
+    panel = what_if(part, words, profile=record.profile.name) if part else None
     return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
 
 
@@ -84,46 +74,32 @@ def print_answers(
 ) -> str:
     """Return a page that answers for other limits, moves and machines, and shows nothing else.
 
-    Parameters
-    ----------
-    part
-        Loop, machine and requirements.
-    machine, profile
-        What the axis is called, and the profile it comes from.
-    created
-        Date and time, ISO 8601.
-    language
-        Code of a language, e.g. "en".
-
     Raises
     ------
     InputError
         If there is no such language.
     """
-    from mtcommission.messages.catalogue import Catalogue
+    from mtcommission.sheet.content import words_for
+    from mtcommission.sheet.document import HASH_DIGITS, document
     from mtcommission.sheet.html import set_html
-    from mtcommission.sheet.model import HASH_DIGITS, Document
-    from mtcommission.sheet.what_if_part import what_if
+    from mtcommission.sheet.what_if import what_if
 
     _require(language)
-    words = Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
+    words = words_for(machine, language)
     text = words.text
-    document = Document(
-        language=language,
+    page = document(
+        words,
+        skip="what-if-skip",
         title=text("what-if-title"),
         machine=machine.name,
         axis=f"{text('axis')} {machine.axis}",
         identity=text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
         created=created,
         disclaimer=text("disclaimer"),
-        contents_heading=text("contents"),
-        skip_link=text("what-if-skip"),
-        script_note="",
-        page_word=text("page"),
         sections=(),
     )
     panel = what_if(part, words, profile=profile.name)
-    return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
+    return set_html(page, decimal_mark=LANGUAGES[language], panel=panel)
 
 
 def print_pdf(
@@ -138,22 +114,8 @@ def print_pdf(
     """Return the sheet as PDF, A4; the same record always gives the same bytes.
 
     Four pages that one hands over, and one more for what changed. What does not fit on its page
-    takes another rather than smaller letters.
-
-    Parameters
-    ----------
-    record
-        A whole commissioning.
-    language
-        Code of a language, e.g. "en".
-    before
-        An earlier record of the axis; then the sheet tells what changed.
-    verified
-        What ``verify`` found; then the sheet shows it beside what was calculated.
-    typed
-        ``type_in`` of the record, where page and PDF are to share it.
-    appendix
-        Whether the evidence is printed behind them, as the page always shows it.
+    takes another rather than smaller letters. With ``appendix`` the evidence is printed behind
+    them, as the page always shows it; the other arguments are those of ``print_html``.
 
     Raises
     ------
@@ -183,13 +145,6 @@ def remark_on_print(record: Record) -> tuple[Message, ...]:
 
 def summarise(record: Record, *, language: str = "en") -> Summary:
     """Return the summary for the terminal, to be printed by rich.
-
-    Parameters
-    ----------
-    record
-        A whole commissioning.
-    language
-        Code of a language, e.g. "en".
 
     Raises
     ------

@@ -1,81 +1,79 @@
-"""Block diagrams as SVG, the same for page and paper."""
+"""The structure of the loop with its gains, as a block diagram: structure.svg with its values."""
 
 from __future__ import annotations
 
-from html import escape
+from pathlib import Path
 
-from mtcommission.sheet.plot_model import Box, Diagram, Wire
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.schema.record import Record
+from mtcommission.sheet.document import Diagram
+from mtcommission.sheet.tables import PATH_GAINS, show
+from mtcommission.web import fill_template
 
-SIZE, LEADING, SUM_RADIUS, MARGIN = 9.5, 12.0, 7.0, 4.0
-"""Font size, distance of lines, radius of a summing point and room beside text [drawing units]."""
+SIZE, MARGIN = 9.5, 4.0
+"""Font size and room beside text in a box [drawing units]."""
 
 CHARACTER = 0.64
 """Width of a character relative to the font size; DejaVu Sans is narrower for all but capitals."""
 
 
-def draw_diagram(diagram: Diagram) -> str:
-    """Return a diagram as SVG; colours stand in attributes, so a style sheet may replace them.
+def structure(record: Record, words: Catalogue) -> Diagram:
+    """Return position loop, velocity loop, feed-forward and state feedback with their values."""
+    text, part, plant, ahead = words.text, record.loop, record.plant, record.loop.feedforward
+    kv, kp, tn = (gain.show(part, words) for gain in PATH_GAINS)
+    number, cycle = words.format.number, part.position_cycle
+    totals = {entry.path.kind: entry.total for entry in part.delays}
 
-    Parameters
-    ----------
-    diagram
-        What to draw.
+    def late(path: str) -> str:
+        """How late a path acts, drive and filters included."""
+        return text("diagram-late", time=show(totals.get(f"path-{path}"), words, "s"))
 
-    Examples
-    --------
-    >>> box = Box(x=1.0, y=1.0, width=50.0, height=20.0, lines=("a < b",))
-    >>> diagram = Diagram(key="k", caption="c", alt="a", width=60.0, height=30.0, boxes=(box,),
-    ...     sums=(), wires=(), words=())
-    >>> "a &lt; b" in draw_diagram(diagram)
-    True
-    """
-    parts = [_wire(wire) for wire in diagram.wires]
-    parts += [
-        f'<circle cx="{x:g}" cy="{y:g}" r="{SUM_RADIUS:g}" fill="white" stroke="black"/>'
-        for x, y in diagram.sums
-    ]
-    parts += [_box(box) for box in diagram.boxes]
-    parts += [_text(word.x, word.y, word.text, SIZE, "start") for word in diagram.words]
-    alt = escape(diagram.alt)
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {diagram.width:g} '
-        f'{diagram.height:g}" role="img" aria-label="{alt}" font-family="DejaVu Sans, sans-serif">'
-        f"{''.join(parts)}</svg>"
+    def cycle_of(time: float) -> str:
+        return text("diagram-cycle", cycle=show(time, words, "s"))
+
+    count, feedback = len(part.state_feedback), tuple[str, ...]()
+    if count:
+        gains = text("diagram-gains", count=count)
+        feedback = (text("diagram-observer"), "K (x̂_ref − x̂)", gains)
+    alt = text("diagram-alt", kv=kv, kp=kp, tn=tn, feedback=text("yes" if count else "no"))
+    svg = fill_template(
+        Path(__file__).with_name("structure.svg"),
+        alt=alt,
+        size=text_size,
+        delay=(text("diagram-delay"), f"τ = {show(part.reference_delay, words, 's')}"),
+        position=(
+            f"Kv = {kv}",
+            cycle_of(part.velocity_cycle if part.position_loop == "drive" else cycle),
+            late("position-controller"),
+        ),
+        velocity=(
+            "Kp (1 + 1/(Tn s))",
+            f"Kp = {kp}",
+            f"Tn = {tn}, {cycle_of(part.velocity_cycle)}",
+            late("velocity-controller"),
+        ),
+        drive=(
+            f"|F_set| ≤ {show(part.motion_force, words, plant.units['F'])}",
+            "1 / (1 + T s)",
+            f"T = {show(part.force_lag, words, 's')}",
+        ),
+        mechanics=(
+            text("diagram-mechanics"),
+            f"m = {show(plant.moving_mass, words, 'kg')}",
+            text("diagram-modes", count=len(plant.modes)),
+        ),
+        velocity_ahead=(f"× {number(ahead.velocity)}", late("velocity-feed-forward")),
+        force_ahead=(
+            f"m ({number(ahead.acceleration)} a_ref + {number(ahead.jerk)} T j_ref)",
+            f"m = {show(ahead.mass, words, 'kg')}",
+            late("force-feed-forward"),
+        ),
+        feedback=feedback,
+        encoder=words.name("encoder"),
     )
+    return Diagram(key="structure", caption=text("diagram-caption"), alt=alt, svg=svg)
 
 
 def text_size(text: str, width: float) -> float:
     """Return the font size with which a line fits into a box, the usual one at most."""
-    return min(SIZE, (width - 2 * MARGIN) / (CHARACTER * max(len(text), 1)))
-
-
-def _box(box: Box) -> str:
-    rect = (
-        f'<rect x="{box.x:g}" y="{box.y:g}" width="{box.width:g}" height="{box.height:g}" '
-        'fill="white" stroke="black"/>'
-    )
-    first = box.y + box.height / 2 - LEADING * (len(box.lines) - 1) / 2 + SIZE / 3
-    lines = [
-        _text(
-            box.x + box.width / 2, first + k * LEADING, line, text_size(line, box.width), "middle"
-        )
-        for k, line in enumerate(box.lines)
-    ]
-    return rect + "".join(lines)
-
-
-def _text(x: float, y: float, text: str, size: float, anchor: str) -> str:
-    return (
-        f'<text x="{x:g}" y="{y:.1f}" font-size="{size:.2f}" text-anchor="{anchor}" '
-        f'fill="black">{escape(text)}</text>'
-    )
-
-
-def _wire(wire: Wire) -> str:
-    points = " ".join(f"{x:g},{y:g}" for x, y in wire.points)
-    line = f'<polyline points="{points}" fill="none" stroke="black"/>'
-    (x0, y0), (x1, y1) = wire.points[-2:]
-    dx, dy = (x1 > x0) - (x1 < x0), (y1 > y0) - (y1 < y0)
-    back = [(x1 - 6 * dx + 3 * s * dy, y1 - 6 * dy + 3 * s * dx) for s in (1, -1)]
-    head = " ".join(f"{x:g},{y:g}" for x, y in [(x1, y1), *back])
-    return f'{line}<polygon points="{head}" fill="black" stroke="none"/>'
+    return round(min(SIZE, (width - 2 * MARGIN) / (CHARACTER * max(len(text), 1))), 2)

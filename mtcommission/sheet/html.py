@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,10 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from mtcommission.sheet.axes import Axis, span
-from mtcommission.sheet.diagram import draw_diagram
-from mtcommission.sheet.model import Document, Formula
-from mtcommission.sheet.panel import Panel
-from mtcommission.sheet.placement import place_labels, shorten
-from mtcommission.sheet.plot_model import LinePlot, PointPlot
+from mtcommission.sheet.canvas import place_labels, shorten
+from mtcommission.sheet.document import Document, Formula, LinePlot, PointPlot
+from mtcommission.sheet.figures import point_axes
+from mtcommission.sheet.what_if import Panel
 from mtcommission.web import json_for_script, render_page
 
 FOLDER = Path(__file__).parent
@@ -25,6 +24,7 @@ DIGITS = 5
 
 SCRIPTS = ("page.js", "engine.js", "what_if.js")
 """Of a page; the first one draws plots, the others answer back."""
+
 LETTER = 7.2
 """Mean width of a letter in the names of points [px]."""
 
@@ -33,22 +33,10 @@ FRAME = (820.0, 340.0)
 
 
 def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = None) -> str:
-    """Return a document as a page.
+    """Return a document as a page; ``panel`` answers back, behind the first section.
 
-    Parameters
-    ----------
-    document
-        From ``content.compose``.
-    decimal_mark
-        For the values under the cursor.
-    panel
-        What answers back, behind the first section; None: nothing does.
-
-    Returns
-    -------
-    str
-        All text escaped; the content security policy admits only the page's own script and
-        style, by their hashes, and no connection.
+    All text is escaped; the content security policy admits only the page's own script and style,
+    by their hashes, and no connection. The decimal mark is for the values under the cursor.
     """
     style = _read("page.css") + (_read("what_if.css") if panel else "")
     script = "".join(map(_read, SCRIPTS if panel else SCRIPTS[:1]))
@@ -63,7 +51,7 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         style=style,
         script=script,
         document=document,
-        draw=lambda diagram: Markup(draw_diagram(diagram)),
+        svg=Markup,
         set_formula=_set_formula,
         plots=json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
         panel=panel,
@@ -83,12 +71,17 @@ def _set_formula(formula: Formula) -> Markup:
 
 def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:
     """Return a plot as page.js draws it."""
-    if isinstance(plot, LinePlot):
-        return _line_plot_data(plot)
-    return _point_plot_data(plot)
-
-
-def _line_plot_data(plot: LinePlot) -> dict[str, Any]:
+    if isinstance(plot, PointPlot):
+        return {
+            "kind": "PointPlot",
+            "x_label": plot.x_label,
+            "y_label": plot.y_label,
+            "border": asdict(plot.border),
+            "marks": [
+                {**asdict(mark), "name": shorten(mark.label), "beside": beside}
+                for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
+            ],
+        }
     return {
         "kind": "LinePlot",
         "x_label": plot.x_label,
@@ -114,32 +107,15 @@ def _line_plot_data(plot: LinePlot) -> dict[str, Any]:
     }
 
 
-def _point_plot_data(plot: PointPlot) -> dict[str, Any]:
-    return {
-        "kind": "PointPlot",
-        "x_label": plot.x_label,
-        "y_label": plot.y_label,
-        "border": asdict(plot.border),
-        "marks": [
-            {**asdict(mark), "name": shorten(mark.label), "beside": beside}
-            for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
-        ],
-    }
-
-
-def _label_offsets(plot: PointPlot) -> list[list[float]]:
+def _label_offsets(plot: PointPlot) -> list[list[float | None]]:
     """Return where each name stands beside its point [px], before the reader zooms."""
-    x, y = (np.array([getattr(mark, name) for mark in plot.marks]) for name in "xy")
-    (left, right), (low, high) = (
-        span([values], is_log=True) for values in (x, np.append(y, plot.border.y))
-    )
-    across = Axis(low=left, high=right, begin=0.0, end=FRAME[0], is_log=True)
-    down = Axis(low=low, high=high, begin=FRAME[1], end=0.0, is_log=True)
-    points = np.column_stack([across.at(x), down.at(y)])
+    width, height = FRAME
+    x, y = point_axes(plot, (0.0, 0.0, width, height))
+    points = np.array([[float(x.at(mark.x)), float(y.at(mark.y))] for mark in plot.marks])
     sizes = np.array([[LETTER * len(shorten(mark.label)), 13.0] for mark in plot.marks])
-    centres = place_labels(points, sizes, width=FRAME[0], height=FRAME[1], gap=7.0)
-    return [_rounded(offset) for offset in np.round(centres - points, 1)]  # type: ignore[misc]
+    centres = place_labels(points, sizes, width=width, height=height, gap=7.0)
+    return [_rounded(offset) for offset in np.round(centres - points, 1)]
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float | None]:
-    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]
+    return [float(f"{value:.{DIGITS}g}") if isfinite(value) else None for value in values.tolist()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from enum import Enum
 from importlib.util import find_spec
@@ -16,14 +16,18 @@ from fontTools.ttLib import TTFont
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
-from mtcommission.sheet.diagram import draw_diagram
+from mtcommission.sheet.document import (
+    Block,
+    Diagram,
+    Document,
+    HeatMap,
+    LinePlot,
+    PointPlot,
+    Section,
+)
 from mtcommission.sheet.figures import PANEL, draw_svg
-from mtcommission.sheet.model import Block, Document, Section
-from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, Plot, PointPlot
 
-PLOTS = (LinePlot, PointPlot, HeatMap)
-
-HEIGHTS = (124.0, 106.0, 90.0, 76.0, 64.0, 54.0, 46.0, 39.0)
+HEIGHTS = (124.0, 100.0, 80.0, 64.0, 50.0, 39.0)
 """Heights of a panel [pt], among which a page takes the largest that fits; sheet.typ has as many
 steps."""
 
@@ -40,32 +44,32 @@ MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
 
 
 def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
-    """Return a document as PDF/UA-1.
-
-    Parameters
-    ----------
-    document
-        From ``content.compose``.
-    decimal_mark
-        For the numbers at the axes.
+    """Return a document as PDF/UA-1, with this decimal mark at the axes.
 
     Raises
     ------
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
-    plots = {
-        block.key: _drawn(block, section, decimal_mark)
+    pictures: dict[str, list[str]] = {}
+    sections = [
+        {
+            "heading": section.heading,
+            "is_appendix": section.is_appendix,
+            "blocks": [_data(block, section, decimal_mark, pictures) for block in section.blocks],
+        }
         for section in document.sections
-        for block in section.blocks
-        if isinstance(block, (*PLOTS, Diagram))
-    }
+    ]
+    shown = {item.name: getattr(document, item.name) for item in fields(document)}
     try:
         pdf = typst.compile(
             TEMPLATE,
             font_paths=[_font_folder()],
             ignore_system_fonts=True,
-            sys_inputs={"document": _as_json(document), "plots": json.dumps(plots)},
+            sys_inputs={
+                "document": json.dumps(shown | {"sections": sections}, ensure_ascii=False),
+                "plots": json.dumps(pictures),
+            },
             format="pdf",
             pdf_standards=["ua-1"],
             timestamp=_timestamp(document.created),
@@ -77,29 +81,36 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
     return pdf
 
 
-def _drawn(block: Plot | Diagram, section: Section, decimal_mark: str) -> list[str]:
-    """Return a picture as SVG: on a page in each of the heights among which it chooses."""
-    if isinstance(block, Diagram):
-        return [draw_diagram(block)]
-    heights = (PANEL,) if section.is_appendix else HEIGHTS
-    return [
-        draw_svg(block, decimal_mark=decimal_mark, panel_height=height).decode()
-        for height in (heights if isinstance(block, LinePlot) else heights[:1])
-    ]
+def _data(
+    block: Block, section: Section, decimal_mark: str, pictures: dict[str, list[str]]
+) -> dict[str, Any]:
+    """Return a block for the template; a picture as key, caption and alt, and as SVG apart.
+
+    On a page a plot is drawn in each of the heights among which the template chooses.
+    """
+    if isinstance(block, LinePlot | PointPlot | HeatMap | Diagram):
+        if isinstance(block, Diagram):
+            pictures[block.key] = [block.svg]
+        elif isinstance(block, LinePlot):
+            heights = (PANEL,) if section.is_appendix else HEIGHTS
+            pictures[block.key] = [
+                draw_svg(block, decimal_mark=decimal_mark, panel_height=height)
+                for height in heights
+            ]
+        else:
+            pictures[block.key] = [draw_svg(block, decimal_mark=decimal_mark)]
+        return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
+    values = asdict(
+        block,
+        dict_factory=lambda pairs: {
+            name: value.value if isinstance(value, Enum) else value for name, value in pairs
+        },
+    )
+    return {"type": type(block).__name__} | values
 
 
 def find_boxes(texts: Iterable[str]) -> str:
-    """Return the characters of some texts that the sheet's font lacks and prints as boxes.
-
-    Parameters
-    ----------
-    texts
-        Of the user; our own texts are covered.
-
-    Returns
-    -------
-    str
-        Each once, in their order.
+    """Return the characters of the user's texts that the sheet's font prints as boxes, each once.
 
     Examples
     --------
@@ -131,30 +142,3 @@ def _timestamp(created: str) -> datetime:
     except ValueError:
         return MISSING_DATE
     return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-
-
-def _as_json(document: Document) -> str:
-    """Return the document as data for the template; plots shrink to key, caption and alt."""
-    sections = [
-        {
-            "heading": section.heading,
-            "is_appendix": section.is_appendix,
-            "blocks": [_as_data(block) for block in section.blocks],
-        }
-        for section in document.sections
-    ]
-    names = ("language", "title", "machine", "axis", "identity", "disclaimer", "page_word")
-    data = {name: getattr(document, name) for name in (*names, "appendix_heading")}
-    return json.dumps(data | {"sections": sections}, ensure_ascii=False)
-
-
-def _as_data(block: Block) -> dict[str, Any]:
-    if isinstance(block, (*PLOTS, Diagram)):
-        return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
-    values = asdict(
-        block,
-        dict_factory=lambda pairs: {
-            name: value.value if isinstance(value, Enum) else value for name, value in pairs
-        },
-    )
-    return {"type": type(block).__name__} | values

@@ -12,12 +12,20 @@ from rich.text import Text
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
 from mtcommission.record.schema.record import Record
-from mtcommission.sheet.basis_part import assumed_rows, basis_rows, holds_rows
-from mtcommission.sheet.robustness_part import drawn_sentence
-from mtcommission.sheet.values import residual, say_filter, say_requirement, settling
-from mtcommission.sheet.verdict_part import (
+from mtcommission.sheet.basis import assumed_rows, basis_rows, holds_rows
+from mtcommission.sheet.robustness import drawn_sentence
+from mtcommission.sheet.tables import (
+    ACCELERATION,
+    DASH,
+    JERK_TIME,
+    RESIDUAL,
+    SETTLING,
+    Quantity,
+    say_filter,
+    say_requirement,
+)
+from mtcommission.sheet.verdict import (
     assumed_and_binding,
     attainable_sentences,
     move_title,
@@ -64,15 +72,7 @@ SUBSTITUTES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """What the terminal shows of a record; rich renders it.
-
-    Parameters
-    ----------
-    record
-        A whole commissioning.
-    language
-        Code, e.g. "en".
-    """
+    """What the terminal shows of a record; rich renders it."""
 
     record: Record
     language: str
@@ -117,31 +117,27 @@ class Summary:
 
 def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
     """Return the values of the summary as the sheet prints them, with today's behind them."""
-    text, f, limits = words.text, words.format, record.limits.recommended
-    today = record.limits.today
-    has_filter = limits.setpoint_filter or (today and today.setpoint_filter)
+    limits, today, has_jerk = (
+        record.limits.recommended,
+        record.limits.today,
+        record.loop.jerk != "none",
+    )
+    jerk = Quantity("jerk", lambda it: it.jerk if has_jerk else None, "m/s^3", "no-jerk-limit")
+    quantities = [ACCELERATION, jerk, *([JERK_TIME] if has_jerk else [])]
+    if limits.setpoint_filter or (today and today.setpoint_filter):
+        shown = Quantity("setpoint-filter", lambda it: say_filter(it.setpoint_filter, words))
+        quantities.append(shown)
+    found = (SETTLING, RESIDUAL)
 
-    timed = () if record.loop.jerk == "none" else ("jerk-time",)
+    def now(quantity: Quantity) -> str:
+        is_known = today and not (today.failure and quantity in found)
+        value = quantity.show(today, words) if is_known else DASH
+        return words.text("now", value=value)
 
-    def values(item: LimitsEntry | TodayEntry) -> tuple[str, ...]:
-        j = None if record.loop.jerk == "none" else item.jerk
-        return (
-            f.axis(item.acceleration, "m/s^2"),
-            f.axis(j, "m/s^3", missing=text("no-jerk-limit")),
-            *([f.quantity(item.jerk_time, "s")] if timed else []),
-            *([say_filter(item.setpoint_filter, words)] if has_filter else []),
-            settling(item.settling_time, words),
-            residual(item.residual_deviation, words),
-        )
-
-    filtered = ("setpoint-filter",) if has_filter else ()
-    names = ("acceleration", "jerk", *timed, *filtered, "settling-time", "residual")
-    columns = [[text(name) for name in names], values(limits)]
-    if today:
-        *typed, settled, left = values(today)
-        found = ("–", "–") if today.failure else (settled, left)
-        columns.append([text("now", value=value) for value in (*typed, *found)])
-    return list(zip(*columns, strict=True))
+    return [
+        (one.head(words), one.show(limits, words), *([now(one)] if today else []))
+        for one in (*quantities, *found)
+    ]
 
 
 def _shares(record: Record, words: Catalogue) -> str:
@@ -165,12 +161,7 @@ def further_sentences(record: Record, words: Catalogue) -> list[str]:
 
 
 def draw_dots(y: Array) -> list[str]:
-    """Return a curve as rows of braille characters.
-
-    Parameters
-    ----------
-    y
-        Two values for each character, shape (2 columns,).
+    """Return a curve, two values for each character, as rows of braille characters.
 
     Examples
     --------
@@ -205,12 +196,7 @@ def _small_plot(record: Record, words: Catalogue, *, is_ascii: bool) -> list[str
 
 
 def draw_ascii(y: Array) -> list[str]:
-    """Return a curve as one row of characters for each sign that it has.
-
-    Parameters
-    ----------
-    y
-        One value for each character, shape (columns,).
+    """Return a curve, a value for each character, as one row for each sign that it has.
 
     Examples
     --------

@@ -14,7 +14,7 @@ from mtcommission.optimal.solution import (
     sample_trajectory,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
+from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 from mtcommission.validate.adjoint import follow_law
 from mtcommission.validate.cases import Cases, LoopCase
 from mtcommission.validate.paper import FORCE_LIMIT, RATE_BOUND

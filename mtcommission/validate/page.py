@@ -5,18 +5,18 @@ from __future__ import annotations
 import re
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.sheet.html import set_html
-from mtcommission.sheet.model import (
+from mtcommission.sheet.document import (
     Block,
     Bullets,
     Column,
-    Document,
     Headline,
     Paragraph,
     Section,
     Table,
     Tone,
+    document,
 )
+from mtcommission.sheet.html import set_html
 from mtcommission.validate.figures import paper_figures
 from mtcommission.validate.report import Part, Validation, count_verdicts
 from mtcommission.validate.row import Row, Verdict
@@ -44,21 +44,18 @@ def print_validation(validation: Validation, *, created: str) -> str:
             key="figures", heading="Figures 3 to 6 again", blocks=paper_figures(validation.cases)
         ),
     )
-    document = Document(
-        language="en",
+    page = document(
+        Catalogue(),
+        script_note="identify-script-note",
         title="The paper's numbers beside ours",
         machine=machine.name,
         axis=f"{text('axis')} {machine.axis}",
         identity=SOURCE,
         created=created,
         disclaimer="Calculated, not measured.",
-        contents_heading=text("contents"),
-        skip_link=text("skip"),
-        script_note="Plots: drag to zoom, double-click to reset, move the pointer to read values.",
-        page_word=text("page"),
         sections=sections,
     )
-    return set_html(document, decimal_mark=".")
+    return set_html(page, decimal_mark=".")
 
 
 def _verdict(validation: Validation) -> Section:

@@ -5,20 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.sheet.html import set_html
-from mtcommission.sheet.model import (
+from mtcommission.sheet.document import (
     BigValue,
     Block,
+    Border,
     Bullets,
     Column,
-    Document,
     Headline,
+    Line,
+    LinePlot,
+    Panel,
     Paragraph,
     Section,
     Table,
     Tone,
+    document,
 )
-from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
+from mtcommission.sheet.html import set_html
 from mtcommission.verify.beside import Beside
 from mtcommission.verify.checks import Verdict
 from mtcommission.verify.motions import Recorded
@@ -85,21 +88,18 @@ def print_verification(
             key="sources", heading=say("verify-part-sources"), blocks=(_sources(found, words),)
         ),
     ]
-    document = Document(
-        language=language,
+    page = document(
+        words,
+        script_note="identify-script-note",
         title=say("verify-title"),
         machine=record.machine.name,
         axis=f"{say('axis')} {record.machine.axis}",
         identity=say("identity", name=record.profile.name, hash=record.profile.sha256[:12]),
         created=created,
         disclaimer=say("verify-disclaimer"),
-        contents_heading=say("contents"),
-        skip_link=say("skip"),
-        script_note=say("identify-script-note"),
-        page_word=say("page"),
         sections=tuple(sections),
     )
-    return set_html(document, decimal_mark=words.format.decimal_mark)
+    return set_html(page, decimal_mark=words.format.decimal_mark)
 
 
 def _headline(found: Verification, words: Catalogue) -> Headline:

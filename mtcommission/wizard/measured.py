@@ -83,7 +83,7 @@ def identify_files(
     from mtcommission.identify.statement import evidence_file
     from mtcommission.identify.states import identify
     from mtcommission.record.files import dump_json
-    from mtcommission.sheet.measured_blocks import doubts_and_notes
+    from mtcommission.sheet.identified import doubts_and_notes
 
     if before:
         parse_profile(before, where=str(output))

@@ -6,7 +6,8 @@ It computes nothing: engine.js runs the loop, what_if.js shows what comes of it.
 from __future__ import annotations
 
 import shlex
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from math import pi
 from typing import Any
 
@@ -16,8 +17,7 @@ from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.schema.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain
-from mtcommission.sheet.panel import Field, Panel
-from mtcommission.sheet.values import say_filter, say_requirement
+from mtcommission.sheet.tables import say_filter, say_requirement, show
 
 SMALLEST_SHARE = 50.0
 """Of the largest acceleration, at which its slider begins."""
@@ -61,6 +61,42 @@ TEXTS = (
 )  # fmt: skip
 
 
+Pair = tuple[str, str]
+"""Key in the script, and what is said."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """What can be moved, by a slider and an entry beside it [SI]."""
+
+    key: str
+    label: str
+    unit: str
+    size: float  # one unit in SI
+    low: float  # ends of the slider
+    high: float
+    least: float  # what may be entered
+    most: float
+    value: float  # to begin with
+    log: bool  # whether the slider moves by factors
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """Texts of the template by their key, what can be moved, and what the script computes with."""
+
+    texts: Mapping[str, str]
+    moves: tuple[str, ...]
+    columns: tuple[str, ...]
+    margin_columns: tuple[str, ...]
+    filters: tuple[Pair, ...]
+    rows: tuple[Pair, ...]
+    margin_rows: tuple[Pair, ...]
+    fields: tuple[Field, ...]
+    follows: bool  # whether the motor follows its setpoint, so that there is no loop to show
+    data: Mapping[str, Any]  # for the script, as JSON
+
+
 def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     """Return the part of a page that answers for other limits, moves and machines.
 
@@ -74,7 +110,7 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     return Panel(
         texts={key.replace("-", "_"): words.text(f"what-if-{key}", today=today) for key in TEXTS},
         moves=tuple(
-            words.text("what-if-move-named", number=number, size=_say_size(move, words))
+            words.text("what-if-move-named", number=number, size=_size(move, words))
             for number, move in enumerate(part.moves, start=1)
         ),
         columns=tuple(names[item.name] for item in part.limits),
@@ -113,11 +149,10 @@ def _template(key: str, words: Catalogue) -> str:
     return words.text(f"what-if-{key}", **{place: f"{{{place}}}" for place in PLACES})
 
 
-def _say_size(move: dict[str, float], words: Catalogue) -> str:
-    f = words.format
+def _size(move: dict[str, float], words: Catalogue) -> str:
     if "velocity_step" in move:
-        return f.axis(move["velocity_step"], "m/s")
-    return f.axis(move["distance"], "m")
+        return show(move["velocity_step"], words, "m/s")
+    return show(move["distance"], words, "m")
 
 
 def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:

@@ -1,0 +1,216 @@
+"""For what the verdict holds, and on what it rests: control, reserve, measured and assumed data."""
+
+from __future__ import annotations
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.schema.machine import Datum
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.robustness import DampingErrorEntry, FrequencyErrorEntry
+from mtcommission.sheet.tables import show
+
+Row = tuple[str, str]
+
+ILLUSTRATIVE = "source-illustrative"
+NOT_STATED = {"source-default", ILLUSTRATIVE, "source-accepted-default"}
+"""Sources of values that nobody stated for this machine."""
+
+OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
+
+MARKED = (
+    *("control.", "requirements.reserve", "requirements.payload (least)"),
+    *("requirements.frequency_spread", "requirements.damping_spread"),
+)
+"""Beginnings of the keys that other rows of page 1 mark, or that the largest payload stands for."""
+
+NAMED = 3
+"""Illustrative data that page 1 names; the rest it counts. Of a real machine it names all."""
+
+
+def find_number(record: Record, key: str) -> float | None:
+    """Return a number of the profile [SI]; None where the record does not state it."""
+    values = (item.value for item in record.data if item.key == key)
+    value = next(values, None)
+    return float(value) if isinstance(value, float | int) else None
+
+
+def find_band(record: Record) -> float | None:
+    """Return the permitted TCP deviation [m or rad]; None where the record does not state it."""
+    return find_number(record, "requirements.tcp_deviation")
+
+
+def is_assumed(record: Record, key: str) -> bool:
+    """Return whether a key, or one that begins so, was not stated by anybody."""
+    sources = [item.source for item in record.data if item.key.startswith(key)]
+    return any(isinstance(one, Message) and one.kind in NOT_STATED for one in sources)
+
+
+def datum_name(item: Datum, words: Catalogue) -> str:
+    """Return the name of a datum, with the number of its move or the name of its mode."""
+    *path, last = item.key.split(".")
+    name = words.name(last)
+    number = ".".join(path).removeprefix("moves[").removesuffix("]")
+    if number.isdecimal():
+        return f"{words.text('move', number=number)}: {name}"
+    if path[:2] == ["plant", "modes"]:
+        return words.text("of-mode", name=name, mode=".".join(path[2:]))
+    return words.text("peak-bound", name=name) if path == ["requirements", "peaks"] else name
+
+
+def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
+    """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
+    key, value = item.key, item.value
+    if isinstance(value, str):
+        return words.known(f"loop-at-{value}", value)
+    if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
+        return words.format.percent(value)
+    if key.startswith("requirements.peaks."):
+        return words.format.quantity(value, units.get(key.rpartition(".")[2], item.unit))
+    return words.format.quantity(value, item.unit)
+
+
+def control_name(kind: str, words: Catalogue) -> str:
+    """Return the name of a kind of control."""
+    return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
+
+
+def holds_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return for which moves, frequencies, damping ratios and payloads all is kept."""
+    text, error = words.text, record.robustness
+    rows = [
+        (text("basis-sizes"), _sizes(record, words)),
+        (text("basis-frequencies"), _spread(record, "frequency", error.frequency_error, words)),
+        (text("basis-damping"), _spread(record, "damping", error.damping_error, words)),
+    ]
+    low, high = (
+        find_number(record, f"requirements.payload ({end})") or 0.0 for end in ("least", "largest")
+    )
+    if high > low:
+        said = text("payload-from-to", low=show(low, words, "kg"), high=show(high, words, "kg"))
+        rows.append((text("payload"), _marked(record, "requirements.payload", said, words)))
+    return tuple(rows)
+
+
+def basis_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return the control and its loop, the reserve, and what the encoder's steps do."""
+    text, loop = words.text, record.loop
+    reserve = {
+        name: find_number(record, f"requirements.reserve.{name}") or 0.0
+        for name in ("band", "force")
+    }
+    said = _marked(record, "requirements.reserve", text("reserve-kept", **reserve), words)
+    rows = [(text("basis-control"), _control(record, words)), (text("basis-reserve"), said)]
+    if loop.encoder_noise is not None:
+        steps = text(
+            "encoder-steps",
+            resolution=show(loop.encoder_resolution, words, "m"),
+            tool=show(loop.encoder_noise.tool, words, "m"),
+            force=show(loop.encoder_noise.force, words, "N"),
+        )
+        rows.append((words.name("encoder"), steps))
+    return tuple(rows)
+
+
+def data_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return where the machine data come from: stated, measured, and assumed."""
+    text, part, source = words.text, record.identified, words.say(record.machine.source)
+    assumed = assumed_rows(record, words)
+    if part is None:
+        return ((text("basis-data"), text("measured-nothing", source=source)), *assumed)
+    modes = ", ".join(mode.name for mode in part.modes)
+    measured = text("measured-modes", modes=modes, date=part.created[:10])
+    return ((text("basis-data"), source), (text("basis-measured"), measured), *assumed)
+
+
+def assumed_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return the other values that nobody stated, in one row; nothing where all were."""
+    said, examples = list[str](), list[str]()
+    for item in record.data:
+        source = item.source.kind if isinstance(item.source, Message) else ""
+        if source in NOT_STATED and not item.key.startswith(MARKED):
+            value = datum(item, record.plant.units, words)
+            named = f"{datum_name(item, words)} = {value}"
+            (examples if source == ILLUSTRATIVE else said).append(named)
+    said += examples[:NAMED]
+    if not said:
+        return ()
+    listed, more = "; ".join(said), len(examples) - NAMED
+    if more > 0:
+        listed = words.text("assumed-more", names=listed, count=more)
+    return ((words.text("basis-assumed"), listed),)
+
+
+def kept_sentence(record: Record, words: Catalogue) -> str:
+    """Return between which frequency errors every requirement is kept, as a sentence."""
+    kept = _kept_ends(record.robustness.frequency_error, words)
+    return words.text("kept-between", **kept) if kept else words.text("kept-nowhere")
+
+
+def _control(record: Record, words: Catalogue) -> str:
+    loop = record.loop
+    where = words.text(
+        "no-position-loop" if record.machine.follows else f"position-loop-{loop.position_loop}",
+        position_cycle=show(loop.position_cycle, words, "s"),
+        velocity_cycle=show(loop.velocity_cycle, words, "s"),
+    )
+    name = _marked(record, "control.kind", control_name(loop.kind, words), words)
+    stated = [item for item in record.data if item.key in OF_LOOP]
+    assumed = [item for item in stated if is_assumed(record, item.key)]
+    if len(assumed) == len(stated):
+        return f"{name}; {words.text('assumed', value=where) if stated else where}"
+    names = ", ".join(datum_name(item, words) for item in assumed)
+    return f"{name}; {words.text('assumed-of', value=where, names=names) if assumed else where}"
+
+
+def _spread(
+    record: Record, kind: str, error: FrequencyErrorEntry | DampingErrorEntry, words: Catalogue
+) -> str:
+    """The spread that was asked for, and the range in which all is kept."""
+    key, kept = f"requirements.{kind}_spread", _kept_ends(error, words)
+    spread, said = find_number(record, key), words.text("spread-none")
+    if spread:
+        said = _marked(record, key, words.text("spread", spread=spread), words)
+    where = words.text("all-kept-between", **kept) if kept else words.text("not-kept-nominally")
+    return f"{said}; {where}"
+
+
+def _kept_ends(error: FrequencyErrorEntry | DampingErrorEntry, words: Catalogue) -> dict[str, str]:
+    """Both ends of the range that is kept; empty if not even the profile's own values are."""
+    low, high = error.kept_from, error.kept_to
+    if low is None or high is None:
+        return {}
+    shown = {}
+    for name, end, tried in (("low", low, error.factor[0]), ("high", high, error.factor[-1])):
+        value = words.format.signed_percent(end - 1.0)
+        # Beyond the last one tried nothing is known.
+        shown[name] = words.text("at-least", value=value) if end == tried else value
+    return shown
+
+
+def _sizes(record: Record, words: Catalogue) -> str:
+    """For which sizes of move the limits hold, the worst of them, and what that costs."""
+    text, f, limits = words.text, words.format, record.limits
+
+    def shown(move: dict[str, float], size: float) -> str:
+        return f.axis(size, "m/s" if "velocity_step" in move else "m")
+
+    moves, sizes = [item.move for item in record.moves], limits.recommended.valid_for
+    own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))
+    if any(item.smallest > 0.0 for item in sizes):
+        return text("sizes-listed", moves=own)
+    said = [text("sizes-every", moves=own)]
+    units = {check.name: check.unit for check in record.assessment.checks}
+    for worst in limits.recommended.worst_sizes:
+        if worst.bound is not None:  # else only some sizes were looked at
+            at, unit = shown(moves[worst.move - 1], worst.size), units[worst.requirement]
+            found, bound = f.quantity(worst.value, unit), f.quantity(worst.bound, unit)
+            said.append(text("sizes-worst", residual=found, size=at, bound=bound))
+    alone, together = limits.listed_only, limits.recommended.settling_time
+    if alone and alone.settling_time and together and together > alone.settling_time:
+        said.append(text("sizes-cost", cost=f.quantity(together - alone.settling_time, "s")))
+    return "; ".join(said)
+
+
+def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
+    """A value, and that nobody stated it where that is so."""
+    return words.text("assumed", value=shown) if is_assumed(record, key) else shown

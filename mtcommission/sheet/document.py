@@ -1,0 +1,281 @@
+"""What a sheet consists of: one neutral document that every printer shows.
+
+The printers know these types and no others, so HTML and PDF cannot tell different things.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.messages.catalogue import Catalogue
+
+Array = NDArray[np.float64]
+
+HASH_DIGITS = 12
+"""Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
+
+
+class Tone(Enum):
+    """How a paragraph is meant."""
+
+    PLAIN = "plain"
+    NOTE = "note"
+    WARNING = "warning"
+    CODE = "code"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Paragraph:
+    """A paragraph of plain text; never markup."""
+
+    text: str
+    tone: Tone = Tone.PLAIN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bullets:
+    """A list of sentences."""
+
+    items: tuple[str, ...]
+    tone: Tone = Tone.PLAIN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subheading:
+    """A heading inside a section."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BigValue:
+    """A value to enter, printed so large that it is read from a metre."""
+
+    label: str
+    value: str
+    aside: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Headline:
+    """The verdict and the values to enter."""
+
+    is_met: bool
+    verdict: str
+    detail: str
+    values: tuple[BigValue, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Formula:
+    """A formula in the field's signs, and words behind it; "_" begins an index, e.g. "T_p"."""
+
+    text: str
+    aside: str = ""
+
+
+Cell = str | Formula
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """A column: its heading, its share of the width, and whether numbers stand flush right."""
+
+    head: str
+    width: float = 1.0
+    is_number: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table; ``strong_rows`` are stressed, a form has cells to fill in by hand."""
+
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    strong_rows: tuple[int, ...] = ()
+    is_form: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Preformatted:
+    """Text to be shown as it is, in fixed width."""
+
+    caption: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Form:
+    """Lines to be filled in by hand, one label for each."""
+
+    fields: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Line:
+    """A curve; the same style is the same line style and colour in every panel."""
+
+    label: str
+    x: Array  # in the units of the axes, shape (n,)
+    y: Array
+    style: int
+    is_stepped: bool = False  # whether the value holds until the next sample
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Border:
+    """A horizontal line at a limit."""
+
+    label: str
+    y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Panel:
+    """Curves and limits over one pair of axes."""
+
+    y_label: str
+    lines: tuple[Line, ...]
+    borders: tuple[Border, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LinePlot:
+    """Panels below each other with one x axis; plots with the same link zoom together."""
+
+    key: str  # unique in the document
+    caption: str
+    alt: str  # what it shows, for those who cannot see it
+    x_label: str
+    x_is_log: bool
+    link: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A named point; ``style``: which symbol."""
+
+    label: str
+    x: float
+    y: float
+    style: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointPlot:
+    """Named points over two logarithmic axes, and the band."""
+
+    key: str
+    caption: str
+    alt: str
+    x_label: str
+    y_label: str
+    marks: tuple[Mark, ...]
+    border: Border
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contour:
+    """Where a requirement or limit is just kept: paths of shape (n, 2) in the map's axes."""
+
+    label: str
+    style: int
+    paths: tuple[Array, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeatMap:
+    """A value over two axes, shape (n_y, n_x), nan where there is none, and the chosen point."""
+
+    key: str
+    caption: str
+    alt: str
+    x_label: str
+    y_label: str
+    value_label: str
+    x: Array
+    y: Array
+    values: Array
+    chosen: Mark
+    contours: tuple[Contour, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """A drawing as SVG."""
+
+    key: str
+    caption: str
+    alt: str
+    svg: str
+
+
+Plot = LinePlot | PointPlot | HeatMap
+Block: TypeAlias = (
+    Paragraph
+    | Bullets
+    | Subheading
+    | Headline
+    | Table
+    | Formula
+    | Preformatted
+    | Form
+    | Diagram
+    | Plot
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """A part of the sheet; a page of its own, or evidence that print has only in the appendix."""
+
+    key: str
+    heading: str
+    blocks: tuple[Block, ...]
+    is_appendix: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Document:
+    """A sheet, ready to be printed: whose it is, words of the printers' own, and its sections."""
+
+    language: str
+    title: str
+    machine: str
+    axis: str
+    identity: str  # short line for each page: profile and its hash
+    created: str  # ISO 8601
+    disclaimer: str
+    script_note: str
+    skip_link: str
+    contents_heading: str
+    page_word: str
+    appendix_heading: str
+    sections: tuple[Section, ...]
+
+    @property
+    def pages(self) -> tuple[Section, ...]:
+        """The sections that one hands over, a page each."""
+        return tuple(section for section in self.sections if not section.is_appendix)
+
+
+def document(
+    words: Catalogue, *, skip: str = "skip", script_note: str = "", **own: Any
+) -> Document:
+    """Return a document with the printers' words of a language; ``own`` are its other fields."""
+    return Document(
+        language=words.language,
+        script_note=words.text(script_note) if script_note else "",
+        skip_link=words.text(skip),
+        contents_heading=words.text("contents"),
+        page_word=words.text("page"),
+        appendix_heading=words.text("appendix"),
+        **own,
+    )

@@ -1,0 +1,252 @@
+"""Appendix: the ways of doing a move, certificates, settings, and the versions that computed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from types import MappingProxyType
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import symbol
+from mtcommission.record.schema.comparisons import ComparedEntry, FedForwardEntry
+from mtcommission.record.schema.optima import ArcEntry, OptimumEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
+from mtcommission.sheet.document import (
+    Block,
+    Bullets,
+    Paragraph,
+    Preformatted,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.responses import flexible_rates, named_optima
+from mtcommission.sheet.tables import (
+    CORNER,
+    DASH,
+    MAX_FORCE,
+    PEAK,
+    RESIDUAL,
+    SETTLING,
+    Quantity,
+    member,
+    name_and_numbers,
+    pairs,
+    show,
+    table,
+)
+from mtcommission.sheet.verdict import move_title
+
+SETTING_UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "gain_margin_db": "dB",
+        "phase_margin_deg": "°",
+        "reserve_deg": "°",
+        "position_noise": "m",
+        "longest_integral_time": "s",
+    }
+)
+"""SI units of the settings that have one; the others are counts or ratios, as their names say."""
+
+
+def comparisons(record: Record, words: Catalogue) -> Section:
+    """Return for each move what the ways of doing it cost and reach, and the optima fed forward."""
+    text = words.text
+    blocks: list[Block] = [Paragraph(text=text("comparison-note"), tone=Tone.NOTE)]
+    both = zip(record.moves, record.comparisons, strict=True)
+    for number, (move, entry) in enumerate(both, start=1):
+        short = text("move", number=number)
+        blocks += [
+            Subheading(text=move_title(move.move, number, words)),
+            _controls(record, entry.controls, short, words),
+            *_said(text("claims"), entry.claims, words),
+            *_fed_forward(entry.fed_forward, short, words),
+            *_said(text("why-not"), entry.why_not_the_optimum, words),
+        ]
+    heading = text("comparison-heading")
+    return Section(key="comparisons", heading=heading, blocks=tuple(blocks), is_appendix=True)
+
+
+def _said(lead: str, sentences: list[Words], words: Catalogue) -> tuple[Block, ...]:
+    """Sentences of the record behind the words that lead to them."""
+    if not sentences:
+        return ()
+    return Paragraph(text=lead), Bullets(items=tuple(map(words.say, sentences)))
+
+
+def _controls(record: Record, controls: list[ComparedEntry], move: str, words: Catalogue) -> Table:
+    units = record.plant.units
+
+    def overshoot(item: ComparedEntry) -> str:
+        return words.format.signed_percent(item.overshoot).removeprefix("+")
+
+    columns = (
+        Quantity("control", "name", width=2.0),
+        Quantity("transfer-time", "transfer_time", "s", "not-settled"),
+        Quantity("overshoot", overshoot, "%"),
+        *(
+            Quantity(Message("peak-of", name=symbol(rate)), member(rate, "peaks"), units[rate])
+            for rate in flexible_rates(record.plant.states)
+        ),
+        MAX_FORCE,
+        Quantity("heat", "heat", "N^2 m^2 s" if words.rotary else "N^2 s"),
+        Quantity("work", "work", "J"),
+    )
+    return table(words, "controls-caption", columns, controls, move=move)
+
+
+def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) -> tuple[Block, ...]:
+    """The machines on which a control settles; those on which none does as a sentence."""
+    settled = [entry for entry in entries if entry.settling_time is not None]
+    lost = Counter(words.say(entry.control) for entry in entries if entry.settling_time is None)
+    said = "; ".join(f"{name}: {count}" for name, count in lost.items())
+    columns = (
+        Quantity("control", "control", width=1.4),
+        *CORNER,
+        *(SETTLING, RESIDUAL, PEAK),
+        Quantity("saturated-share", "saturated_share", "%"),
+    )
+    found: list[Block] = []
+    if settled:
+        found.append(table(words, "fed-forward-caption", columns, settled, move=move))
+    if lost:
+        found.append(Paragraph(text=words.text("fed-forward-lost", told=said)))
+    return tuple(found)
+
+
+def certificates(record: Record, words: Catalogue) -> Section:
+    """Return certificates, assumptions, warnings and numerical settings."""
+    text = words.text
+    tables = [
+        pairs(
+            words,
+            text("certificate-caption", move=move_title(optima.move, number, words), what=name),
+            _certificate(optimum, words),
+        )
+        for number, optima in enumerate(record.optima, start=1)
+        for name, _, optimum in named_optima(optima, words)
+    ]
+    return Section(
+        key="certificates",
+        heading=text("evidence-heading"),
+        blocks=(
+            Subheading(text=text("assumptions")),
+            _sentences(record.assumptions, Tone.PLAIN, words),
+            Subheading(text=text("warnings")),
+            _sentences(record.warnings, Tone.WARNING, words),
+            *tables,
+            *_settings(record, words),
+        ),
+        is_appendix=True,
+    )
+
+
+def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
+    if not items:
+        return Paragraph(text=words.text("none"))
+    return Bullets(items=tuple(map(words.say, items)), tone=tone)
+
+
+def _certificate(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str]]:
+    text, f = words.text, words.format
+    rows = [
+        (text("final-time"), f.quantity(optimum.t_f, "s")),
+        (text("method"), words.known(f"method-{optimum.method}", optimum.method)),
+        (text("switches"), ", ".join(f.quantity(t, "s") for t in _changes(optimum.arcs))),
+        (text("largest-error"), f.number(_largest_error(optimum), digits=2)),
+    ]
+    if optimum.cost is not None:
+        unit = "N^2 m^2 s" if words.rotary else "N^2 s"
+        rows.append((text("cost"), f.quantity(optimum.cost, unit)))
+    if optimum.weights:
+        rows.append((text("weights"), _evidence("", optimum.weights, words)))
+    for key, value in asdict(optimum.certificate).items():
+        rows.append((words.name(key), _evidence(key, value, words)))
+    return [row for row in rows if row[1]]
+
+
+def _changes(arcs: list[ArcEntry]) -> list[float]:
+    """When the kind of control changes [s]; arcs within the force bound run into another."""
+    return [arc.t_end for arc, after in pairwise(arcs) if arc.control != after.control]
+
+
+def _largest_error(optimum: OptimumEntry) -> float:
+    """Of the terminal state, relative to the state's peak."""
+    peaks = optimum.peaks
+    errors = (abs(e) / peaks[name] for name, e in optimum.terminal_error.items() if peaks.get(name))
+    return max(errors, default=0.0)
+
+
+def _evidence(
+    key: str, value: float | bool | dict[str, float] | list[float] | None, words: Catalogue
+) -> str:
+    number = words.format.number
+    if isinstance(value, dict):
+        return "; ".join(f"{symbol(name)} = {number(one)}" for name, one in value.items())
+    if isinstance(value, list):
+        return "; ".join(map(number, value))
+    return show(value, words, "s" if key.startswith("t_f") else "")
+
+
+def _settings(record: Record, words: Catalogue) -> Iterable[Table]:
+    """A table for each kind of settings; groups that share settings stand beside each other."""
+    groups: dict[str, dict[str, float | str]] = {}
+    for key, value in record.settings.items():
+        kind, _, name = key.rpartition(".")
+        groups.setdefault(kind, {})[name] = value
+    alike: list[list[str]] = []
+    for own, group in groups.items():
+        with_some = (others for others in alike if set(group) & set(groups[others[0]]))
+        found = next(with_some, None)
+        if found is None:
+            alike.append([own])
+        else:
+            found.append(own)
+    for names in alike:
+        heads = [words.known(f"settings-{name}", name or words.text("value")) for name in names]
+        keys = dict.fromkeys(key for name in names for key in groups[name])
+        rows = (
+            (
+                words.known(f"setting-{key.replace('_', '-')}", key),
+                *(_setting(key, groups[name].get(key), words) for name in names),
+            )
+            for key in keys
+        )
+        yield Table(
+            caption=words.text("settings-caption", names=", ".join(heads)),
+            columns=name_and_numbers(words.text("setting"), heads, width=1.6),
+            rows=tuple(rows),
+        )
+
+
+def _setting(key: str, value: float | str | None, words: Catalogue) -> str:
+    """One number, or several that the record separates by commas; words as they are."""
+    unit = SETTING_UNITS.get(key, "")
+    if not isinstance(value, str):
+        return words.format.quantity(value, unit, missing=DASH)
+    try:
+        return "; ".join(words.format.quantity(float(part), unit) for part in value.split(","))
+    except ValueError:
+        return value
+
+
+def versions(record: Record, words: Catalogue) -> Section:
+    """Return program, libraries, hash and text of the profile."""
+    text, tool, profile = words.text, record.tool, record.profile
+    rows = [(tool.name, tool.version), *tool.libraries.items(), (text("created"), record.created)]
+    return Section(
+        key="versions",
+        heading=text("versions-heading"),
+        blocks=(
+            pairs(words, text("versions-caption"), rows, first="program"),
+            Paragraph(text=f"{text('hash-row')}:"),
+            Paragraph(text=profile.sha256, tone=Tone.CODE),
+            Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text),
+        ),
+        is_appendix=True,
+    )

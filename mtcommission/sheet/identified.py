@@ -1,0 +1,376 @@
+"""What was measured: blocks that the sheet and the page of ``identify`` share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.schema.identified import (
+    IdentifiedPart,
+    MeasuredResponseEntry,
+    ToolSensorEntry,
+)
+from mtcommission.record.schema.limits import JudgedLimits, LimitsEntry
+from mtcommission.record.schema.machine import ModeEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.sheet.document import (
+    Block,
+    Bullets,
+    Column,
+    LinePlot,
+    Paragraph,
+    Section,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.limits import is_of_calibration
+from mtcommission.sheet.plots import MAIN, SETPOINT, THIRD, Array, Curve, Signals, line_plot
+from mtcommission.sheet.tables import (
+    ACCELERATION,
+    RESIDUAL,
+    SETTLING,
+    Quantity,
+    name_and_numbers,
+    say_filter,
+    show,
+    table,
+    wide,
+)
+from mtcommission.sheet.verdict import met_at_all
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+
+INFORMATION = (
+    *("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis"),
+    *("identify-klipper-choice", "identify-core-xy", "identify-axis-of-file"),
+    *("identify-response-taken", "identify-last-response-taken"),
+)
+"""How the kinds of messages begin that warn of nothing."""
+
+SHOWN_DIGITS = 16
+"""Of a hash; the profile's text has it whole."""
+
+CHANGED = 1e-3
+"""Relative difference beyond which the profile no longer says what was measured."""
+
+
+def plus_minus(one: Estimate | None, unit: str, words: Catalogue) -> str:
+    """Return a value with two standard errors, in its unit."""
+    if one is None:
+        return words.text("identify-not-known")
+    scale = words.format.scale(abs(one.value), unit)
+    value, error = one.value / scale.size, 2.0 * one.sigma / scale.size
+    if not np.isfinite(error):  # nothing determines it
+        return words.format.with_unit(f"{words.format.number(value)} ± ∞", scale.unit)
+    digits = 3 if error == 0.0 or value == 0.0 else int(np.ceil(np.log10(abs(value / error)))) + 2
+    shown = words.format.number(value, digits=int(np.clip(digits, 2, 6)))
+    reach = words.format.number(error, digits=2)
+    return words.format.with_unit(f"{shown} ± {reach}", scale.unit)
+
+
+def facts(part: IdentifiedPart, words: Catalogue) -> tuple[tuple[str, str, str], ...]:
+    """Return what was found over all modes: name, value, and where it comes from."""
+    say, because = words.text, part.spread.because
+    rows: list[tuple[str, str, str]] = []
+
+    def row(key: str, value: str, why: str = "") -> None:
+        rows.append((say(f"identify-{key}"), value, why or say(f"identify-{key}-meaning")))
+
+    if not part.base_excited:  # a held motor shows neither
+        row("mass", plus_minus(part.moving_mass, axis_of(words).mass.si, words))
+        row("delay", plus_minus(part.delay, "s", words))
+    if part.lag:
+        row("lag", plus_minus(part.lag, "s", words))
+    if part.band_hz:
+        low, high = part.band_hz
+        is_given = any(one.kind == "identify-band-given" for one in part.warnings)
+        asked = say("identify-band-asked") if is_given else ""
+        row("band", say("identify-band-from-to", low=low, high=high), asked)
+    if part.misfit is not None:
+        row("misfit", words.format.number(part.misfit, digits=3))
+    spreads = {"frequency": part.spread.frequency, "damping": part.spread.damping}
+    for place, (kind, spread) in enumerate(spreads.items()):
+        why = words.say(because[place]) if because else say("identified-by-profile")
+        row(f"spread-{kind}", f"± {show(spread, words, '%')}", why)
+    return tuple(rows)
+
+
+def result_table(part: IdentifiedPart, words: Catalogue) -> Table:
+    """Return mass, delay, band, misfit and spreads."""
+    columns = (
+        Quantity("", lambda fact: fact[0], width=1.2),
+        Quantity("identify-head-value", lambda fact: fact[1], ""),
+        Quantity("identify-head-why", lambda fact: fact[2], width=2.4),
+    )
+    return table(words, "identify-caption-result", columns, facts(part, words))
+
+
+def mode_heads(words: Catalogue) -> tuple[str, ...]:
+    """Return the heads of a table of modes."""
+    kinds = ("mode", "frequency", "damping", "encoder", "tool")
+    return tuple(words.text(f"identify-head-{kind}") for kind in kinds)
+
+
+def mode_row(
+    mode: MeasuredMode, part: IdentifiedPart, words: Catalogue, *, stated: ModeEntry | None = None
+) -> tuple[str, ...]:
+    """Return a row of such a table; ``stated`` is the mode in the profile."""
+    gain = "" if part.base_excited else axis_of(words).gain.si
+    tool = plus_minus(mode.tcp_gain, gain, words)
+    if mode.tcp_gain is None and stated is not None:
+        tool = words.text("identified-assumed", value=words.format.quantity(stated.tcp_gain, gain))
+    return (
+        mode.name,
+        plus_minus(mode.frequency_hz, "Hz", words),
+        plus_minus(mode.damping_ratio, "", words),
+        plus_minus(mode.measured_gain, gain, words),
+        tool,
+    )
+
+
+def mode_tables(
+    part: IdentifiedPart, words: Catalogue, *, inside: Mapping[str, ModeEntry]
+) -> tuple[Table, ...]:
+    """Return the modes over all states and, where there are several, in each.
+
+    ``inside`` are the modes of the profile, by name.
+    """
+    first, *others = mode_heads(words)
+    columns = name_and_numbers(first, others, width=1.0)
+    rows = (mode_row(mode, part, words, stated=inside.get(mode.name)) for mode in part.modes)
+    found = Table(caption=words.text("identify-caption-modes"), columns=columns, rows=tuple(rows))
+    if len(part.states) < 2:
+        return (found,)
+    each = (
+        (state.name, *mode_row(mode, part, words))
+        for name in [mode.name for mode in part.modes]
+        for state in part.states
+        for mode in state.modes
+        if mode.name == name
+    )
+    state = Column(head=words.text("identify-head-state"), width=1.5)
+    caption = words.text("identify-caption-states")
+    return (found, Table(caption=caption, columns=(state, *columns), rows=tuple(each)))
+
+
+def remarks(part: IdentifiedPart, words: Catalogue) -> tuple[Bullets, ...]:
+    """Return what to mind and what to measure better, then how it was done."""
+    tones = (Tone.WARNING, Tone.NOTE)
+    return tuple(
+        Bullets(items=tuple(map(words.say, some)), tone=tone)
+        for some, tone in zip(doubts_and_notes(part), tones, strict=True)
+        if some
+    )
+
+
+def doubts_and_notes(part: IdentifiedPart) -> tuple[tuple[Message, ...], tuple[Message, ...]]:
+    """Return what to mind and what to measure better; and how something was done."""
+    notes = tuple(one for one in part.warnings if one.kind.startswith(INFORMATION))
+    return tuple(one for one in part.warnings if one not in notes), notes
+
+
+def check_table(part: IdentifiedPart, words: Catalogue) -> Table:
+    """Return how well the model explains the records it came from, and one held back."""
+    columns = (
+        Quantity("identify-head-file", "record", width=2.0),
+        Quantity("identify-head-explained", "explained", "%"),
+        Quantity("identify-head-held-back", "held_back"),
+    )
+    return table(words, "identify-caption-check", columns, part.checks)
+
+
+def file_table(part: IdentifiedPart, words: Catalogue) -> Table:
+    """Return what was read."""
+    columns = (
+        Quantity("identify-head-file", lambda one: short_name(one.name)),
+        Quantity("identify-head-sensor", lambda one: Message(f"identify-sensor-{one.sensor}")),
+        Quantity("identify-head-format", lambda one: part.formats.get(one.name)),
+        Quantity("identify-head-hash", lambda one: one.sha256[:SHOWN_DIGITS]),
+    )
+    return table(words, "identify-caption-files", columns, part.sources)
+
+
+def plots(part: IdentifiedPart, words: Catalogue) -> tuple[LinePlot, ...]:
+    """Return measured points over fitted curves."""
+    return tuple(
+        _plot(f"fit-{number}", one, words) for number, one in enumerate(part.responses, start=1)
+    )
+
+
+def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
+    say, size = words.text, np.array(one.magnitude)
+
+    def measured(y: Array | list[float]) -> Curve:
+        return Curve(say("identify-line-measured"), one.frequency_hz, y, SETPOINT)
+
+    def fitted(y: Array | list[float]) -> Curve:
+        return Curve(say("identify-line-fitted"), one.curve_hz, y, MAIN)
+
+    def panel(kind: str, *curves: Curve, limits: tuple[float, ...] = (), **unit: str) -> Signals:
+        name = say(f"identify-plot-{kind}", **unit)
+        return Signals(name=name, unit="", curves=curves, limits=limits)
+
+    sizes = []
+    if one.error is not None:
+        error = 2.0 * np.sqrt(2.0) * np.array(one.error)
+        sizes = [
+            Curve(say("identify-line-error"), one.frequency_hz, np.log10(y), THIRD)
+            for y in (size + error, np.maximum(size - error, 0.2 * size))
+        ]
+    sizes += [fitted(np.log10(one.curve_magnitude)), measured(np.log10(size))]
+    panels = [panel("magnitude", *sizes, unit=one.unit) if one.unit else panel("density", *sizes)]
+    if one.phase_deg is not None and one.curve_phase_deg is not None:
+        panels.append(panel("phase", fitted(one.curve_phase_deg), measured(one.phase_deg)))
+    if one.coherence is not None:
+        panels.append(panel("coherence", measured(one.coherence)))
+    if one.missed is not None:
+        panels.append(panel("misfit", measured(one.missed), limits=(2.0,)))
+    about = {} if one.misfit is None else {"misfit": one.misfit}
+    what, file = "plot" if about else "spectrum", short_name(one.name)
+    return line_plot(
+        words,
+        key,
+        panels,
+        x=(say("identify-plot-frequency"), ""),
+        caption=say(f"identify-{what}-caption", file=file),
+        alt=say(f"identify-{what}-alt", file=file, **about),
+        is_log=True,
+        link="fits",
+    )
+
+
+def short_name(name: str) -> str:
+    """Return a file without its folder."""
+    return name.rpartition("/")[2].rpartition("\\")[2]
+
+
+def axis_of(words: Catalogue) -> AxisUnits:
+    """Return what masses, forces and lengths are on the axis."""
+    return ROTARY if words.rotary else LINEAR
+
+
+def identified(record: Record, words: Catalogue) -> tuple[Section, ...]:
+    """Return what was measured beside what the profile says now; nothing where nothing was."""
+    part = record.identified
+    if part is None:
+        return ()
+    inside = {mode.name: mode for mode in record.plant.modes}
+    gone = changes(part, record, words)
+    blocks: tuple[Block, ...] = (
+        Paragraph(text=words.text("identified-note", date=part.created[:10]), tone=Tone.NOTE),
+        result_table(part, words),
+        *mode_tables(part, words, inside=inside),
+        *([Bullets(items=gone, tone=Tone.WARNING)] if gone else []),
+        *([_tool_sensor(part.tool_sensor, words)] if part.tool_sensor else []),
+        *_beside_klipper(part, record, words),
+        *plots(part, words),
+        *remarks(part, words),
+        *([check_table(part, words)] if part.checks else []),
+        file_table(part, words),
+    )
+    heading = words.text("identified-heading")
+    return (Section(key="identified", heading=heading, blocks=blocks, is_appendix=True),)
+
+
+def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str, ...]:
+    """Return what the profile no longer says as it was measured."""
+    text, stated = words.text, {mode.name: mode for mode in record.plant.modes}
+    found = []
+    for mode in part.modes:
+        now = stated.get(mode.name)
+        if now is None:
+            found.append(text("identified-not-in-profile", mode=mode.name))
+            continue
+        for kind, unit, measured, value in (
+            ("frequency", "Hz", mode.frequency_hz, now.frequency_hz),
+            ("damping", "", mode.damping_ratio, now.damping_ratio),
+        ):
+            if abs(value - measured.value) > CHANGED * abs(measured.value):
+                what = text(f"identify-head-{kind}")
+                both = {"now": show(value, words, unit), "was": plus_minus(measured, unit, words)}
+                found.append(text("identified-changed", mode=mode.name, what=what, **both))
+    mass = record.plant.moving_mass
+    if part.moving_mass and abs(mass - part.moving_mass.value) > CHANGED * mass:
+        was = plus_minus(part.moving_mass, axis_of(words).mass.si, words)
+        found.append(text("identified-mass-changed", now=show(mass, words, "kg"), was=was))
+    data = {item.key: item.value for item in record.data}
+    spreads = {"frequency": part.spread.frequency, "damping": part.spread.damping}
+    for kind, spread in spreads.items():
+        held = data.get(f"requirements.{kind}_spread")
+        if isinstance(held, float) and held < (1.0 - CHANGED) * spread:
+            what = text(f"identify-spread-{kind}")
+            both = {"now": show(held, words, "%"), "was": show(spread, words, "%")}
+            found.append(text("identified-spread-less", what=what, **both))
+    return tuple(found)
+
+
+def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """What calibrate_shaper would choose, by its own measures; then simulated, beside ours."""
+    if not part.proposals:
+        return ()
+    text, f, ours = words.text, words.format, record.limits.recommended
+
+    def head(name: str) -> str:
+        return f"identified-klipper-{name}"
+
+    chosen = (
+        Quantity(
+            head("shaper"),
+            lambda one: (
+                text("identified-klipper-chosen", shaper=one.shaper.upper())
+                if one.is_recommended
+                else one.shaper.upper()
+            ),
+        ),
+        Quantity(head("frequency"), "frequency_hz", "Hz"),
+        Quantity(head("vibration"), "vibration", "%"),
+        Quantity(head("smoothing"), "smoothing", "m"),
+        Quantity(
+            head("max-accel"),
+            lambda one: f.with_unit(f.number(1e3 * one.max_acceleration), "mm/s²"),
+            "",
+        ),
+    )
+    own = text("identified-klipper-ours", filter=say_filter(ours.setpoint_filter, words))
+    simulated: list[tuple[str, bool, LimitsEntry | JudgedLimits]] = [
+        (own, record.assessment.met, ours),
+        *(
+            (words.say(one.name), one.meets_requirements, one)
+            for one in record.limits.rules
+            if is_of_calibration(one)
+        ),
+    ]
+
+    def met(item: tuple[str, bool, LimitsEntry | JudgedLimits]) -> str:
+        return met_at_all(item[1], getattr(item[2], "keeps_reserve", True), words)
+
+    columns = (
+        Quantity("", lambda item: item[0], width=2.6),
+        *(_of_limits(quantity) for quantity in (ACCELERATION, SETTLING, RESIDUAL)),
+        Quantity("meets", met),
+    )
+    return (
+        table(words, "identified-klipper-caption", chosen, part.proposals),
+        table(words, "identified-klipper-simulated", columns, simulated),
+    )
+
+
+def _of_limits(quantity: Quantity) -> Quantity:
+    """A quantity of the third of three: name, verdict and limits."""
+    return wide(quantity, 1.0, value=lambda item: quantity.of(item[2]))
+
+
+def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:
+    named, now, least = {"modes": ", ".join(one.modes)}, one.settling_time, one.least
+    if now is None or least is None:
+        met = "no" if least is None else "yes"
+        said = words.text("identified-tool-decides", **named, met=met)
+    elif least >= now:
+        said = words.text("identified-tool-frees-nothing", **named)
+    else:
+        freed = {"now": now, "least": least, "freed": now - least}
+        said = words.text("identified-tool-frees", **named, **freed)
+    return Paragraph(text=said, tone=Tone.NOTE)

@@ -1,0 +1,447 @@
+"""Other limits: today's, by machining mode, by rules of thumb, by hand, and the map of all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from contourpy import contour_generator
+from numpy.typing import NDArray
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import motion_unit
+from mtcommission.record.schema.limits import Alternative, LimitsEntry, ModeLimitsEntry
+from mtcommission.record.schema.loop import LoopPart
+from mtcommission.record.schema.machine import ModeEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
+from mtcommission.sheet.basis import find_band, find_number
+from mtcommission.sheet.document import (
+    Block,
+    Border,
+    Column,
+    Contour,
+    Formula,
+    HeatMap,
+    Mark,
+    Paragraph,
+    PointPlot,
+    Section,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.plots import MAIN, OTHER, label
+from mtcommission.sheet.tables import (
+    ACCELERATION,
+    JERK_TIME,
+    PEAK,
+    RESIDUAL,
+    SETTLING,
+    Quantity,
+    capitalised,
+    show,
+    show_all,
+    table,
+    wide,
+)
+from mtcommission.sheet.verdict import keeps_reserve, met_at_all, say_limiting
+
+Array = NDArray[np.float64]
+
+ROUNDED = 1.001
+"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
+
+UNSEEN = 0.1
+"""Share of a velocity cycle below which a ramp is a step to the drive."""
+
+SMALLEST = 1e-12
+"""Stands for zero in a logarithm; far below any share of a limit that matters."""
+
+RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
+"""Symbols of the point plot."""
+
+
+def shown_jerk(
+    acceleration: float | None, jerk: float | None, loop: LoopPart, words: Catalogue
+) -> str:
+    """Return a jerk limit; in words where its ramp is far shorter than a velocity cycle.
+
+    Shapers and steps of acceleration stand in the record with a jerk that limits nothing. Where
+    the control has no jerk limit, that is a ramp of a position cycle; a rule that was tried with a
+    longer one shows the jerk that it was tried with.
+    """
+    shortest = UNSEEN * loop.velocity_cycle
+    if loop.jerk == "none":
+        shortest = ROUNDED * loop.position_cycle
+    if jerk is None or (acceleration is not None and acceleration < shortest * jerk):
+        return words.text("no-jerk-limit")
+    return show(jerk, words, "m/s^3")
+
+
+def jerk_column(record: Record, words: Catalogue, *, width: float = 1.5) -> Quantity:
+    """Return the column of jerk limits; a jerk in degrees needs the most room."""
+    return Quantity(
+        "jerk", lambda it: shown_jerk(it.acceleration, it.jerk, record.loop, words), "", width=width
+    )
+
+
+def limits_columns(record: Record, words: Catalogue) -> tuple[Quantity, ...]:
+    """Return what limits are, what they give, and whether that meets all requirements."""
+
+    def met(item: Alternative) -> str:
+        return met_at_all(item.meets_requirements, item.keeps_reserve, words)
+
+    return (
+        wide(ACCELERATION, 1.2),
+        jerk_column(record, words),
+        wide(SETTLING, 1.2),
+        wide(RESIDUAL, 1.2),
+        wide(PEAK, 1.2),
+        Quantity("meets", met, width=1.15),
+    )
+
+
+def is_of_calibration(item: Alternative) -> bool:
+    """Return whether limits are those that ``calibrate_shaper`` would choose."""
+    return isinstance(item.name, Message) and item.name.kind == "shaper-of-calibration"
+
+
+def other_limits(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return today's and other limits that serve, with what they give; the others by number."""
+    text, part = words.text, record.limits
+    others = [*part.alternatives, *part.rules]
+    serving = [item for item in others if item.meets_requirements or is_of_calibration(item)]
+    named: list[tuple[str, object]] = [
+        *([(text("today"), part.today)] if part.today else []),
+        (text("recommended"), part.recommended),
+        *([(text("listed-short"), part.listed_only)] if part.listed_only else []),
+        *((words.say(item.name), item) for item in serving),
+    ]
+    name = Quantity("limits-name", lambda it: it[0], width=2.3)
+    *numbers, met = limits_columns(record, words)
+
+    def meets(item: object) -> object:
+        if item is part.recommended:
+            return met_at_all(record.assessment.met, keeps_reserve(record), words)
+        return met.of(item)
+
+    def known(quantity: Quantity) -> Quantity:
+        """What today's values give is not known where they cannot be judged."""
+        missing = "" if part.today and part.today.failure else quantity.missing
+        return wide(quantity, quantity.width, value=lambda it: quantity.of(it[1]), missing=missing)
+
+    judged = wide(met, met.width, value=lambda it: meets(it[1]))
+    found = table(
+        words,
+        "alternatives-caption",
+        (name, *map(known, numbers), judged),
+        named,
+        strong=lambda it: it[1] is part.recommended,
+    )
+    missed = len(others) - len(serving)
+    note = Paragraph(text=text("limits-missed", count=missed), tone=Tone.NOTE)
+    return (found, note) if missed else (found,)
+
+
+def limits_section(record: Record, words: Catalogue) -> Section:
+    """Return the limits by machining mode, and what could be met instead."""
+    blocks = (_machining_modes(record, words), *_attainable(record, words))
+    heading = words.text("limits-heading")
+    return Section(key="limits", heading=heading, blocks=blocks, is_appendix=True)
+
+
+def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
+    """What could be met where a requirement stands in the way; nothing if none does."""
+    items = record.limits.attainable
+    columns = (
+        Quantity("check", lambda it: capitalised(say_limiting(it, words)), width=1.6),
+        Quantity("permitted", "limit", lambda it: it.unit),
+        Quantity("attainable", "value", lambda it: it.unit),
+        ACCELERATION,
+        jerk_column(record, words, width=1.0),
+    )
+    return (table(words, "attainable-caption", columns, items),) if items else ()
+
+
+def _machining_modes(record: Record, words: Catalogue) -> Table:
+    """The limits after the usual machining modes."""
+
+    def bound(mode: ModeLimitsEntry) -> Words:
+        """What bounds it, or why it has no values and what band it could have."""
+        if not mode.reason or mode.attainable is None:
+            return mode.reason or mode.bound_by
+        least, reason = show(mode.attainable, words, "m"), words.say(mode.reason)
+        return words.text("attainable-band", reason=reason, band=least)
+
+    def name(mode: ModeLimitsEntry) -> str:
+        return words.known(f"machining-{mode.name}", mode.name)
+
+    def jerk(mode: ModeLimitsEntry) -> str | None:
+        if mode.acceleration is None:
+            return None
+        return shown_jerk(mode.acceleration, mode.jerk, record.loop, words)
+
+    columns = (
+        Quantity("machining-mode", name, width=1.7),
+        Quantity("permitted-band", "band", "m", width=1.2),
+        wide(ACCELERATION, 1.2),
+        Quantity("jerk", jerk, "", width=1.7),
+        wide(JERK_TIME, 1.2),
+        wide(SETTLING, 1.2),
+        Quantity("bound-by-column", bound, width=1.9),
+        Quantity("meets", "meets_requirements", width=0.8),
+    )
+    return table(words, "machining-caption", columns, record.limits.modes)
+
+
+def rules(record: Record, words: Catalogue) -> Section:
+    """Return the rules of thumb that meet all requirements as a table, all of them as a plot."""
+    text, part = words.text, record.limits
+    every = [*part.alternatives, *part.rules]
+
+    def names(items: Iterable[Alternative]) -> str:
+        return "; ".join(words.say(item.name) for item in items)
+
+    good = [item for item in part.rules if item.meets_requirements]
+    missed = names(item for item in every if not item.meets_requirements)
+    left_out = names(it for it in every if it.settling_time is None or not it.residual_deviation)
+    columns = (
+        Quantity("rule", "name", width=2.2),
+        Quantity("source", "source", width=2.3),
+        *limits_columns(record, words),
+    )
+    blocks: list[Block] = [table(words, "rules-caption", columns, good)] if good else []
+    if missed:
+        blocks.append(Paragraph(text=text("rules-missed", names=missed)))
+    blocks += _comparison(record, words)
+    if left_out:
+        blocks.append(Paragraph(text=text("unsettled-rules", names=left_out), tone=Tone.NOTE))
+    heading = text("rules-heading")
+    return Section(key="rules", heading=heading, blocks=tuple(blocks), is_appendix=True)
+
+
+def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
+    """Settling time against residual; nothing if no point has both."""
+    text, f, part, permitted = words.text, words.format, record.limits, find_band(record)
+    recommended = part.recommended
+    named: list[tuple[str, LimitsEntry | Alternative, int]] = [
+        (text("recommended"), recommended, RECOMMENDED),
+        *((words.say(item.name), item, ALTERNATIVE) for item in part.alternatives),
+        *((words.say(item.name), item, RULE) for item in part.rules),
+    ]
+    found = ((name, it.settling_time, it.residual_deviation, style) for name, it, style in named)
+    points = [(name, t, e, style) for name, t, e, style in found if t and e]
+    if not points or permitted is None:
+        return ()
+    t_scale = f.scale(max(t for _, t, _, _ in points), "s")
+    e_scale = f.scale(permitted, motion_unit("m", rotary=words.rotary))
+    plot = PointPlot(
+        key="comparison",
+        caption=text("compare-caption"),
+        alt=text(
+            "compare-alt",
+            settling=SETTLING.show(recommended, words),
+            residual=show(recommended.residual_deviation, words, "m"),
+        ),
+        x_label=label(words, text("settling-time"), t_scale.unit),
+        y_label=label(words, text("residual"), e_scale.unit),
+        marks=tuple(
+            Mark(label=name, x=t / t_scale.size, y=e / e_scale.size, style=style)
+            for name, t, e, style in points
+        ),
+        border=Border(
+            label=text("band", band=show(permitted, words, "m")), y=permitted / e_scale.size
+        ),
+    )
+    return (plot,)
+
+
+def landscape(record: Record, words: Catalogue) -> Section:
+    """Return the map of settling times with the chosen point."""
+    text, f, part = words.text, words.format, record.limits.landscape
+    chosen, values = record.limits.recommended, _grid(part.settling_time)
+    known = values[np.isfinite(values)]
+    least, most = (float(known.min()), float(known.max())) if known.size else (None, None)
+    a, t = np.array(part.acceleration), np.array(part.jerk_time)
+    a_scale = f.scale_for([a], motion_unit("m/s^2", rotary=words.rotary))
+    t_scale, value_scale = f.scale_for([t], "s"), f.scale_for([known], "s")
+    caption = text("landscape-caption")
+    heat_map = HeatMap(
+        key="landscape",
+        caption=caption if known.size == values.size else text("hatched", caption=caption),
+        alt=text(
+            "landscape-alt",
+            rows=a.size,
+            columns=t.size,
+            least=show(least, words, "s", "not-settled"),
+            most=show(most, words, "s", "not-settled"),
+            acceleration=ACCELERATION.show(chosen, words),
+            jerk_time=JERK_TIME.show(chosen, words),
+        ),
+        x_label=label(words, text("jerk-time"), t_scale.unit),
+        y_label=label(words, text("acceleration"), a_scale.unit),
+        value_label=label(words, text("settling-time"), value_scale.unit),
+        x=t / t_scale.size,
+        y=a / a_scale.size,
+        values=values.reshape(a.size, t.size) / value_scale.size,
+        chosen=Mark(
+            label=text("chosen"),
+            x=chosen.jerk_time / t_scale.size,
+            y=chosen.acceleration / a_scale.size,
+            style=RECOMMENDED,
+        ),
+        contours=_borders(record, t_scale.size, a_scale.size, words),
+    )
+    heading = text("landscape-heading")
+    return Section(key="landscape", heading=heading, blocks=(heat_map,), is_appendix=True)
+
+
+def _grid(rows: list[list[float | None]]) -> Array:
+    return np.array(rows, dtype=np.float64)
+
+
+def _borders(record: Record, t_size: float, a_size: float, words: Catalogue) -> tuple[Contour, ...]:
+    """The curves on which the residual fills the band, and the drive its limits."""
+    text, part, permitted = words.text, record.limits.landscape, find_band(record)
+    borders = [(text("usage-border"), MAIN, part.usage, 1.0)]
+    if permitted is not None:
+        named = text("residual-border", band=show(permitted, words, "m"))
+        borders.insert(0, (named, OTHER, part.residual_deviation, permitted))
+    x, y = np.array(part.jerk_time) / t_size, np.array(part.acceleration) / a_size
+    contours = []
+    for name, style, grid, level in borders:
+        if paths := trace(x, y, _grid(grid), level=level):
+            contours.append(Contour(label=name, style=style, paths=paths))
+    return tuple(contours)
+
+
+def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ...]:
+    """Return where values on a grid, shape (n_y, n_x), reach a level, as curves of shape (n, 2).
+
+    Between the points of the grid the logarithm of the value is taken as linear: residuals span
+    decades. Values are not negative, nan where unknown.
+
+    Examples
+    --------
+    >>> trace(np.array([0.0, 2.0]), np.array([0.0, 1.0]),
+    ...     np.array([[0.1, 10.0], [0.1, 10.0]]), level=1.0)[0][:, 0]
+    array([1., 1.])
+    """
+    if min(values.shape) < 2:
+        return ()
+    logarithm = np.log(np.maximum(values / level, SMALLEST))
+    lines = contour_generator(x, y, np.ma.masked_invalid(logarithm)).lines(0.0)
+    return tuple(np.asarray(line, dtype=np.float64) for line in lines)
+
+
+def rule(record: Record, words: Catalogue) -> Section:
+    """Return the commissioning rule in words and formulas, its symbols, and the steps by hand."""
+    text, part = words.text, record.limits.rule
+    result = text(
+        "rule-result",
+        acceleration=show(part.acceleration, words, "m/s^2"),
+        jerk=show(part.jerk, words, "m/s^3"),
+        chosen=words.say(part.chosen),
+        bound=words.say(part.bound_by),
+        residual=show(part.predicted_residual, words, "m", "not-settled"),
+    )
+    steps = (
+        Quantity("rule-step", "name", width=1.6),
+        Quantity("rule-how", lambda it: _formula(it.formula, words), width=2.4),
+        Quantity("value", "value", lambda it: "" if it.unit == "1" else it.unit),
+    )
+    return Section(
+        key="rule",
+        heading=text("rule-heading"),
+        blocks=(
+            Paragraph(text=words.say(part.text)),
+            Paragraph(text=result),
+            *(
+                Formula(
+                    text=item.text.replace(".", words.format.decimal_mark),
+                    aside=words.say(item.aside) if item.aside else "",
+                )
+                for item in part.formula
+            ),
+            Paragraph(text=words.say(part.advice)),
+            _symbols(record, words),
+            table(words, "rule-steps-caption", steps, part.steps),
+            Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
+            *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part.warnings),
+        ),
+        is_appendix=True,
+    )
+
+
+def _formula(formula: Words, words: Catalogue) -> Words | Formula:
+    if isinstance(formula, Message):
+        return formula
+    return Formula(text=formula.replace(".", words.format.decimal_mark))
+
+
+def _symbols(record: Record, words: Catalogue) -> Table:
+    """What each letter of the rule means, with its value on this axis."""
+    text, part, loop, modes = words.text, record.limits.rule, record.loop, record.plant.modes
+    moves = [entry.move for entry in record.moves]
+    velocities = [move.get("velocity_step", move.get("max_velocity")) for move in moves]
+    distances = [move["distance"] for move in moves if "distance" in move]
+
+    def share(mode: ModeEntry) -> float:
+        return max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
+
+    def one(value: float | None, unit: str) -> str:
+        return show(value, words, unit)
+
+    def every(values: Iterable[float | None], unit: str) -> str:
+        return show_all(values, words, unit)
+
+    values = {
+        "a": one(part.acceleration, "m/s^2"),
+        "j": one(part.jerk, "m/s^3"),
+        "t_j": one(part.jerk_time, "s"),
+        "T_F": one(part.average, "s"),
+        "n": "–",
+        "band": one(find_band(record), "m"),
+        "F": one(record.optima[0].time.f_max, "N"),
+        "v": every(velocities, "m/s"),
+        "L": every(distances, "m"),
+        "m": one(record.plant.moving_mass, "kg"),
+        "m_ff": one(loop.feedforward.mass, "kg"),
+        "T": one(find_number(record, "drive.force_lag"), "s"),
+        "T_p": one(loop.position_cycle, "s"),
+        "T_v": one(loop.velocity_cycle, "s"),
+        "Kv": one(loop.Kv, "1/s"),
+        "Kp": one(loop.Kp, "N s/m"),
+        "Tn": one(loop.Tn, "s"),
+        "f": every((mode.frequency_hz for mode in modes), "Hz"),
+        "ω": "2 π f",
+        "s": one(find_number(record, "requirements.frequency_spread"), "%"),
+        "ζ": every((mode.damping_ratio for mode in modes), "%"),
+        "g": every(map(share, modes), "1/kg"),
+        "c": every((mode.measured_gain for mode in modes), "1/kg"),
+        "R": "–",
+        "x": "–",
+        "i": "–",
+    }
+    own = {"T_p": text("position-cycle"), "T_v": text("velocity-cycle")}
+    own |= {name: words.name(name) for name in ("Kv", "Kp", "Tn")}
+    keys = {"ω": "omega", "ζ": "zeta"}
+
+    def meaning(letter: str) -> str:
+        key = keys.get(letter, letter.replace("_", "-"))
+        return own.get(letter) or text(f"rule-symbol-{key}")
+
+    return Table(
+        caption=text("rule-symbols-caption", modes="; ".join(mode.name for mode in modes)),
+        columns=(
+            Column(head=text("symbol"), width=0.6),
+            Column(head=text("meaning"), width=2.6),
+            Column(head=text("value"), width=1.6, is_number=True),
+        ),
+        rows=tuple(
+            (Formula(text=letter), meaning(letter), value)
+            for letter, value in values.items()
+            if value
+        ),
+    )

@@ -1,0 +1,479 @@
+"""Page 3: how far the loop is from unstable, how stiff it is, and why it is this one.
+
+The appendix has its structure, the loops that were tried, corners, delays, and what the control
+has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import symbol
+from mtcommission.record.schema.loop import (
+    CandidateEntry,
+    FeatureEntry,
+    JerkFeedforwardEntry,
+    LoopPart,
+    Margins,
+    VariantEntry,
+)
+from mtcommission.record.schema.record import Record
+from mtcommission.sheet.basis import control_name
+from mtcommission.sheet.diagram import structure
+from mtcommission.sheet.document import (
+    Block,
+    Bullets,
+    LinePlot,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.identified import changes, short_name
+from mtcommission.sheet.plots import (
+    FOURTH,
+    MAIN,
+    OTHER,
+    SETPOINT,
+    THIRD,
+    Curve,
+    Signals,
+    line_plot,
+)
+from mtcommission.sheet.robustness import held_range
+from mtcommission.sheet.tables import (
+    BANDWIDTH,
+    CORNER,
+    DASH,
+    GAIN_MARGIN,
+    MAX_FORCE,
+    PATH_GAINS,
+    PHASE_MARGIN,
+    RESIDUAL,
+    SENSITIVITY,
+    SETTLING,
+    STIFFNESS,
+    Quantity,
+    beside,
+    member,
+    show,
+    table,
+    wide,
+)
+
+Array = NDArray[np.float64]
+
+HIGHEST_DB = 40.0
+"""Magnitude of the open loop from which on it is drawn."""
+
+SEEN_DB, SEEN_DEG = 0.5, 2.0
+"""How near a crossing of the plotted curve must be to a margin of the record to carry it."""
+
+JUMP = 0.5
+"""Share of all that a curve spans by which it changes from point to point only where it wraps."""
+
+FUNCTIONS = (
+    *("jerk", "modes", "setpoint_filters", "velocity_feedforward", "acceleration_feedforward"),
+    *("jerk_feedforward", "reference_delay", "force_filters", "state_feedback"),
+)
+"""What one control has and another lacks; the rest differs by name only."""
+
+
+def third_page(record: Record, words: Catalogue) -> Section:
+    """Return the frequency response with margins, filters and measured points, and stiffness.
+
+    Where the motor follows there is no loop: what counts is how far the frequency may be off.
+    """
+    text, loop = words.text, record.loop
+    why: tuple[Block, ...] = ()
+    if loop.reasons:
+        why = (Paragraph(text=text("loop-why")), _said(loop.reasons, words))
+    if loop.worst_corner is None:  # the motor follows: the remarks say so
+        blocks = (_said(loop.remarks, words), *why, *held_range(record, words))
+        heading = text("robustness-heading")
+        return Section(key="robustness", heading=heading, blocks=blocks)
+    blocks = (
+        Paragraph(text=_sensors(record, words), tone=Tone.NOTE),
+        bode(record, words),
+        _margins(loop, loop.worst_corner, words),
+        _disturbance(record, words),
+        *why,
+    )
+    return Section(key="loop", heading=text("loop-heading"), blocks=blocks)
+
+
+def loop_details(record: Record, words: Catalogue) -> Section:
+    """Return structure, loops that were tried, corners, delays, and what the control has."""
+    text, loop = words.text, record.loop
+    blocks: list[Block] = []
+    if loop.worst_corner is not None:
+        blocks = [
+            structure(record, words),
+            *_cross_check(loop, words),
+            *_trade_off(record, words),
+            *_variants(record, words),
+            *_corners(record, words),
+            _delays(record, words),
+            *_jerk_feedforward(record, words),
+        ]
+    if loop.remarks:
+        blocks += [Subheading(text=text("remarks")), _said(loop.remarks, words)]
+    blocks += _control_has(record, words)
+    heading = text("loop-details-heading")
+    return Section(key="loop-details", heading=heading, blocks=tuple(blocks), is_appendix=True)
+
+
+def _said(lines: Sequence[Message | str], words: Catalogue) -> Bullets:
+    return Bullets(items=tuple(map(words.say, lines)))
+
+
+def _sensors(record: Record, words: Catalogue) -> str:
+    """What the loop measures, observes and feeds back."""
+    text, part = words.text, record.loop
+    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
+    sentences = [text("sensors", names=", ".join(sensors))]
+    if part.observer.states:
+        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
+    if not part.state_feedback:
+        sentences.append(text("no-state-feedback"))
+    return " ".join(sentences)
+
+
+def bode(record: Record, words: Catalogue) -> LinePlot:
+    """Return the frequency response with its margins, filters, and what was measured of it."""
+    text, part = words.text, record.loop
+    frequency = np.array(part.bode.t)
+    signals = {name: np.array(values) for name, values in part.bode.signals.items()}
+    # Whole turns are added so that the phase begins between -360 and 0 degrees.
+    turns = 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
+    size, phase = signals["open_loop_db"], signals["open_loop_deg"] - turns
+    # Far below the crossover a loop only rises; there it would take the room of the margins.
+    first = max(int(np.argmax(size < HIGHEST_DB)) - 1, 0)
+    frequency, size, phase = frequency[first:], size[first:], phase[first:]
+    closed, ends = signals["closed_velocity_db"][first:], [float(size.min()), float(size.max())]
+    measured = _measured(record, frequency, size, phase, words)
+    corners = [item.natural_frequency / (2.0 * pi) for item in part.force_filters]
+    magnitudes = [
+        Curve(text("open-loop"), frequency, size),
+        Curve(text("closed-velocity"), frequency, closed, OTHER),
+        *(gain for gain, _ in measured),
+        *_gain_margin(part, frequency, size, phase, words),
+        *(
+            Curve(text("filter-at", frequency=show(at, words, "Hz")), [at, at], ends, SETPOINT)
+            for at in corners
+        ),
+    ]
+    phases = [
+        Curve(text("open-loop"), frequency, phase),
+        *(angle for _, angle in measured),
+        *_phase_margin(part, frequency, size, phase, words),
+    ]
+    return line_plot(
+        words,
+        "bode",
+        [
+            Signals(text("magnitude"), "", magnitudes, [0.0], "0 dB"),
+            Signals(text("phase"), "", phases, [-180.0], "−180°"),
+        ],
+        x=(text("in-unit", name=text("frequency"), unit="Hz"), ""),
+        caption=text("bode-caption"),
+        alt=text(
+            "bode-alt",
+            gain=GAIN_MARGIN.show(part, words),
+            phase=PHASE_MARGIN.show(part, words),
+            bandwidth=BANDWIDTH.show(part, words),
+        ),
+        is_log=True,
+    )
+
+
+def _gain_margin(
+    part: LoopPart, frequency: Array, size: Array, phase: Array, words: Catalogue
+) -> Iterable[Curve]:
+    """The margin as a line where the curve has it; nothing where no crossing does."""
+    turned, wanted = (phase + 180.0) / 360.0, part.gain_margin_db
+    found = _crossings(frequency, turned - np.round(turned), size)
+    if wanted is not None and found:
+        x, y = min(found, key=lambda at: abs(abs(at[1]) - wanted))
+        if abs(abs(y) - wanted) < SEEN_DB:
+            label = words.text("gain-margin-at", margin=GAIN_MARGIN.show(part, words))
+            yield Curve(label, [x, x], [y, 0.0], FOURTH)
+
+
+def _phase_margin(
+    part: LoopPart, frequency: Array, size: Array, phase: Array, words: Catalogue
+) -> Iterable[Curve]:
+    found, wanted = _crossings(frequency, size, phase), part.phase_margin_deg
+    if wanted is not None and found:
+        legs = [(x, y, 360.0 * round((y + 180.0) / 360.0) - 180.0) for x, y in found]
+        x, y, axis = min(legs, key=lambda leg: abs(abs(leg[1] - leg[2]) - wanted))
+        if abs(abs(y - axis) - wanted) < SEEN_DEG:
+            label = words.text("phase-margin-at", margin=PHASE_MARGIN.show(part, words))
+            yield Curve(label, [x, x], [axis, y], FOURTH)
+
+
+def _crossings(x: Array, y: Array, other: Array) -> list[tuple[float, float]]:
+    """Where y goes through 0, and what another curve is there; a jump is no crossing."""
+    step = np.abs(np.diff(y))
+    span = max(float(np.ptp(y)), 1e-12)
+    k = np.flatnonzero((y[:-1] * y[1:] <= 0.0) & (step > 0.0) & (step < JUMP * span))
+    share = y[k] / (y[k] - y[k + 1])
+    places = x[k] * (x[k + 1] / x[k]) ** share
+    values = other[k] + share * (other[k + 1] - other[k])
+    return list(zip(places.tolist(), values.tolist(), strict=True))
+
+
+def _measured(
+    record: Record, frequency: Array, size: Array, phase: Array, words: Catalogue
+) -> list[tuple[Curve, Curve]]:
+    """Magnitude and phase of the open loop with each measured response in it.
+
+    It is the loop of the model times measured over fitted: all that lies between axis and loop is
+    the same in both. Only responses of the loop's own encoder, and only where the profile still is
+    what was fitted.
+    """
+    part = record.identified
+    if part is None or changes(part, record, words):
+        return []
+    sensors = {short_name(one.name): one.sensor for one in part.sources}
+    found = []
+    for one in part.responses:
+        if one.phase_deg is None or one.curve_phase_deg is None or not one.unit:
+            continue
+        if sensors.get(short_name(one.name)) != "encoder":
+            continue
+        low, high = max(frequency[0], one.curve_hz[0]), min(frequency[-1], one.curve_hz[-1])
+        f = np.array(one.frequency_hz)
+        inside = (f >= low) & (f <= high)
+        f = f[inside]
+        at, curve_at, base_at = np.log(f), np.log(one.curve_hz), np.log(frequency)
+        gain = 20.0 * np.log10(one.magnitude)[inside]
+        gain -= np.interp(at, curve_at, 20.0 * np.log10(one.curve_magnitude))
+        angle = np.array(one.phase_deg)[inside] - np.interp(at, curve_at, one.curve_phase_deg)
+        angle -= 360.0 * np.round(angle / 360.0)
+        label = words.text("open-loop-measured", file=short_name(one.name))
+        magnitudes = Curve(label, f, np.interp(at, base_at, size) + gain, THIRD)
+        found.append((magnitudes, Curve(label, f, np.interp(at, base_at, phase) + angle, THIRD)))
+    return found
+
+
+def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
+    """Margins, bandwidth, stiffness and damping, nominal and in the worst corner."""
+
+    def nominal(name: str, key: str) -> Quantity:
+        def value(item: object) -> float | str | None:
+            return getattr(item, key) if item is part else DASH
+
+        return Quantity(name, value, "dB", "unlimited")
+
+    def damping(mode: str) -> Callable[[object], float | None]:
+        worst = part.worst_mode_damping
+        return lambda item: (part.mode_damping if item is part else worst).get(mode)
+
+    rows = (
+        GAIN_MARGIN,
+        nominal("gain-margin-up", "gain_margin_up_db"),
+        nominal("gain-margin-down", "gain_margin_down_db"),
+        PHASE_MARGIN,
+        SENSITIVITY,
+        BANDWIDTH,
+        _stiffness(words),
+        *(
+            Quantity(Message("damping-of", mode=mode), damping(mode), "%")
+            for mode in part.mode_damping
+        ),
+    )
+    heads = (words.text("nominal"), words.text("worst-corner"))
+    return beside(words, "margins-caption", rows, heads, (part, worst), first="margin", width=2.0)
+
+
+def _stiffness(words: Catalogue) -> Quantity:
+    """The dynamic stiffness, and at which frequency where that is known."""
+
+    def shown(item: Margins | LoopPart) -> str:
+        stiffness = STIFFNESS.show(item, words)
+        if not isinstance(item, LoopPart | VariantEntry):
+            return stiffness
+        at = show(item.weakest_frequency_hz, words, "Hz")
+        return words.text("stiffness-at", stiffness=stiffness, frequency=at)
+
+    return Quantity("dynamic-stiffness", shown, "")
+
+
+def _disturbance(record: Record, words: Catalogue) -> LinePlot:
+    """How the tool gives way to a step of force, for each loop that was compared."""
+    text, series = words.text, record.loop.disturbance
+    used = {item.name.kind for item in record.loop.variants if item.used}
+    unit = "rad/(N m)" if words.rotary else "m/N"
+    curves = [
+        Curve(text(name), series.t, y, MAIN if name in used or len(series.signals) == 1 else OTHER)
+        for name, y in series.signals.items()
+    ]
+    largest = "; ".join(
+        f"{curve.label}: {show(float(np.max(np.abs(curve.y))), words, unit)}" for curve in curves
+    )
+    return line_plot(
+        words,
+        "disturbance",
+        [Signals(name=text("deflection"), unit=unit, curves=curves)],
+        x=(text("time"), "s"),
+        caption=text("disturbance-caption"),
+        alt=text("disturbance-alt", largest=largest),
+    )
+
+
+def _cross_check(part: LoopPart, words: Catalogue) -> tuple[Block, ...]:
+    """What python-control says of the same blocks."""
+    found = part.cross_check
+    if found is None:
+        return ()
+    sentence = words.text(
+        "loop-cross-check",
+        gain=GAIN_MARGIN.show(found, words),
+        phase=PHASE_MARGIN.show(found, words),
+        poles=words.format.number(found.pole_difference, digits=1),
+    )
+    return (Paragraph(text=sentence, tone=Tone.NOTE),)
+
+
+def _trade_off(record: Record, words: Catalogue) -> tuple[Table, ...]:
+    """The loops that no other one beats in both stiffness and settling."""
+    tried = record.loop.candidates
+    shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
+    if len(shown) < 2:
+        return ()
+    name = Quantity("loop", lambda item: _candidate_name(item, words), width=1.5)
+    good = (SETTLING, STIFFNESS, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY)
+    found = table(
+        words,
+        "trade-off-caption",
+        (name, *PATH_GAINS, *good),
+        shown,
+        strong=lambda item: item.used,
+        shown=len(shown),
+        tried=len(tried),
+    )
+    return (found,)
+
+
+def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
+    """Whether another loop settles no later and is stiffer, or the other way round."""
+    time, stiffness = item.settling_time or inf, item.dynamic_stiffness
+    return any(
+        (other.settling_time or inf) <= time
+        and other.dynamic_stiffness >= stiffness
+        and ((other.settling_time or inf), -other.dynamic_stiffness) != (time, -stiffness)
+        for other in others
+    )
+
+
+def _candidate_name(item: CandidateEntry, words: Catalogue) -> str:
+    name = words.text("with-state-feedback" if item.state_feedback else "cascade")
+    return _used(words.text("classic-loop", name=name) if item.classic else name, item, words)
+
+
+def _used(
+    name: str, item: CandidateEntry | VariantEntry | JerkFeedforwardEntry, words: Catalogue
+) -> str:
+    return words.text("variant-used", name=name) if item.used else name
+
+
+def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
+    """The loops that were compared side by side; nothing if there was no choice."""
+    variants = record.loop.variants
+    if len(variants) < 2:
+        return ()
+    rows = (
+        *(GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY, BANDWIDTH, _stiffness(words)),
+        *(
+            Quantity(Message("damping-of", mode=mode.name), member(mode.name, "mode_damping"), "%")
+            for mode in record.plant.modes
+        ),
+        *(SETTLING, RESIDUAL, MAX_FORCE),
+    )
+    heads = [_used(words.say(item.name), item, words) for item in variants]
+    return (beside(words, "variants-caption", rows, heads, variants),)
+
+
+def _corners(record: Record, words: Catalogue) -> tuple[Table, ...]:
+    corners = record.loop.corners
+    bandwidth = wide(BANDWIDTH, 1.0, name="bandwidth-short")
+    columns = (*CORNER, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY, bandwidth, STIFFNESS)
+    return (table(words, "loop-corners-caption", columns, corners),) if len(corners) > 1 else ()
+
+
+def _delays(record: Record, words: Catalogue) -> Table:
+    def known(key: str) -> Callable[[object], float | None]:
+        return lambda path: getattr(path, key) or None
+
+    keys = ("setpoint_age", "dead_time", "hold", "lag", "total")
+    times = (Quantity(key.replace("_", "-"), known(key), "s") for key in keys)
+    path = Quantity("path", "path", width=1.6)
+    return table(words, "delays-caption", (path, *times), record.loop.delays)
+
+
+def _jerk_feedforward(record: Record, words: Catalogue) -> tuple[Table, ...]:
+    entries = record.loop.jerk_feedforward
+
+    def weight(item: JerkFeedforwardEntry) -> str:
+        return _used(words.format.number(item.weight), item, words)
+
+    columns = (
+        Quantity("jerk-weight", weight, width=1.4),
+        Quantity("reference-delay", "reference_delay", "s"),
+        wide(MAX_FORCE, 1.0, name="wanted-force"),
+        SETTLING,
+        RESIDUAL,
+    )
+    found = table(
+        words, "jerk-feedforward-caption", columns, entries, strong=lambda item: item.used
+    )
+    return (found,) if entries else ()
+
+
+def _control_has(record: Record, words: Catalogue) -> list[Block]:
+    """What the control has, its names for it, and sources with numbers.
+
+    A kind that is no product has no names: then it is one sentence.
+    """
+    text, features = words.text, record.loop.features
+
+    def name(item: FeatureEntry) -> str:
+        """The feature's name, with "(?)" where it was not read."""
+        said = text(f"has-{item.name.replace('_', '-')}")
+        return said if item.verified else f"{said} (?)"
+
+    def sources_of(item: FeatureEntry) -> list[str]:
+        return [source for source in item.source.split("; ") if source]
+
+    functions = [item for item in features if item.name in FUNCTIONS]
+    has, lacks = (
+        ", ".join(name(item) for item in functions if item.has is wanted)
+        for wanted in (True, False)
+    )
+    said = text("control-functions", has=has)
+    if lacks:
+        said = text("control-functions-and-lacks", has=has, lacks=lacks)
+    blocks: list[Block] = [Subheading(text=text("control-heading")), Paragraph(text=said)]
+    named = [item for item in features if item.parameters]
+    sources = list(dict.fromkeys(source for item in named for source in sources_of(item)))
+    cited = {source: f"[{number}]" for number, source in enumerate(sources, start=1)}
+    columns = (
+        Quantity("quantity", name, width=1.2),
+        Quantity("control-parameters", "parameters", width=2.6),
+        Quantity("source", lambda it: " ".join(cited[one] for one in sources_of(it)), width=0.6),
+    )
+    if named:
+        control = control_name(record.loop.kind, words)
+        blocks.append(table(words, "control-caption", columns, named, control=control))
+    if cited:
+        listed = "; ".join(f"{number} {source}" for source, number in cited.items())
+        blocks.append(Paragraph(text=listed, tone=Tone.NOTE))
+    return blocks

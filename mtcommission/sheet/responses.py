@@ -1,0 +1,402 @@
+"""Page 2: what the limits do to the moves, optima as yardsticks, sizes, other limits, what helps.
+
+The appendix has every move with all its signals, and the limits on smaller and larger moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.schema.limits import ImprovementEntry, MoveSizesEntry
+from mtcommission.record.schema.moves import MoveEntry
+from mtcommission.record.schema.optima import OptimaEntry, OptimumEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Series, Words
+from mtcommission.sheet.basis import find_band
+from mtcommission.sheet.document import (
+    Block,
+    LinePlot,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.limits import jerk_column, other_limits
+from mtcommission.sheet.plots import (
+    FOURTH,
+    MAIN,
+    OTHER,
+    SETPOINT,
+    THIRD,
+    Curve,
+    Signals,
+    line_plot,
+)
+from mtcommission.sheet.tables import (
+    ACCELERATION,
+    MAX_FORCE,
+    PEAK,
+    SETTLING,
+    Quantity,
+    beside,
+    member,
+    say_filter,
+    show,
+    table,
+)
+from mtcommission.sheet.verdict import move_title, reference_sentence, slowest_move
+
+MOST_CHANGES = 5
+"""Changes that are listed; those that bring less are named."""
+
+NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
+"""Remarks on why there is no optimum with the band in place of exact rest."""
+
+WAYS: dict[Words, int] = {
+    Message("way-recommended"): MAIN,
+    Message("commissioning-rule"): OTHER,
+    Message("way-listed"): THIRD,
+}
+"""Line style of the ways of choosing limits."""
+
+
+def second_page(record: Record, words: Catalogue) -> Section:
+    """Return the slowest move, all moves beside their optima, sizes, other limits, what helps."""
+    number = slowest_move(record)
+    return Section(
+        key="responses",
+        heading=words.text("responses-heading"),
+        blocks=(
+            _yardsticks(record, words),
+            Paragraph(text=words.text("yardstick-note"), tone=Tone.NOTE),
+            *_missing_yardsticks(record, words),
+            _response_plot(record, number, words),
+            *_size_plot(record, number, words),
+            *other_limits(record, words),
+            *_improvements(record, words),
+        ),
+    )
+
+
+def _yardsticks(record: Record, words: Catalogue) -> Table:
+    """Each move in the loop, worst corner apart, beside the least times of the drive."""
+    f = words.format
+
+    def beside_least(move: MoveEntry, t_f: float | None) -> str | None:
+        if t_f is None or move.response.settling_time is None:
+            return None if t_f is None else f.quantity(t_f, "s")
+        more = f.signed_percent(move.response.settling_time / t_f - 1.0)
+        return f"{f.quantity(t_f, 's')} ({more})"
+
+    def least(name: str, key: str) -> Quantity:
+        return Quantity(
+            name, lambda it: beside_least(it[1], getattr(getattr(it[2], key), "t_f", None)), "s"
+        )
+
+    def rest(item: tuple[int, MoveEntry, OptimaEntry]) -> str | None:
+        return beside_least(item[1], (item[2].constrained or item[2].time).t_f)
+
+    columns = (
+        Quantity("move-head", lambda it: move_title(it[1].move, it[0], words), width=2.3),
+        Quantity("settling-time", lambda it: it[1].response.settling_time, "s", "not-settled"),
+        Quantity("exact-rest", rest, "s"),
+        least("within-band", "band"),
+        least("robust-short", "robust"),
+        Quantity("peak-deviation", lambda it: it[1].response.peak_deviation, "m"),
+        Quantity("max-force", lambda it: it[1].response.max_force, "N"),
+    )
+    numbers = range(1, len(record.moves) + 1)
+    items = zip(numbers, record.moves, record.optima, strict=True)
+    return table(words, "yardstick-caption", columns, items)
+
+
+def _missing_yardsticks(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Why a least time within the band is a dash; nothing where none is."""
+    reasons = [
+        f"{words.text('move', number=number)}: {words.say(remark)}"
+        for number, optima in enumerate(record.optima, start=1)
+        for remark in optima.remarks
+        if optima.band is None and isinstance(remark, Message) and remark.kind in NO_BAND
+    ]
+    return (Paragraph(text=" ".join(reasons), tone=Tone.NOTE),) if reasons else ()
+
+
+def _improvements(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """The changes, the one that brings most first; nothing where none was looked at."""
+    text, found = words.text, record.limits.would_bring
+    if not found:
+        return ()
+    gains = [item for item in found if item.settling_time is not None or not item.outcome]
+    gains = [item for item in gains if item.saved is None or item.saved > 0.0][:MOST_CHANGES]
+    rest = [words.say(item.change) for item in found if item not in gains]
+
+    def share(item: ImprovementEntry) -> str | None:
+        return None if item.share is None else words.format.signed_percent(-item.share)
+
+    columns = (
+        Quantity("improvement", "change", width=2.6),
+        SETTLING,
+        Quantity("improvement-saved", "saved", "s"),
+        Quantity("improvement-share", share, "%"),
+        Quantity("meets", lambda item: item.outcome or item.meets_requirements, width=2.2),
+    )
+    said = text("improvements-note", loop="none" if record.machine.follows else "tuned")
+    if rest:
+        said = f"{said} {text('improvements-none', changes=', '.join(rest))}"
+    note = Paragraph(text=said, tone=Tone.NOTE)
+    return (table(words, "improvements-caption", columns, gains), note) if gains else (note,)
+
+
+def motions(record: Record, words: Catalogue) -> Section:
+    """Return plots and tables of each move."""
+    text = words.text
+    delay = words.format.quantity(record.loop.reference_delay, "s")
+    blocks: list[Block] = [Paragraph(text=text("motion-note", delay=delay), tone=Tone.NOTE)]
+    for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
+        short = text("move", number=number)
+        blocks += [
+            Subheading(text=move_title(move.move, number, words)),
+            Paragraph(text=reference_sentence(record, number, words)),
+            table(
+                words,
+                "amplitudes-caption",
+                (Quantity("mode", lambda it: it[0]), Quantity("amplitude", lambda it: it[1], "m")),
+                move.response.mode_amplitudes.items(),
+                move=short,
+            ),
+            *_segments(move, short, words),
+            *_motion_plots(record, number, short, words),
+            _peaks(record, optima, move, short, words),
+            *(Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima.remarks),
+        ]
+    return Section(
+        key="motions", heading=text("motion-heading"), blocks=tuple(blocks), is_appendix=True
+    )
+
+
+def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, OptimumEntry]]:
+    """Return the optima that there are, with name and line style."""
+    found = (
+        (words.text("time-optimal"), OTHER, optima.time),
+        (words.text("constrained"), THIRD, optima.constrained),
+        (words.text("damping-optimal"), FOURTH, optima.damping),
+    )
+    return [(name, style, item) for name, style, item in found if item is not None]
+
+
+def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...]:
+    setpoint = move.setpoint
+    columns = (
+        Quantity("segment", lambda it: str(it[0])),
+        Quantity("duration", lambda it: it[1].duration, "s"),
+        Quantity("jerk", lambda it: it[1].jerk, "m/s^3"),
+    )
+    segments = enumerate(setpoint.segments, start=1)
+    found = table(words, "setpoint-caption", columns, segments, move=title)
+    if not setpoint.setpoint_filter:
+        return (found,)
+    longer = show(setpoint.setpoint_filter.duration, words, "s")
+    said = say_filter(setpoint.setpoint_filter, words)
+    note = words.text("setpoint-behind-filter", filter=said, time=longer)
+    return (found, Paragraph(text=note, tone=Tone.NOTE))
+
+
+def _peaks(
+    record: Record, optima: OptimaEntry, move: MoveEntry, title: str, words: Catalogue
+) -> Table:
+    units, named = record.plant.units, named_optima(optima, words)
+    signals = move.response.peaks
+    rows = (Quantity(words.name(one), member(one), units[one]) for one in signals)
+    heads = [*(name for name, *_ in named), words.text("response")]
+    items = [*(item.peaks for *_, item in named), signals]
+    return beside(words, "peaks-caption", rows, heads, items, first="signal-head", move=title)
+
+
+def rigid_velocity(states: list[str]) -> str:
+    """Return the state that is the rigid velocity of the axis."""
+    return "v_s" if "v_s" in states and "x_s" in states else "v"
+
+
+def flexible_rates(states: list[str]) -> list[str]:
+    """Return the states that are rates of flexible modes."""
+    speed = rigid_velocity(states)
+    return [state for state in states if state.startswith("v_") and state != speed]
+
+
+def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
+    """What drive and machine do in a move and its optima, from top to bottom."""
+    text, units, mass = words.text, record.plant.units, record.plant.moving_mass
+    move, optima = record.moves[number - 1], record.optima[number - 1]
+    own = [(text("response"), MAIN, move.series)]
+    every = [(name, style, item.series) for name, style, item in named_optima(optima, words)] + own
+    setpoint = [(text("setpoint"), SETPOINT, move.series)]
+
+    def curves(
+        named: Iterable[tuple[str, int, Series]], signal: str, factor: float = 1.0
+    ) -> list[Curve]:
+        return [
+            Curve(
+                name,
+                series.t,
+                factor * np.array(series.signals[signal]),
+                style,
+                stepped=signal == "F_set",
+            )
+            for name, style, series in named
+            if signal in series.signals
+        ]
+
+    def both(bound: float | None) -> tuple[float, ...]:
+        return () if bound is None else (bound, -bound)
+
+    def one(name: str, unit: str, shown: list[Curve], bound: float | None = None) -> Signals:
+        return Signals(name=name, unit=unit, curves=shown, limits=both(bound))
+
+    speed = rigid_velocity(record.plant.states)
+    accelerations = [*curves(setpoint, "a_ref"), *curves(every, "F", 1.0 / mass)]
+    velocities = [*curves(setpoint, "v_ref"), *curves(every, speed)]
+    bounds = optima.constrained.limits if optima.constrained else {}
+    tool, tcp = curves(every, "tcp_vibration"), units["tcp"]
+    found = [
+        one(words.name("F_set"), units["F"], curves(every, "F_set"), optima.time.f_max),
+        one(text("acceleration"), "m/s^2", accelerations),
+        one(text("velocity"), units[speed], velocities),
+        *(
+            one(words.name(rate), units[rate], curves(every, rate), bounds.get(rate))
+            for rate in flexible_rates(record.plant.states)
+        ),
+        one(words.name("tcp_vibration"), tcp, tool),
+        one(text("deviation"), tcp, curves(own, "deviation"), find_band(record)),
+    ]
+    return [panel for panel in found if panel.curves]
+
+
+def _motion_plots(
+    record: Record, number: int, title: str, words: Catalogue
+) -> tuple[LinePlot, LinePlot]:
+    """Two plots over the same time: what the drive does, and what the machine does."""
+    panels = _signals(record, number, words)
+    response, units = record.moves[number - 1].response, record.plant.units
+
+    def plot(key: str, part: list[Signals]) -> LinePlot:
+        return line_plot(
+            words,
+            f"{key}-{number}",
+            part,
+            x=(words.text("time"), "s"),
+            caption=words.text(f"{key}-caption", move=title),
+            alt=words.text(
+                "motion-alt",
+                signals=", ".join(panel.name for panel in part),
+                force=show(response.max_force, words, units["F"]),
+                peak=show(response.peak_deviation, words, units["tcp"]),
+                settling=SETTLING.show(response, words),
+            ),
+            link=f"move-{number}",
+        )
+
+    return plot("drive", panels[:3]), plot("vibration", panels[3:])
+
+
+def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
+    """Acceleration, deviation and force of a move with the optimum, for a page."""
+    text, move, optima = words.text, record.moves[number - 1], record.optima[number - 1]
+    force, acceleration, *_, deviation = _signals(record, number, words)
+    rest = text("constrained" if optima.constrained else "time-optimal")
+    own = {text("setpoint"), text("response"), rest}
+
+    def only(panel: Signals) -> Signals:
+        curves = [curve for curve in panel.curves if curve.label in own]
+        return Signals(name=panel.name, unit=panel.unit, curves=curves, limits=panel.limits)
+
+    return line_plot(
+        words,
+        "responses",
+        map(only, (acceleration, deviation, force)),
+        x=(text("time"), "s"),
+        caption=text("responses-caption", move=move_title(move.move, number, words)),
+        alt=text(
+            "responses-alt",
+            peak=PEAK.show(move.response, words),
+            settling=SETTLING.show(move.response, words),
+            force=MAX_FORCE.show(move.response, words),
+        ),
+        link=f"move-{number}",
+    )
+
+
+def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
+    """Return from which size on limits hold, move by move; nothing where nothing was tried."""
+    text = words.text
+    if not record.limits.move_sizes:
+        return ()
+    shown_before = slowest_move(record)
+    blocks: list[Block] = [Paragraph(text=text("sizes-note"), tone=Tone.NOTE)]
+    for number, move in enumerate(record.moves, start=1):
+        if ways := _ways(record, number):
+            title = text("move", number=number)
+            blocks.append(Subheading(text=move_title(move.move, number, words)))
+            blocks.append(_sizes(record, ways, title, words))
+            if number != shown_before:
+                blocks += _size_plot(record, number, words)
+    heading = text("sizes-heading")
+    return (Section(key="sizes", heading=heading, blocks=tuple(blocks), is_appendix=True),)
+
+
+def _ways(record: Record, number: int) -> list[MoveSizesEntry]:
+    move = record.moves[number - 1].move
+    return [entry for entry in record.limits.move_sizes if entry.move == move]
+
+
+def _sizes(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalogue) -> Table:
+    def unit(entry: MoveSizesEntry) -> str:
+        return "m/s" if "velocity_step" in entry.move else "m"
+
+    def end(entry: MoveSizesEntry, value: float | None, last: float, open_end: str) -> str:
+        """An end of the range in which the band is kept; the last one tried is open."""
+        shown = show(value, words, unit(entry), "nowhere")
+        return words.text(open_end, value=shown) if value == last else shown
+
+    columns = (
+        Quantity("limits-name", "way", width=1.4),
+        ACCELERATION,
+        jerk_column(record, words, width=1.0),
+        Quantity("filter-time", lambda it: it.setpoint_filter and it.setpoint_filter.duration, "s"),
+        Quantity("full-from", "full_from", unit, "never"),
+        Quantity("kept-from", lambda it: end(it, it.kept_from, it.size[0], "or-less"), ""),
+        Quantity("kept-to", lambda it: end(it, it.kept_to, it.size[-1], "or-more"), ""),
+    )
+    return table(words, "sizes-caption", columns, ways, move=title)
+
+
+def _size_plot(record: Record, number: int, words: Catalogue) -> tuple[LinePlot, ...]:
+    """The residual deviation over the size of a move; nothing where none was tried."""
+    text, ways, permitted = words.text, _ways(record, number), find_band(record)
+    if not ways:
+        return ()
+    is_step = "velocity_step" in ways[0].move
+    curves = [
+        Curve(words.say(one.way), one.size, one.residual_deviation, WAYS.get(one.way, SETPOINT))
+        for one in ways
+    ]
+    limits = () if permitted is None else (permitted,)
+    residual = Signals(name=text("residual"), unit="m", curves=curves, limits=limits)
+    plot = line_plot(
+        words,
+        f"sizes-{number}",
+        [residual],
+        x=(words.name("velocity_step" if is_step else "distance"), "m/s" if is_step else "m"),
+        caption=text("sizes-plot-caption", move=text("move", number=number)),
+        alt=text(
+            "sizes-plot-alt",
+            ways=", ".join(curve.label for curve in curves),
+            band=show(permitted, words, "m"),
+        ),
+        is_log=True,
+    )
+    return (plot,)

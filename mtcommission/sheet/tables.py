@@ -1,0 +1,222 @@
+"""The printing kit: what a table consists of, and the words and numbers in its cells.
+
+A table is a list of quantities (name, where it is found in a row's item, unit) and of items; a
+column is a quantity, or an item where items are set beside each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from typing import Any
+
+from mtcommission.machine.shapers import name_shaper
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import DIGITS
+from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.requirements.register import read_requirement
+from mtcommission.sheet.document import Cell, Column, Formula, Table
+
+DASH = "–"
+TENTHS = ("dB", "°")
+"""Units whose values are printed to a tenth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A quantity of an item of the record, and how it is printed."""
+
+    name: str | Message  # text of the catalogue, or what stands as it is
+    value: str | Callable[[Any], object]  # attribute of the item, or a function of it
+    unit: str | Callable[[Any], str] | None = None
+    """SI, as on a linear axis, or a function of the item; "%": a ratio; None: words, flush left."""
+    missing: str = ""  # text of the catalogue where there is no value; "": a dash
+    width: float = 1.0
+    digits: int = DIGITS
+
+    def head(self, words: Catalogue) -> str:
+        """Return the name, to stand over a column or in front of a row."""
+        if isinstance(self.name, Message):
+            return words.say(self.name)
+        return words.known(self.name, self.name)
+
+    def of(self, item: object) -> object:
+        """Return the value [SI]."""
+        return attrgetter(self.value)(item) if isinstance(self.value, str) else self.value(item)
+
+    def show(self, item: object, words: Catalogue) -> str:
+        """Return the value as printed."""
+        unit = self.unit(item) if callable(self.unit) else self.unit or ""
+        return show(self.of(item), words, unit, self.missing, self.digits)
+
+    def cell(self, item: object, words: Catalogue) -> Cell:
+        """Return the value as a table holds it."""
+        found = self.of(item)
+        return found if isinstance(found, Formula) else self.show(item, words)
+
+
+SETTLING = Quantity("settling-time", "settling_time", "s", "not-settled")
+RESIDUAL = Quantity("residual", "residual_deviation", "m", "not-settled")
+PEAK = Quantity("peak-deviation", "peak_deviation", "m")
+MAX_FORCE = Quantity("max-force", "max_force", "N")
+RMS_FORCE = Quantity("rms-force", "rms_force", "N")
+ACCELERATION = Quantity("acceleration", "acceleration", "m/s^2")
+JERK_TIME = Quantity("jerk-time", "jerk_time", "s")
+CORNER = (
+    Quantity("payload", "payload", "kg"),
+    Quantity("frequencies", "frequency_factor", "%"),
+    Quantity("dampings", "damping_factor", "%"),
+)
+GAIN_MARGIN = Quantity("gain-margin", "gain_margin_db", "dB", "unlimited")
+PHASE_MARGIN = Quantity("phase-margin", "phase_margin_deg", "°", "unlimited")
+SENSITIVITY = Quantity("sensitivity-peak", "sensitivity_peak", "", digits=3)
+BANDWIDTH = Quantity("bandwidth", "bandwidth_hz", "Hz")
+STIFFNESS = Quantity("stiffness-short", "dynamic_stiffness", "N/m")
+PATH_GAINS = (
+    Quantity("Kv", "Kv", "1/s", width=1.2),
+    Quantity("Kp", "Kp", "N s/m", width=1.2),
+    Quantity("Tn", "Tn", "s", width=1.2),
+)
+
+
+def show(
+    value: Any, words: Catalogue, unit: str = "", missing: str = "", digits: int = DIGITS
+) -> str:
+    """Return a value as printed: a number with its unit, a message said, truth as yes or no."""
+    if value is None:
+        return words.text(missing) if missing else DASH
+    if isinstance(value, bool):
+        return words.text("yes" if value else "no")
+    if isinstance(value, Message | str):
+        return words.say(value)
+    if unit == "%":
+        return words.format.percent(value)
+    return words.format.axis(round(value, 1) if unit in TENTHS else value, unit, digits=digits)
+
+
+def show_all(values: Iterable[float | None], words: Catalogue, unit: str) -> str:
+    """Return several values of one quantity in a cell."""
+    return "; ".join(show(value, words, unit) for value in values)
+
+
+def member(key: str, mapping: str = "") -> Callable[[Any], object]:
+    """Return what finds an entry of an item, or of a mapping that the item has; None without it."""
+    return lambda item: (attrgetter(mapping)(item) if mapping else item).get(key)
+
+
+def wide(quantity: Quantity, width: float, **other: Any) -> Quantity:
+    """Return a quantity that is printed in a wider or narrower column, or named otherwise."""
+    return replace(quantity, width=width, **other)
+
+
+def table(
+    words: Catalogue,
+    caption: str,
+    columns: Iterable[Quantity],
+    items: Iterable[object],
+    *,
+    strong: Callable[[Any], object] = lambda item: False,
+    **values: Any,
+) -> Table:
+    """Return a table with a row for each item; ``values`` are those of the caption's text."""
+    columns, items = tuple(columns), tuple(items)
+    return Table(
+        caption=words.text(caption, **values),
+        columns=tuple(
+            Column(head=one.head(words), width=one.width, is_number=one.unit is not None)
+            for one in columns
+        ),
+        rows=tuple(tuple(one.cell(item, words) for one in columns) for item in items),
+        strong_rows=tuple(place for place, item in enumerate(items) if strong(item)),
+    )
+
+
+def beside(
+    words: Catalogue,
+    caption: str,
+    rows: Iterable[Quantity],
+    heads: Sequence[str],
+    items: Sequence[object],
+    *,
+    first: str = "quantity",
+    width: float = 1.6,
+    **values: Any,
+) -> Table:
+    """Return a table with a row for each quantity and a column for each item."""
+    return Table(
+        caption=words.text(caption, **values),
+        columns=name_and_numbers(words.text(first), heads, width=width),
+        rows=tuple((row.head(words), *(row.cell(item, words) for item in items)) for row in rows),
+    )
+
+
+def pairs(
+    words: Catalogue,
+    caption: str,
+    rows: Iterable[tuple[Cell, ...]],
+    *,
+    first: str = "quantity",
+    width: float = 1.6,
+) -> Table:
+    """Return a table of names and what is said of them; ``caption`` is spoken already."""
+    columns = Column(head=words.text(first)), Column(head=words.text("value"), width=width)
+    return Table(caption=caption, columns=columns, rows=tuple(rows))
+
+
+def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[Column, ...]:
+    """Return a column of names and, behind it, columns of numbers.
+
+    Examples
+    --------
+    >>> [column.is_number for column in name_and_numbers("rule", ["a", "j"], width=1.4)]
+    [False, True, True]
+    """
+    numbers = (Column(head=head, is_number=True) for head in heads)
+    return (Column(head=name, width=width), *numbers)
+
+
+def capitalised(text: str) -> str:
+    """Return words with a capital at the beginning and the rest as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def say_requirement(name: str, words: Catalogue) -> str:
+    """Return the text of a requirement that a record names; another name stays as it is."""
+    try:
+        return words.say(read_requirement(name).message)
+    except ValueError:
+        return name
+
+
+def say_filter(item: SetpointFilterEntry | None, words: Catalogue) -> str:
+    """Return a setpoint filter with its numbers; None is "none".
+
+    Examples
+    --------
+    >>> say_filter(None, Catalogue())
+    'none'
+    """
+    (_, kind), *numbers = filter_rows(item, words)
+    return " ".join([kind, *([", ".join(value for _, value in numbers)] if numbers else [])])
+
+
+def filter_rows(item: SetpointFilterEntry | None, words: Catalogue) -> list[tuple[str, str]]:
+    """Return a setpoint filter as it is entered: its kind, then each of its numbers."""
+    text, f = words.text, words.format
+    if item is None:
+        return [(text("setpoint-filter"), text("no-setpoint-filter"))]
+    shaper, count = name_shaper(item.kind), len(item.shares)
+    name = text("filter-name", kind=item.kind, shaper=shaper, count=count)
+    rows = [(text("setpoint-filter"), name)]
+    if item.frequency_hz:
+        return [
+            *rows,
+            (text("filter-of-frequency"), f.quantity(item.frequency_hz, "Hz")),
+            (text("filter-of-damping"), f"ζ {f.number(item.damping_ratio)}"),
+        ]
+    times = (item.time or item.duration, item.second_time)
+    labels = ("filter-of-length", "filter-of-second-length")
+    named = zip(labels, times, strict=True)
+    return [*rows, *((text(label), f.quantity(time, "s")) for label, time in named if time)]

@@ -1,0 +1,435 @@
+"""Page 1: the verdict, the limits large, what to type in, the requirements one by one."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from math import inf
+from typing import TYPE_CHECKING
+
+from mtcommission.errors import ComputationError, InputError
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message, join_by_and, parts_of
+from mtcommission.messages.quantities import THIN_SPACE, pretty_unit
+from mtcommission.record.schema.limits import AttainableEntry
+from mtcommission.record.schema.moves import Check
+from mtcommission.record.schema.optima import BandEntry, RobustEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.requirements.register import REGISTER, read_requirement
+from mtcommission.requirements.requirement import Requirement
+from mtcommission.sheet.basis import basis_rows, data_rows, find_number, holds_rows, is_assumed
+from mtcommission.sheet.document import (
+    BigValue,
+    Block,
+    Form,
+    Headline,
+    Paragraph,
+    Section,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.tables import (
+    RESIDUAL,
+    SETTLING,
+    Quantity,
+    capitalised,
+    filter_rows,
+    pairs,
+    say_filter,
+    say_requirement,
+    show,
+    table,
+)
+
+if TYPE_CHECKING:
+    from mtcommission.export.layout import Entry
+    from mtcommission.export.write import Export
+
+CONTOUR = "requirements.contour_deviation"
+
+ROUNDING = 1e-6
+"""Relative difference that search and check may have where the reserve is just kept."""
+
+WHOLE = 0.99
+"""Share of the recommended acceleration that is all of it, but for rounding."""
+
+ELSEWHERE_MARK = ">"
+"""Stands, as in the export's text, before what is set in the drive, or must be so."""
+
+MULTIPLE = re.compile(r"\d+[.0]\d|0\.1")
+"""A unit that begins with a number: what is typed counts so many."""
+
+NUMBER = re.compile(r"-?\d+(\.\d+)?")
+
+
+def type_in(record: Record) -> Export | Message:
+    """Return the export for the record's own control, or why there is none."""
+    from mtcommission.export.write import export_own
+
+    try:
+        return export_own(record)
+    except InputError as error:
+        return error.faults[0].message
+    except ComputationError as error:
+        return error.message
+
+
+def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Section:
+    """Return verdict, what to enter, for what it holds, on what it rests."""
+    text = words.text
+    holds = holds_rows(record, words)
+    basis = (*basis_rows(record, words), *data_rows(record, words))
+    return Section(
+        key="verdict",
+        heading=text("verdict-heading"),
+        blocks=(
+            headline_as_typed(record, typed, words),
+            *_warnings(record, words),
+            _entries(record, typed, words),
+            _checks(record, words),
+            Paragraph(text=_judged_during(record, words), tone=Tone.NOTE),
+            pairs(words, text("holds-caption"), holds, first="basis", width=5.0),
+            pairs(words, text("basis-caption"), basis, first="basis", width=5.0),
+        ),
+    )
+
+
+def headline(record: Record, words: Catalogue) -> Headline:
+    """Return the verdict with the limits to enter and what they give."""
+    text, limits, assessment = words.text, record.limits.recommended, record.assessment
+    settling, residual = (one.show(limits, words) for one in (SETTLING, RESIDUAL))
+    said = _now_and_then(record, words) or [
+        text("what-they-give", settling=settling, residual=residual)
+    ]
+    if assessment.obstacle:
+        obstacle = say_requirement(assessment.obstacle, words)
+        said.append(f"{text('obstacle', obstacle=obstacle)}.")
+    said.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
+    said += [*assumed_and_binding(record, words), *attainable_sentences(record, words)]
+    return Headline(
+        is_met=assessment.met,
+        verdict=text("verdict-met" if assessment.met else "verdict-not-met"),
+        detail=" ".join(said),
+        values=(
+            BigValue(label=text("acceleration"), value=_acceleration(record, words), aside="a"),
+            BigValue(label=text("jerk"), value=_jerk(record, words), aside="j"),
+            *_jerk_time(record, words),
+            *_setpoint_filter(record, words),
+        ),
+    )
+
+
+def headline_as_typed(record: Record, typed: Export | Message, words: Catalogue) -> Headline:
+    """Return the verdict with what the export finds of its own numbers: it speaks as one."""
+    said = headline(record, words)
+    if isinstance(typed, Message):
+        incomplete = words.text("verdict-incomplete")
+        return replace(said, is_met=False, verdict=incomplete) if said.is_met else said
+    is_missed = said.is_met and not typed.is_met
+    added = (*([typed.judgement] if is_missed else []), *typed.doubts)
+    details = [said.detail, *map(words.say, added)]
+    shown, wanted = _acceleration_typed(record, typed, words), _acceleration(record, words)
+    if shown != wanted:
+        first, *others = said.values
+        said = replace(said, values=(replace(first, value=shown), *others))
+        details.insert(0, words.text("as-typed", acceleration=shown, wanted=wanted))
+    said = replace(said, detail=" ".join(details))
+    if not said.is_met or typed.meets_requirements:
+        return said
+    verdict = words.text("verdict-missed" if is_missed else "verdict-incomplete")
+    return replace(said, is_met=typed.is_met, verdict=verdict)
+
+
+def signature(record: Record, typed: Export | Message, words: Catalogue) -> tuple[Block, ...]:
+    """Return the values that are signed for, and the lines to sign on."""
+    values = words.text(
+        "signed-values",
+        machine=record.machine.name,
+        axis_name=record.machine.axis,
+        acceleration=_acceleration_typed(record, typed, words),
+        jerk=_jerk(record, words),
+        filter=say_filter(record.limits.recommended.setpoint_filter, words),
+    )
+    lines = Form(fields=tuple(words.text(f"signature-field-{i}") for i in range(1, 5)))
+    return Paragraph(text=values), lines
+
+
+def _acceleration(record: Record, words: Catalogue) -> str:
+    return show(record.limits.recommended.acceleration, words, "m/s^2")
+
+
+def _acceleration_typed(record: Record, typed: Export | Message, words: Catalogue) -> str:
+    """What is typed where that is less than what was recommended, rounding apart."""
+    run = record.limits.recommended.acceleration
+    if isinstance(typed, Message) or typed.limits.acceleration >= WHOLE * run:
+        return _acceleration(record, words)
+    return show(typed.limits.acceleration, words, "m/s^2")
+
+
+def _jerk(record: Record, words: Catalogue) -> str:
+    value = record.limits.recommended.jerk if record.loop.jerk != "none" else None
+    return show(value, words, "m/s^3", "no-jerk-limit")
+
+
+def _jerk_time(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
+    """The jerk time where it is entered, or where no filter needs its place."""
+    limits = record.limits.recommended
+    if record.loop.jerk == "none" or (limits.setpoint_filter and record.loop.jerk == "limit"):
+        return ()
+    value = show(limits.jerk_time, words, "s")
+    return (BigValue(label=words.text("jerk-time"), value=value, aside="a / j"),)
+
+
+def _setpoint_filter(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
+    """The filter that belongs to the limits; nothing where there is none."""
+    item = record.limits.recommended.setpoint_filter
+    if item is None:
+        return ()
+    (_, kind), *numbers = filter_rows(item, words)
+    if item.frequency_hz:
+        labels = (kind, *(label for label, _ in numbers[1:]))
+        return tuple(
+            BigValue(label=capitalised(label), value=number)
+            for label, (_, number) in zip(labels, numbers, strict=True)
+        )
+    return (BigValue(label=capitalised(kind), value=", ".join(number for _, number in numbers)),)
+
+
+def _now_and_then(record: Record, words: Catalogue) -> list[str]:
+    """What today's values give beside the recommended ones; nothing if none are stated."""
+    today = record.limits.today
+    if today is None:
+        return []
+    now, then = (
+        f"{SETTLING.show(item, words)} / {RESIDUAL.show(item, words)}"
+        for item in (today, record.limits.recommended)
+    )
+    now = words.text("now-no-result") if today.failure else now
+    return [words.text("now-and-then", now=now, then=then), words.say(today.basis)]
+
+
+def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
+    """Return which assumed values bind, and what others would give, as sentences."""
+    found, binding = list[str](), parts_of(record.limits.recommended.bound_by)
+    for requirement in REGISTER:
+        if not isinstance(requirement, Requirement) or requirement.message not in binding:
+            continue
+        begin, name = requirement.rests_on
+        keys = [item.key for item in record.data if begin and item.key.startswith(begin)]
+        keys = [one for one in keys if one.endswith(name) and is_assumed(record, one)]
+        if keys:
+            named = words.text("assumed-binds", keys=", ".join(keys))
+            found.append(f"{named}{_with_another(record, name, words)}")
+    return found
+
+
+def _with_another(record: Record, name: str, words: Catalogue) -> str:
+    """What another value would give, where that was computed."""
+    for item in record.limits.would_bring:
+        if item.name == name and item.meets_requirements and item.saved and item.saved > 0.0:
+            accelerations = [part.values.get("acceleration") for part in parts_of(item.change)]
+            given = [show(a, words, "m/s^2") for a in accelerations if isinstance(a, float)]
+            given.append(SETTLING.show(item, words))
+            said = words.say(item.change)
+            return words.text("another-gives", change=said, given=", ".join(given))
+    return words.text("another-unknown")
+
+
+def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
+    """Return what could be met where a requirement stands in the way."""
+    return [
+        words.text(
+            "could-be-met",
+            requirement=say_limiting(item, words),
+            value=show(item.value, words, item.unit),
+            limit=show(item.limit, words, item.unit),
+        )
+        for item in record.limits.attainable
+    ]
+
+
+def say_limiting(item: AttainableEntry, words: Catalogue) -> str:
+    """Return the requirement that stands in the way, and those that must give way with it.
+
+    Examples
+    --------
+    >>> item = AttainableEntry(requirement="settling time", limit=0.02, value=0.09, unit="s",
+    ...     acceleration=1.8, jerk=64.0, together_with=["peak v_s"])
+    >>> say_limiting(item, Catalogue())
+    'settling time, together with peak v_s'
+    """
+    said = say_requirement(item.requirement, words)
+    others = [read_requirement(name).message for name in item.together_with]
+    if not others:
+        return said
+    return words.text("requirement-together-with", requirement=said, others=join_by_and(others))
+
+
+def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
+    """The warnings on which the verdict hangs, and how many more there are."""
+    hung = (*record.limits.warnings, *record.loop.warnings, *record.robustness.warnings)
+    lines = [words.say(line) for line in hung]
+    others = [line for line in record.warnings if line not in hung]
+    if others:
+        lines.append(words.text("further-warnings" if hung else "warning-count", count=len(others)))
+    return tuple(Paragraph(text=line, tone=Tone.WARNING) for line in lines)
+
+
+def _checks(record: Record, words: Catalogue) -> Table:
+    """What was found of each requirement, what is permitted, and where it is worst."""
+
+    def unit_of(check: Check) -> str:
+        return check.unit
+
+    columns = (
+        Quantity("check", lambda check: capitalised(say_requirement(check.name, words)), width=1.8),
+        Quantity("found", "value", unit_of, "not-settled", width=1.1),
+        Quantity("permitted", "limit", unit_of, width=1.3),
+        Quantity("share-used", lambda check: share_used(check, words), "%", width=1.05),
+        Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
+        Quantity("where", "where", width=4.7),
+    )
+    checks = record.assessment.checks
+    return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
+
+
+def share_used(check: Check, words: Catalogue) -> str:
+    """Return the share of what is allowed that is used."""
+    return show(None if check.value is None else check.value / check.limit, words, "%")
+
+
+def verdict_on(check: Check, words: Catalogue) -> str:
+    """Return whether a requirement is met, and whether that takes the reserve."""
+    if not check.met:
+        return words.text("not-met")
+    return words.text("met" if _is_within_reserve(check) else "met-without-reserve")
+
+
+def _is_within_reserve(check: Check) -> bool:
+    wanted = (1.0 + ROUNDING) * check.reserve * check.limit
+    return check.value is not None and check.value <= wanted
+
+
+def keeps_reserve(record: Record) -> bool:
+    """Return whether the recommended limits leave the reserve of every requirement."""
+    return all(map(_is_within_reserve, record.assessment.checks))
+
+
+def met_at_all(is_met: bool, keeps_reserve: bool, words: Catalogue) -> str:
+    """Return whether limits meet all requirements, and whether that takes the reserve."""
+    if not is_met:
+        return words.text("no")
+    return words.text("yes" if keeps_reserve else "yes-without-reserve")
+
+
+def _judged_during(record: Record, words: Catalogue) -> str:
+    """Whether the tool is judged during the move, and what that means for the user."""
+    if find_number(record, CONTOUR) is None:
+        peak = show(record.limits.recommended.peak_deviation, words, "m")
+        return words.text("contour-not-judged", peak=peak)
+    feed = find_number(record, "requirements.contour_feed")
+    if feed is None:
+        return words.text("contour-judged")
+    return words.text("contour-judged-to-feed", feed=show(feed, words, "m/s"))
+
+
+def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block:
+    """Every parameter to type in: its name in the control, old beside new, and meaning."""
+    if isinstance(typed, Message):
+        return Paragraph(text=words.text("entry-none", why=typed), tone=Tone.WARNING)
+    columns = [
+        Quantity("parameter", _name, width=3.15),
+        Quantity("new-value", lambda entry: _typed(entry.value, entry, words), "", width=1.45),
+        Quantity("meaning", lambda entry: _meaning(entry, words), width=4.3),
+    ]
+    if any(entry.old for entry in typed.entries):
+        old = Quantity("old-value", lambda entry: _typed(entry.old, entry, words), "", width=0.95)
+        columns.insert(1, old)
+    return table(
+        words, "entry-caption", columns, typed.entries, jerk=record.loop.jerk, mark=ELSEWHERE_MARK
+    )
+
+
+def _name(entry: Entry) -> str:
+    row = entry.row
+    if row.is_elsewhere:
+        return f"{ELSEWHERE_MARK} {row.name}"
+    return f"[{row.section}] {row.name}" if row.section else row.name
+
+
+def _typed(value: str, entry: Entry, words: Catalogue) -> str:
+    """A number with the language's decimal mark and its unit; a word or code as it is typed."""
+    if not NUMBER.fullmatch(value):
+        return value
+    unit = pretty_unit({"us": "µs"}.get(entry.row.unit, entry.row.unit))
+    times = f"×{THIN_SPACE}" if MULTIPLE.match(unit) else ""
+    return words.format.with_unit(value, times + unit).replace(".", words.format.decimal_mark)
+
+
+def _meaning(entry: Entry, words: Catalogue) -> str:
+    said = words.say(entry.row.text) if entry.row.text else ""
+    return said if entry.row.is_verified else f"{said} (?)".strip()
+
+
+def move_title(move: dict[str, float], number: int, words: Catalogue) -> str:
+    """Return e.g. "Move 1 (velocity step 100 mm/s)"."""
+    text = words.text
+    if "velocity_step" in move:
+        what = text("velocity-step", velocity=show(move["velocity_step"], words, "m/s"))
+    else:
+        distance, limit = show(move["distance"], words, "m"), move.get("max_velocity")
+        what = text("positioning", distance=distance)
+        if limit is not None:
+            velocity = show(limit, words, "m/s")
+            what = text("positioning-limited", distance=distance, velocity=velocity)
+    return f"{text('move', number=number)} ({what})"
+
+
+def slowest_move(record: Record) -> int:
+    """Return the number of the move that settles last, counted from 1."""
+    times = [move.response.settling_time for move in record.moves]
+    return 1 + max(range(len(times)), key=lambda i: inf if times[i] is None else times[i] or 0.0)
+
+
+def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
+    """Return the time-optimal reference of a move, counted from 1, beside the recommendation."""
+    text, f, move = words.text, words.format, record.moves[number - 1]
+    optima, settling = record.optima[number - 1], move.response.settling_time
+    title, aside = move_title(move.move, number, words), _band_sentences(record, number, words)
+    best, bounded = optima.time, optima.constrained
+    bound, optimal = getattr(best.certificate, "t_f_lower_bound", None), f.quantity(best.t_f, "s")
+    if best.method == "composed" and isinstance(bound, float):
+        optimal = text("reference-composed", optimum=optimal, bound=f.quantity(bound, "s"))
+    if settling is None:
+        return " ".join([text("reference-unsettled", move=title, optimum=optimal), *aside])
+    share = settling / best.t_f - 1.0
+    sentence = text(
+        "reference" if share >= 0.0 else "reference-faster",
+        move=title,
+        optimum=optimal,
+        settling=f.quantity(settling, "s"),
+        more=f.percent(share),
+        less=f.percent(-share),
+    )
+    if bounded:
+        change = f.signed_percent(settling / bounded.t_f - 1.0)
+        held = text("reference-bounded", optimum=f.quantity(bounded.t_f, "s"), change=change)
+        aside.append(held)
+    return " ".join([sentence, *aside])
+
+
+def _band_sentences(record: Record, number: int, words: Catalogue) -> list[str]:
+    """The optimum with the band, and the force that keeps it over the whole spread."""
+    text, f, found = words.text, words.format, record.optima[number - 1]
+    settling, sentences = record.moves[number - 1].response.settling_time, list[str]()
+
+    def shown(item: BandEntry | RobustEntry) -> dict[str, str]:
+        change = "–" if settling is None else f.signed_percent(settling / item.t_f - 1.0)
+        return {"optimum": f.quantity(item.t_f, "s"), "change": change}
+
+    if found.band:
+        bound, half = f.quantity(found.band.lower_bound, "s"), f.axis(found.band.band, "m")
+        sentences.append(text("band-optimum", band=half, bound=bound, **shown(found.band)))
+    if found.robust:
+        sentences.append(text("robust-force", **shown(found.robust)))
+    return sentences
