@@ -29,7 +29,7 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     plan_setpoint,
 )
-from mtcommission.study.varied import respond_varied
+from mtcommission.study.robustness import respond_varied
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +95,7 @@ def promising(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Moti
             longest = max(plan_setpoint(move, limits).duration for move in machine.moves)
             if longest > min(machine.requirements.max_settling_time, LONGEST):
                 continue
-            found = respond_varied(machine, plant, tuned, limits, variations=places)
+            found = respond_varied(machine, tuned, limits, places)
             if found.meets(machine).all():
                 yield limits
 

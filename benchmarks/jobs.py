@@ -159,6 +159,7 @@ def parts(repeats: int) -> list[Job]:
     from mtcommission.plant.plant import build_plant
     from mtcommission.profile.read import read_profile
     from mtcommission.study.robustness import run_monte_carlo
+    from mtcommission.study.settings import RobustnessSettings
 
     machine = read_profile(PROFILE)
     plant, tuned = build_plant(machine), tune_loop(machine)
@@ -170,10 +171,10 @@ def parts(repeats: int) -> list[Job]:
             machine, plant, tuned
         ).chart(),
         "Monte Carlo, 1 000 machines": lambda: run_monte_carlo(
-            machine, plant, tuned, limits, samples=1000
+            machine, tuned, limits, RobustnessSettings(samples=1000)
         ),
         "Monte Carlo, 10 000 machines": lambda: run_monte_carlo(
-            machine, plant, tuned, limits, samples=10_000
+            machine, tuned, limits, RobustnessSettings(samples=10_000)
         ),
     }
     return [_job(name, "part", _times(call, repeats)) for name, call in calls.items()]

@@ -33,8 +33,8 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.robustness import respond_varied
 from mtcommission.study.rules import compare_shapers
-from mtcommission.study.varied import respond_varied
 
 GRID = 10
 """Points of the brute force in each direction."""
@@ -127,7 +127,7 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidat
     for a in largest * np.geomspace(1.0, LEAST_SHARE, GRID):
         for jerk_time in np.geomspace(*JERK_TIMES, GRID):
             limits = MotionLimits(acceleration=float(a), jerk=float(a / jerk_time))
-            found = respond_varied(machine, plant, tuned, limits, variations=places)
+            found = respond_varied(machine, tuned, limits, places)
             is_missed = not found.meets(machine).all()
             points.append((is_missed, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])

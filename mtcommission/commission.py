@@ -10,32 +10,41 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mtcommission.glance import plot_moves, say_verdict, show_html
-from mtcommission.limits.choose import Choice, choose_for_listed
+from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule.rule import RuleResult
 from mtcommission.limits.judge import Assessment, Candidate, MoveResult
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.read import ProfileSource
 from mtcommission.recommend import Announce, Progress, recommend
-from mtcommission.study.attainable import Attainable, find_attainable
-from mtcommission.study.comparison import MoveComparison, compare_move
-from mtcommission.study.friction import FrictionEffect, examine_friction
-from mtcommission.study.improvements import Improvement, find_improvements
-from mtcommission.study.loop_choice import show_alternatives
-from mtcommission.study.loop_study import LoopStudy, study_loop
-from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
-from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
-from mtcommission.study.robustness import Robustness, examine_robustness
-from mtcommission.study.rules import compare_shapers
+from mtcommission.study.attainable import (
+    Attainable,
+    ModeLimits,
+    find_attainable,
+    find_limits_by_mode,
+)
+from mtcommission.study.improvements import (
+    Improvement,
+    ToolSensor,
+    find_improvements,
+    value_tool_sensor,
+)
+from mtcommission.study.loops import LoopChoice, LoopStudy, show_alternatives, study_loop
+from mtcommission.study.optimum import MoveComparison, WithinBand, compare_move, find_within_band
+from mtcommission.study.robustness import (
+    FrictionEffect,
+    MoveSizes,
+    Robustness,
+    compare_move_sizes,
+    examine_friction,
+    examine_robustness,
+)
+from mtcommission.study.rules import TodaysValues, compare_shapers
 from mtcommission.study.settings import Settings
-from mtcommission.study.today import TodaysValues
-from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
-from mtcommission.study.variations import Row, judge
-from mtcommission.study.within_band import WithinBand, find_within_band
+from mtcommission.study.variations import Row, judge, serve_listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -139,32 +148,34 @@ def commission(
     )
     plant, tuned, choice, rule = answer.plant, answer.tuned, answer.choice, answer.rule
     assert rule is not None  # asked for
-    loop = show_alternatives(machine, plant, answer.loop, settings)
+    loop = show_alternatives(machine, answer.loop, settings.tuning)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    within_band = tuple(
-        find_within_band(machine, plant, item, settings=settings.band) for item in optima
-    )
-    is_wider = machine.requirements.every_size and choice.meets_requirements
-    listed = choose_for_listed(machine, plant, tuned) if is_wider else None
+    within_band = tuple(find_within_band(machine, item, settings.band) for item in optima)
+    listed = serve_listed(machine, tuned, choice, loop.filters)
     progress(Message("stage-responses"))
-    condensed = condense_optima(machine, plant, optima)
     alternatives = [
-        Row(label=name, machine=machine, tuned=tuned, limits=limits) for name, limits in condensed
+        judge(Row(label=name, machine=machine, tuned=tuned, limits=limits))
+        for name, limits in condense_optima(machine, plant, optima)
     ]
     shapers = compare_shapers(machine, tuned, near=choice.limits)
     attainable: tuple[Attainable, ...] = ()
     if not choice.meets_requirements:
         progress(Message("stage-attainable"))
-        attainable = find_attainable(machine, plant, tuned, choice)
+        attainable = find_attainable(machine, tuned, choice)
     progress(Message("stage-machining-modes"))
-    modes = find_limits_by_mode(machine, plant, tuned, choice)
+    modes = find_limits_by_mode(machine, tuned, choice)
     progress(Message("stage-comparison"))
     comparisons = tuple(
-        compare_move(machine, plant, tuned, item, result, robust=within.robust)
+        compare_move(machine, tuned, item, result, robust=within.robust)
         for item, within, result in zip(optima, within_band, choice.moves, strict=True)
     )
     progress(Message("stage-robustness"))
+    sized = {
+        "way-recommended": choice.limits,
+        "way-listed": listed.limits if listed else None,
+        "commissioning-rule": rule.limits,
+    }
     return Commissioning(
         machine=machine,
         plant=plant,
@@ -175,17 +186,13 @@ def commission(
         loop_study=study_loop(machine, loop, choice.limits),
         choice=choice,
         listed=listed,
-        alternatives=tuple(map(judge, alternatives)),
+        alternatives=tuple(alternatives),
         rules=(*answer.rules, *shapers),
         comparisons=comparisons,
         modes=modes,
         rule=rule,
-        robustness=examine_robustness(
-            machine, plant, tuned, choice.limits, settings=settings.robustness
-        ),
-        move_sizes=compare_move_sizes(
-            machine, tuned, choice.limits, listed.limits if listed else None, rule.limits
-        ),
+        robustness=examine_robustness(machine, tuned, choice.limits, settings.robustness),
+        move_sizes=compare_move_sizes(machine, tuned, sized),
         attainable=attainable,
         friction=examine_friction(machine, tuned, choice.moves),
         today=answer.today,

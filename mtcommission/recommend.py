@@ -11,17 +11,15 @@ from dataclasses import dataclass
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.judge import Candidate
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.duration import require_short_moves
-from mtcommission.study.loop_choice import settle_on_loop
-from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.rules import evaluate_rules
+from mtcommission.study.loops import LoopChoice, settle_on_loop
+from mtcommission.study.rules import TodaysValues, evaluate_rules, judge_today
 from mtcommission.study.settings import Settings
-from mtcommission.study.today import TodaysValues, judge_today
 
 Progress = Callable[[Message], None]
 
@@ -70,19 +68,18 @@ def recommend(
     require_short_moves(machine)
     plant = build_plant(machine)
     progress(Message("stage-feedback-loop"))
-    loop = settle_on_loop(machine, plant, settings)
-    tuned = loop.tuned
+    loop = settle_on_loop(machine, settings.tuning)
     progress(Message("stage-limits"))
-    choice = loop.choice or choose_limits(machine, plant, tuned)
+    choice = loop.choice or choose_limits(machine, plant, loop.tuned)
     announce(choice.candidate)
     progress(Message("stage-responses"))
-    rule = apply_commissioning_rule(machine, plant, tuned) if with_rules else None
+    rule = apply_commissioning_rule(machine, plant, loop.tuned) if with_rules else None
     return Recommendation(
         machine=machine,
         plant=plant,
         loop=loop,
         choice=choice,
-        today=judge_today(machine, plant, tuned, settings.robustness),
+        today=judge_today(machine, loop.tuned, settings.robustness),
         rule=rule,
-        rules=evaluate_rules(machine, tuned, rule) if rule else (),
+        rules=evaluate_rules(machine, loop.tuned, rule) if rule else (),
     )

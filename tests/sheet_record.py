@@ -37,7 +37,7 @@ from mtcommission.record.schema.record import SCHEMA, Record
 from mtcommission.record.shape import entry_of, to_entry, to_plain
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
-from mtcommission.study.machining_modes import NO_LIMITS
+from mtcommission.study.attainable import NO_LIMITS
 
 Json = dict[str, Any]
 

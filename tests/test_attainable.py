@@ -34,7 +34,7 @@ def attainable(machine: Machine) -> dict[str, Attainable]:
     plant, tuned = build_plant(machine), tune_loop(machine)
     choice = choose_limits(machine, plant, tuned)
     assert not choice.meets_requirements
-    found = find_attainable(machine, plant, tuned, choice)
+    found = find_attainable(machine, tuned, choice)
     return {item.requirement.key: item for item in found}
 
 
@@ -80,8 +80,8 @@ def test_least_acceleration_without_a_jerk_limit() -> None:
     """If it failed, limits with a jerk would be named for a control that cannot limit it."""
     machine = asked(band=1e-9)
     machine = replace(machine, control=replace(machine.control, kind=KINDS["klipper"]))
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    found = find_least_residual(machine, plant, tuned)
+    tuned = tune_loop(machine)
+    found = find_least_residual(machine, tuned)
     assert found is not None
     assert found.limits == without_jerk_limit(machine, found.limits.acceleration)
 
@@ -118,7 +118,7 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     """If it failed, "what could be met" would be far from the best that can be had."""
     machine = asked(band=1e-9)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    found = find_least_residual(machine, plant, tuned)
+    found = find_least_residual(machine, tuned)
     assert found is not None
     assert found.unit == "m"
     candidate = evaluate(machine, plant, tuned, found.limits)
@@ -135,7 +135,7 @@ def test_no_worse_than_the_recommendation_itself() -> None:
     machine = asked(settling=0.075)
     plant, tuned = build_plant(machine), tune_loop(machine)
     choice = choose_limits(machine, plant, tuned)
-    found = find_attainable(machine, plant, tuned, choice)
+    found = find_attainable(machine, tuned, choice)
     slower = next(item for item in found if item.requirement == SETTLING_TIME)
     recommended = evaluate(machine, plant, tuned, choice.limits)
     assert slower.value <= recommended.settling_time

@@ -21,7 +21,7 @@ from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.optimal.band.tail import build_tail, find_tail_peaks
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.study.within_band import find_within_band
+from mtcommission.study.optimum import find_within_band
 from tests.machines import paper_machine, random_modal_machine
 
 STANDARD = BandSettings()
@@ -193,7 +193,7 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw(name: str) ->
     plant = build_plant(machine)
     move = machine.moves[-1]
     optima = find_optima(machine, plant, move)
-    found = find_within_band(replace(machine, moves=(move,)), plant, optima, settings=STANDARD)
+    found = find_within_band(replace(machine, moves=(move,)), optima, STANDARD)
     assert found.robust is not None
     assert found.optimum is not None
     assert found.remarks == ()
@@ -219,7 +219,7 @@ def test_without_spread_there_is_no_robust_force() -> None:
     machine = replace(machine, requirements=needs)
     plant = build_plant(machine)
     optima = find_optima(machine, plant, machine.moves[0])
-    found = find_within_band(machine, plant, optima, settings=STANDARD)
+    found = find_within_band(machine, optima, STANDARD)
     assert found.optimum is not None
     assert found.robust is None
     assert found.remarks == ()
@@ -231,7 +231,7 @@ def test_damping_known_to_a_spread_alone_asks_for_a_robust_force() -> None:
     needs = replace(machine.requirements, frequency_spread=0.0, damping_spread=0.3)
     machine = replace(machine, requirements=needs)
     optima = find_optima(machine, build_plant(machine), machine.moves[0])
-    found = find_within_band(machine, build_plant(machine), optima, settings=STANDARD)
+    found = find_within_band(machine, optima, STANDARD)
     assert found.robust is not None
     for factor in (0.7, 1.0, 1.3):
         moved = vary(machine, Corner(damping_factor=factor))
@@ -246,7 +246,7 @@ def test_a_band_wider_than_the_move_has_no_optimum() -> None:
     machine = replace(machine, moves=(move,), requirements=needs)
     plant = build_plant(machine)
     optima = find_optima(machine, plant, move)
-    found = find_within_band(machine, plant, optima, settings=STANDARD)
+    found = find_within_band(machine, optima, STANDARD)
     assert found.optimum is None
     assert found.robust is None
     assert [remark.kind for remark in found.remarks] == ["band-wider-than-move"]
@@ -256,9 +256,7 @@ def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number() -> Non
     machine = paper_machine()
     plant = build_plant(machine)
     optima = find_optima(machine, plant, machine.moves[0])
-    found = find_within_band(
-        machine, plant, optima, settings=replace(STANDARD, exchanges=1, first_contacts=1)
-    )
+    found = find_within_band(machine, optima, replace(STANDARD, exchanges=1, first_contacts=1))
     assert found.optimum is None
     assert [remark.kind for remark in found.remarks] == ["band-optimum-failed"]
 
@@ -270,7 +268,7 @@ def test_what_a_band_saves_is_not_asked_of_a_move_of_hundreds_of_periods() -> No
     machine = replace(machine, moves=(long,))
     plant = build_plant(machine)
     optima = find_optima(machine, plant, long)
-    found = find_within_band(machine, plant, optima, settings=STANDARD)
+    found = find_within_band(machine, optima, STANDARD)
     assert [remark.kind for remark in found.remarks] == ["band-saves-nothing"]
     assert found.optimum is None
     assert optima.time.t_f < 1.01 * (1.0 / 0.2 + 0.2 / machine.drive.motion_force)

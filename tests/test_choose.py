@@ -199,7 +199,7 @@ def test_search_and_verdict_compute_the_same(name: str, resolution: float) -> No
         shares = {check.requirement: check.value / check.limit for check in checks}
         use, band = bench.use(item, t), machine.requirements.tcp_deviation
         # The noise takes from the bound there and adds to the value here.
-        left = (shares.pop(RESIDUAL_DEVIATION) - 1.0) * band / bench.band + 1.0
+        left = (shares.pop(RESIDUAL_DEVIATION) - 1.0) * band / (band - bench.noise.tool) + 1.0
         assert use.of_after(np.array([a]))[0] == pytest.approx(left, rel=0.03)
         if not resolution:
             used = max(use.of_rest(a), float(use.of_means(np.array([a]))[0]))

@@ -15,8 +15,12 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.profile.read import read_profile
-from mtcommission.study.comparison import ComparedControl, explain_why_not, state_claims
-from mtcommission.study.feedforward import FedForward
+from mtcommission.study.optimum import (
+    ComparedControl,
+    FedForward,
+    explain_why_not,
+    state_claims,
+)
 from tests.machines import paper_machine
 
 ROTARY = read_profile(Path(__file__).parent.parent / "profiles" / "rotary-table.toml")

@@ -16,8 +16,7 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.comparison import ComparedControl, compare_controls
-from mtcommission.study.feedforward import feed_forward
+from mtcommission.study.optimum import ComparedControl, compare_controls, feed_forward
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -50,7 +49,7 @@ def rows(
     machine: Machine, plant: Plant, tuned: TunedLoop, optimum: TimeOptimum
 ) -> tuple[ComparedControl, ...]:
     move = machine.moves[0]
-    return compare_controls(machine, plant, tuned, move, limits=LIMITS, optima=[optimum])
+    return compare_controls(machine, tuned, move, limits=LIMITS, optima=[optimum])
 
 
 def test_the_papers_two_claims_hold(rows: tuple[ComparedControl, ...]) -> None:
@@ -102,7 +101,7 @@ def test_fed_forward_optimum_rests_on_the_nominal_machine_only(
     machine: Machine, plant: Plant, tuned: TunedLoop, optimum: TimeOptimum
 ) -> None:
     """On the machine it was computed for it is nearly perfect; off by 5 % it leaves the band."""
-    nominal, low, high = feed_forward(machine, plant, tuned, optimum)
+    ((nominal, low, high),) = feed_forward(machine, tuned, [optimum])
     assert nominal.residual_deviation < 0.1e-6
     assert nominal.settling_time == pytest.approx(optimum.t_f + 125e-6)
     for off in (low, high):

@@ -26,7 +26,7 @@ from mtcommission.machine.machine import Machine, VelocityStep
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.loop_trials import LoopChoice
+from mtcommission.study.loops import LoopChoice
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 

@@ -30,12 +30,9 @@ from mtcommission.loop.tuning.tuned import (
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.study.loop_choice import settle_on_loop, show_alternatives
-from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.settings import Settings
+from mtcommission.study.loops import LoopChoice, settle_on_loop, show_alternatives
 
 WANTED = TuningSettings()
 SHAPE = Shape(position_ratio=0.5, integral_ratio=16.0)
@@ -105,9 +102,7 @@ def test_no_more_filters_than_the_control_has() -> None:
 
 
 def choose(machine: Machine) -> LoopChoice:
-    plant = build_plant(machine)
-    choice = settle_on_loop(machine, plant, Settings())
-    return show_alternatives(machine, plant, choice, Settings())
+    return show_alternatives(machine, settle_on_loop(machine), WANTED)
 
 
 def test_filters_are_suggested_and_used_only_where_asked_for() -> None:

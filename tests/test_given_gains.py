@@ -18,12 +18,9 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.study.loop_choice import settle_on_loop
-from mtcommission.study.loop_trials import LoopChoice
-from mtcommission.study.settings import Settings
+from mtcommission.study.loops import LoopChoice, settle_on_loop
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
@@ -138,7 +135,7 @@ def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
 
 
 def choose(machine: Machine) -> LoopChoice:
-    return settle_on_loop(machine, build_plant(machine), Settings())
+    return settle_on_loop(machine)
 
 
 def test_chosen_loops_keep_the_minimum_bandwidth() -> None:

@@ -15,7 +15,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.improvements import Improvement, find_improvements
-from mtcommission.study.loop_trials import LoopChoice
+from mtcommission.study.loops import LoopChoice
 
 SETTINGS = TuningSettings()
 

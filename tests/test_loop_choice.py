@@ -10,23 +10,24 @@ import pytest
 
 from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.limits.choose import choose_limits
-from mtcommission.loop.tuning.tuned import has_margins
+from mtcommission.loop.tuning.tuned import TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.loop_choice import (
+from mtcommission.study.loops import (
+    LoopChoice,
+    priced,
+    say_settling,
     settle_on_loop,
     show_alternatives,
     show_state_feedback,
 )
-from mtcommission.study.loop_trials import LoopChoice, priced, say_settling
-from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
-SETTINGS = Settings()
+SETTINGS = TuningSettings()
 
 
 def cascade() -> Machine:
@@ -36,8 +37,7 @@ def cascade() -> Machine:
 @cache
 def chosen_cascade() -> LoopChoice:
     machine = cascade()
-    plant = build_plant(machine)
-    return show_alternatives(machine, plant, settle_on_loop(machine, plant, SETTINGS), SETTINGS)
+    return show_alternatives(machine, settle_on_loop(machine, SETTINGS), SETTINGS)
 
 
 def test_the_classic_loop_is_bettered_in_both_respects() -> None:
@@ -51,7 +51,7 @@ def test_the_classic_loop_is_bettered_in_both_respects() -> None:
     assert used.tuned.least_stiffness > 1.05 * tuned.least_stiffness
     assert choice.tuned.controller is used.tuned.controller
     for item in choice.trials:
-        assert all(has_margins(one, settings=SETTINGS.tuning) for one in item.tuned.analyses)
+        assert all(has_margins(one, settings=SETTINGS) for one in item.tuned.analyses)
         assert item.tuned.least_stiffness >= tuned.least_stiffness
 
 
@@ -73,7 +73,7 @@ def test_the_choice_is_as_its_sentence_says() -> None:
 def test_state_feedback_is_shown_beside_and_not_used() -> None:
     """A control without it must not get its numbers."""
     machine, choice = cascade(), chosen_cascade()
-    shown = show_state_feedback(machine, build_plant(machine), choice, SETTINGS)
+    shown = show_state_feedback(machine, choice, SETTINGS)
     assert shown.tuned is choice.tuned
     assert [item.is_used for item in shown.variants] == [True, False]
     assert shown.variants[1].tuned.controller.state_gains.any()
@@ -91,7 +91,7 @@ def test_the_choice_changes_gradually_with_the_spread() -> None:
         machine = paper_machine()
         needs = replace(machine.requirements, frequency_spread=spread)
         machine = replace(machine, requirements=needs)
-        choice = settle_on_loop(machine, build_plant(machine), SETTINGS)
+        choice = settle_on_loop(machine)
         (used,) = (item for item in choice.trials if item.is_used)
         found.append(used.candidate.settling_time)
     for settling, later in pairwise(found):

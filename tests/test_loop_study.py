@@ -15,9 +15,8 @@ from mtcommission.machine.machine import Machine, Requirements
 from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.feedforward import follow_setpoint
-from mtcommission.study.loop_study import study_loop
-from mtcommission.study.loop_trials import LoopChoice
+from mtcommission.study.loops import LoopChoice, study_loop
+from mtcommission.study.optimum import follow_setpoint
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
@@ -87,9 +86,9 @@ def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
 def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> None:
     """Comparing the optimum off by 5 % with limits on the exact machine would be unfair."""
     machine = paper_machine()
-    tuned, plant = tune_loop(machine), build_plant(machine)
+    tuned = tune_loop(machine)
     result = simulate_moves(machine, tuned, LIMITS)[0]
-    rows = follow_setpoint(machine, plant, tuned, result)
+    rows = follow_setpoint(machine, tuned, result)
     needs: Requirements = replace(machine.requirements, frequency_spread=0.05)
     spread = replace(machine, requirements=needs)
     assert [row.corner for row in rows] == list(corners(spread))
@@ -103,6 +102,6 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
     )
     plain = tune_loop(replace(fixed, requirements=machine.requirements))
     again = simulate_moves(spread, tune_loop(fixed), LIMITS)[0].responses
-    for row, response in zip(follow_setpoint(machine, plant, plain, result), again, strict=True):
+    for row, response in zip(follow_setpoint(machine, plain, result), again, strict=True):
         assert row.settling_time == pytest.approx(response.settling_time)
         assert row.residual_deviation == pytest.approx(response.residual_deviation)

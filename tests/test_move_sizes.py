@@ -14,18 +14,12 @@ from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize
-from mtcommission.study.move_sizes import (
-    MoveSizes,
-    SetpointWay,
-    full_size,
-    vary_move_sizes,
-)
+from mtcommission.study.robustness import MoveSizes, compare_move_sizes, full_size
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.5, jerk=30.0)
@@ -42,7 +36,7 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     """Settling time and residual of one size, by the full simulation in every corner."""
     move = resize(item.move, float(item.size[index]))
     one = replace(machine, moves=(move,))
-    candidate = evaluate(one, build_plant(one), tuned, item.way.limits)
+    candidate = evaluate(one, build_plant(one), tuned, item.limits)
     return candidate.settling_time, candidate.residual_deviation
 
 
@@ -51,8 +45,8 @@ def test_every_size_is_what_the_simulation_says(average: float) -> None:
     """If it failed, the sheet would promise limits for jogs that leave the band."""
     machine = two_moves()
     tuned = tune_loop(machine)
-    way = SetpointWay(name="x", limits=replace(LIMITS, setpoint_filter=moving_average(average)))
-    found = vary_move_sizes(machine, tuned, [way])
+    limits = replace(LIMITS, setpoint_filter=moving_average(average))
+    found = compare_move_sizes(machine, tuned, {"x": limits})
     assert [item.move for item in found] == list(machine.moves)
     for item in found:
         for index in (0, 50, 95):
@@ -65,8 +59,7 @@ def test_range_about_the_own_size_ends_where_the_band_is_first_left() -> None:
     """If it failed, the step "from which on the limits hold" would be wrong."""
     machine = two_moves()
     band = machine.requirements.tcp_deviation
-    way = SetpointWay(name="x", limits=LIMITS)
-    for item in vary_move_sizes(machine, tune_loop(machine), [way]):
+    for item in compare_move_sizes(machine, tune_loop(machine), {"x": LIMITS}):
         kept = item.residual_deviation <= band
         own = int(np.argmin(np.abs(item.size / item.size[-1] - 1.0 / 3.0)))
         assert kept[own] != isnan(item.kept_from)
@@ -87,10 +80,10 @@ def test_acceleration_is_reached_from_the_full_size_on(
     move: VelocityStep | Positioning, average: float
 ) -> None:
     """If it failed, engineers would look for an acceleration that small steps never show."""
-    way = SetpointWay(name="x", limits=replace(LIMITS, setpoint_filter=moving_average(average)))
-    full = full_size(way, move)
+    limits = replace(LIMITS, setpoint_filter=moving_average(average))
+    full = full_size(limits, move)
     for share, reaches in ((1.02, True), (0.9, False)):
-        setpoint = plan_setpoint(resize(move, share * full), way.limits)
+        setpoint = plan_setpoint(resize(move, share * full), limits)
         t = np.linspace(0.0, setpoint.duration, 4001)
         reached = float(np.max(sample_setpoint(setpoint, t)[:, 2]))
         assert (reached > 0.9995 * LIMITS.acceleration) == reaches
@@ -98,10 +91,9 @@ def test_acceleration_is_reached_from_the_full_size_on(
 
 def test_slow_positioning_never_reaches_the_acceleration() -> None:
     """If it failed, a distance would be named from which on a is reached, though v_max forbids."""
-    way = SetpointWay(name="x", limits=LIMITS)
     slow = LIMITS.acceleration**2 / LIMITS.jerk
-    assert full_size(way, Positioning(distance=1.0, max_velocity=0.99 * slow)) == inf
-    assert full_size(way, Positioning(distance=1.0, max_velocity=1.01 * slow)) < inf
+    assert full_size(LIMITS, Positioning(distance=1.0, max_velocity=0.99 * slow)) == inf
+    assert full_size(LIMITS, Positioning(distance=1.0, max_velocity=1.01 * slow)) < inf
 
 
 def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
@@ -119,14 +111,12 @@ def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
         control=Control(state_feedback=StateFeedback.OFF),
         moves=(VelocityStep(velocity_step=0.1),),
     )
-    ramps = SetpointWay(name="j = a f", limits=MotionLimits(acceleration=1.0, jerk=20.0))
-    average = SetpointWay(
-        name=Message("way-recommended"),
-        limits=MotionLimits(
-            acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT, setpoint_filter=moving_average(0.05)
-        ),
+    ramps = MotionLimits(acceleration=1.0, jerk=20.0)
+    average = MotionLimits(
+        acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT, setpoint_filter=moving_average(0.05)
     )
-    limited, filtered = vary_move_sizes(machine, tune_loop(machine), [ramps, average])
+    named = {"j = a f": ramps, "way-recommended": average}
+    limited, filtered = compare_move_sizes(machine, tune_loop(machine), named)
     small = filtered.size < 0.04  # a²/j = 0.05 m/s
     assert limited.residual_deviation[small].max() > 3.0 * limited.residual_deviation[~small].max()
     assert filtered.residual_deviation.max() < 1.1 * limited.residual_deviation[~small].max()

@@ -31,7 +31,7 @@ from mtcommission.requirements.requirement import Requirement, Swing, Yields
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
-from mtcommission.study.varied import respond_varied
+from mtcommission.study.robustness import respond_varied
 from tests import test_what_if as page
 
 
@@ -110,11 +110,9 @@ def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
 
 def test_what_the_judge_takes_is_the_derivative_of_the_tool(axis: Machine) -> None:
     """By poles and simulated it is the same, and that of the positions that were simulated."""
-    plant, tuned = build_plant(axis), tune_loop(axis)
+    tuned = tune_loop(axis)
     limits = MotionLimits(acceleration=9.0, jerk=280.0)
-    varied = respond_varied(
-        axis, plant, tuned, limits, variations=as_variations(corners(axis))
-    ).values[:, -1]
+    varied = respond_varied(axis, tuned, limits, as_variations(corners(axis))).values[:, -1]
     results = simulate_moves(axis, tuned, limits)
     assert np.max([one.values[-1] for one in results], axis=0) == pytest.approx(varied, rel=5e-3)
     for result in results:

@@ -34,15 +34,15 @@ from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
 from mtcommission.study.robustness import (
-    FrequencyError,
+    KeptRange,
     examine_robustness,
     find_damping_range,
     find_frequency_error,
+    respond_varied,
     run_monte_carlo,
     warn_of_narrow_range,
 )
 from mtcommission.study.settings import RobustnessSettings
-from mtcommission.study.varied import respond_varied
 from tests.machines import paper_machine, slowly_decaying_machine
 
 
@@ -88,7 +88,7 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
     """If it failed, the printed distribution would be that of other machines."""
     plant, tuned = build_plant(machine), tune_loop(machine)
     variations = draw_variations(machine, samples=5, seed=1)
-    found = respond_varied(machine, plant, tuned, limits, variations=variations)
+    found = respond_varied(machine, tuned, limits, variations)
     for i in range(5):
         varied = build_plant(vary(machine, variations.corner(i)))
         loop = build_loop(varied, tuned.controller, model=plant)
@@ -129,7 +129,7 @@ def test_no_spread_is_the_nominal_machine() -> None:
     machine = replace(paper_machine(), control=Control(state_feedback=StateFeedback.OFF))
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=50.0)
-    found = run_monte_carlo(machine, plant, tuned, limits, samples=3)
+    found = run_monte_carlo(machine, tuned, limits, RobustnessSettings(samples=3))
     candidate = evaluate(machine, plant, tuned, limits)
     assert np.ptp(found.residual_deviation) <= 1e-15
     assert found.residual_deviation[0] == pytest.approx(candidate.residual_deviation, rel=5e-3)
@@ -139,9 +139,9 @@ def test_no_spread_is_the_nominal_machine() -> None:
 def test_worst_case_and_share_agree_with_the_samples() -> None:
     """If it failed, the sheet would name the wrong worst machine."""
     machine = spread_paper_machine()
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
-    found = run_monte_carlo(machine, plant, tuned, limits, samples=300, seed=5)
+    found = run_monte_carlo(machine, tuned, limits, RobustnessSettings(samples=300, seed=5))
     band = machine.requirements.tcp_deviation
     assert 0.0 < found.share_in_band < 1.0
     assert found.share_in_band == np.count_nonzero(found.residual_deviation <= band) / 300
@@ -150,7 +150,7 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
         frequency_factor=np.array([found.variations.corner(found.worst).frequency_factor]),
         damping_factor=np.array([found.variations.corner(found.worst).damping_factor]),
     )
-    alone = respond_varied(machine, plant, tuned, limits, variations=worst)
+    alone = respond_varied(machine, tuned, limits, worst)
     assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
     late = found.settling_time > found.settling_time.min() + 1e-9
     assert np.all(found.residual_deviation[late] > band)
@@ -174,7 +174,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     places = as_variations(corners(machine))
-    found = respond_varied(machine, plant, tuned, limits, variations=places)
+    found = respond_varied(machine, tuned, limits, places)
     checks = evaluate(machine, plant, tuned, limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     assert shares["contour deviation"] > 0.01
@@ -191,7 +191,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
             strict = replace(machine, drive=replace(machine.drive, continuous_force=bound))
         else:
             strict = replace(machine, drive=replace(machine.drive, max_force=bound))
-        found = respond_varied(strict, plant, tuned, limits, variations=places)
+        found = respond_varied(strict, tuned, limits, places)
         share = shares[name] * next(c.limit for c in checks if c.name == name) / bound
         column = [item.key for item in found.requirements].index(name)
         used = found.shares(strict)[:, column].max()
@@ -206,7 +206,7 @@ def test_frequency_error_names_the_range_that_is_kept() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=0.9, jerk=15.0)
     settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
-    found = find_frequency_error(machine, plant, tuned, limits, settings=settings)
+    found = find_frequency_error(machine, tuned, limits, settings)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
     nominal = evaluate(machine, plant, tuned, limits)
     assert nominal.assessment.is_met
@@ -226,12 +226,12 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
     machine = replace(machine, requirements=needs)
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = choose_limits(machine, plant, tuned).limits
-    found = find_damping_range(machine, plant, tuned, limits)
+    found = find_damping_range(machine, tuned, limits)
     assert 0.3 < found.kept_from <= 1.0 <= found.kept_to
     for factor, is_kept in ((found.kept_from, True), (found.kept_from - 0.1, False)):
         places = as_variations(corners(machine))
         places = replace(places, damping_factor=factor * places.damping_factor)
-        one = respond_varied(machine, plant, tuned, limits, variations=places)
+        one = respond_varied(machine, tuned, limits, places)
         assert one.meets(machine).all() == is_kept
 
 
@@ -239,8 +239,8 @@ def test_nothing_is_drawn_without_a_spread() -> None:
     """If it failed, a sheet would print the distribution of one machine."""
     limits, settings = MotionLimits(acceleration=1.3, jerk=30.0), RobustnessSettings(samples=300)
     alone = replace(paper_machine(), control=Control(state_feedback=StateFeedback.OFF))
-    plant, tuned = build_plant(alone), tune_loop(alone)
-    found = examine_robustness(alone, plant, tuned, limits, settings=settings)
+    tuned = tune_loop(alone)
+    found = examine_robustness(alone, tuned, limits, settings)
     assert found.monte_carlo is None
     assert robustness_part(alone, found).monte_carlo is None
 
@@ -248,10 +248,10 @@ def test_nothing_is_drawn_without_a_spread() -> None:
 def test_record_holds_the_distribution() -> None:
     """If it failed, quantiles and histogram on the sheet would be those of something else."""
     machine = spread_paper_machine()
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     settings = RobustnessSettings(samples=200, frequency_points=2)
-    found = examine_robustness(machine, plant, tuned, limits, settings=settings)
+    found = examine_robustness(machine, tuned, limits, settings)
     drawn, entry = found.monte_carlo, robustness_part(machine, found).monte_carlo
     assert drawn is not None
     assert entry is not None
@@ -308,9 +308,9 @@ def test_limits_that_bear_a_measured_frequency_or_meet_nothing_are_not_warned_of
         assert warn_of_narrow_range(paper_machine(), _kept(*ends)) == ()
 
 
-def _kept(low: float, high: float) -> FrequencyError:
+def _kept(low: float, high: float) -> KeptRange:
     factor = 1.0 + 0.1 * np.linspace(-1.0, 1.0, 81)
-    return FrequencyError(
+    return KeptRange(
         factor=factor,
         settling_time=np.full(81, 0.1),
         residual_deviation=np.full(81, 1e-6),
@@ -332,7 +332,7 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=acceleration, jerk=jerk)
     settings = RobustnessSettings(frequency_points=10)
-    error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
+    error = find_frequency_error(machine, tuned, limits, settings)
     warnings = warn_of_narrow_range(machine, error)
     assert ["(where they are lower)" in Catalogue().say(warning) for warning in warnings] == (
         [True] if is_narrow else []

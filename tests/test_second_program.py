@@ -19,8 +19,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.study.loop_choice import settle_on_loop
-from mtcommission.study.settings import Settings
+from mtcommission.study.loops import settle_on_loop
 from tests.independent_loop import behind, judge, profile_of, quiet_copy, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
@@ -35,7 +34,7 @@ EXACTLY = 1e-6
 def broken_requirements(machine: Machine) -> list[str] | None:
     """What the second program finds broken; None where the product promises nothing."""
     plant = build_plant(machine)
-    tuned = settle_on_loop(machine, plant, Settings()).tuned
+    tuned = settle_on_loop(machine).tuned
     limits = choose_limits(machine, plant, tuned).limits
     if not evaluate(machine, plant, tuned, limits).assessment.is_met:
         return None

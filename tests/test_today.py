@@ -16,8 +16,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.rules import TodaysValues, judge_today
 from mtcommission.study.settings import RobustnessSettings
-from mtcommission.study.today import TodaysValues, judge_today
 from tests.machines import paper_machine
 
 COARSE = RobustnessSettings(frequency_points=4)
@@ -25,7 +25,7 @@ COARSE = RobustnessSettings(frequency_points=4)
 
 def judged(machine: Machine, today: Today | None) -> TodaysValues | None:
     stated = replace(machine, today=today)
-    return judge_today(stated, build_plant(stated), tune_loop(stated), COARSE)
+    return judge_today(stated, tune_loop(stated), COARSE)
 
 
 def test_nothing_stated_is_nothing_told() -> None:

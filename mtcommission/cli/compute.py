@@ -330,8 +330,7 @@ def simulate(
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
-    from mtcommission.study.loop_choice import describe_loop, settle_on_loop
-    from mtcommission.study.settings import Settings
+    from mtcommission.study.loops import describe_loop, settle_on_loop
 
     asked = chosen
     notes: list[Words] = []
@@ -344,7 +343,7 @@ def simulate(
     plant = build_plant(machine)
     with show_stage() as progress:
         progress(Message("stage-feedback-loop"))
-        tuned = settle_on_loop(machine, plant, Settings()).tuned
+        tuned = settle_on_loop(machine).tuned
         if tried.place:
             tuned = close_beside(tuned, machine, tried.place)
         machine = tried.machine

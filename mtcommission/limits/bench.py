@@ -50,8 +50,7 @@ class Bench:
     asked: Asked
     mean: MeanResponse  # of what is judged after the move
     noise: EncoderNoise  # in the worst corner
-    band: float  # what it leaves of the band in which moves settle [m]
-    left_after: Array  # and of each bound on what is judged after the move [own units]
+    left_after: Array  # what it leaves of each bound on what is judged after the move [own units]
     left_during: tuple[Array, ...]  # and during it
     ages: Array  # free times looked at beyond the least of a family [s]
     aged: Complex  # what each has left of the mean response
@@ -104,7 +103,6 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
         asked=asked,
         mean=mean,
         noise=noise,
-        band=_left(machine.requirements.tcp_deviation, noise.tool),
         left_after=left(requirement for requirement, _ in asked.after),
         left_during=tuple(left(swings.requirements) for swings in asked.during),
         ages=ages,

@@ -117,12 +117,6 @@ def choose_limits(
     return _judged(machine, machine, plant, tuned, typed, largest_jerk)
 
 
-def choose_for_listed(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate:
-    """Return what would serve the listed sizes alone best, whatever smaller moves do."""
-    machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
-    return choose_limits(machine, plant, tuned).candidate
-
-
 def _judged(
     machine: Machine,
     allowed: Machine,

@@ -50,14 +50,14 @@ def chart_landscape(
     a_all, t_all = (axis.ravel() for axis in np.meshgrid(a, t_j, indexing="ij"))
     settling, residual = np.zeros((2, a_all.size))
     poles, item = bench.poles, chosen.setpoint_filter or machine.control.setpoint_filter
-    grid = lay_grid(poles, 12)
+    grid, band = lay_grid(poles, 12), machine.requirements.tcp_deviation
     for move in machine.moves:
         steps = filter_steps(jerk_steps(move, acceleration=a_all, jerk=a_all / t_all), item)
         for start in range(0, a_all.size, 400):
             part = slice(start, start + 400)
             own = replace(steps, times=steps.times[part], steps=steps.steps[part])
             found = free_motion(set_in_motion(poles, own), grid)
-            settling[part] = np.maximum(settling[part], found.settling(bench.band).max(axis=1))
+            settling[part] = np.maximum(settling[part], found.settling(band).max(axis=1))
             residual[part] = np.maximum(residual[part], found.residual.max(axis=1))
     coarse = np.linspace(0, POINTS - 1, USAGE_POINTS).round().astype(int)
     uses = [bench.use(item, float(t)) for t in t_j[coarse]]

@@ -66,17 +66,27 @@ def find_typed(
     None where the search finds none; a settling time is not asked for. ``near`` and ``found`` as
     for ``choose_limits``.
     """
-    stricter, refined = machine, REFINED if near is None else FEW
+    # What is known of a loop much like this one is close; then nothing is asked of its last digit.
+    is_last_word = near is None
+    refined, most = (REFINED, MOST_TYPED) if is_last_word else (FEW, FEW)
+    stricter = machine
     typed: list[Typed] = []
     for _ in range(ROUNDS):
         bench = build_bench(stricter, plant, tuned)
         found = found or explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
         best = min((item.duration for item in typed), default=inf)
         first: tuple[SizeCheck, ...] = ()
-        for item in found[:MOST_TYPED]:
+        for item in found[:most]:
             if item.duration >= min(best, longest_move(machine)):
                 break
-            own = _Typing(machine=machine, plant=plant, tuned=tuned, bench=bench, latest=best)
+            own = _Typing(
+                machine=machine,
+                plant=plant,
+                tuned=tuned,
+                bench=bench,
+                latest=best,
+                is_last_word=is_last_word,
+            )
             nearest, used = own.type_in(item, largest_jerk)
             first = used if item is found[0] else first
             if nearest is not None:
@@ -116,6 +126,7 @@ class _Typing:
     tuned: TunedLoop
     bench: Bench
     latest: float  # duration [s]
+    is_last_word: bool  # whether faster limits are tried, too
 
     def type_in(
         self, found: Found, largest_jerk: float
@@ -133,6 +144,8 @@ class _Typing:
                 return None, first
             typed, used = self._judged(limits)
             first = first or typed.sizes
+            if used <= 1.0 and not self.is_last_word:
+                return typed, first
             if used <= 1.0:
                 return self._raised(typed, used, jerk_time, largest_jerk), first
             now = (log(limits.acceleration), log(used))

@@ -40,11 +40,10 @@ from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.loop_choice import describe_loop
-from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
-from mtcommission.study.move_sizes import MoveSizes
-from mtcommission.study.robustness import KeptRange
-from mtcommission.study.today import TodaysValues
+from mtcommission.study.attainable import NO_LIMITS, ModeLimits
+from mtcommission.study.loops import describe_loop
+from mtcommission.study.robustness import KeptRange, MoveSizes
+from mtcommission.study.rules import TodaysValues
 
 Array = NDArray[np.float64]
 Judged = TypeVar("Judged", bound=JudgedLimits)
@@ -228,13 +227,13 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
 
 
 def _move_sizes_entry(item: MoveSizes) -> MoveSizesEntry:
-    limits = item.way.limits
+    limits = item.limits
     is_limited = limits.jerk_time > 2.0 * NO_JERK_LIMIT
     return entry_of(
         MoveSizesEntry,
         item,
         limits,
-        way=item.way.name,
+        way=item.name,
         jerk=limits.jerk if is_limited else None,
         setpoint_filter=filter_entry(limits.setpoint_filter),
         move=describe_move(item.move),

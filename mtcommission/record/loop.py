@@ -32,8 +32,7 @@ from mtcommission.record.schema.loop import (
 from mtcommission.record.schema.values import Series
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.requirements.set_force import SET_FORCE
-from mtcommission.study.loop_study import LoopStudy
-from mtcommission.study.loop_trials import LoopTrial, LoopVariant
+from mtcommission.study.loops import LoopStudy, LoopTrial
 
 PUSH_STEP = 0.5e-3
 """Spacing of the samples of a disturbance response for its plot [s]."""
@@ -161,7 +160,7 @@ def _candidate_entry(trial: LoopTrial) -> CandidateEntry:
     )
 
 
-def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
+def _variant_entry(plant: Plant, variant: LoopTrial) -> VariantEntry:
     nominal, candidate = variant.tuned.nominal, variant.candidate
     return entry_of(
         VariantEntry,
@@ -191,9 +190,9 @@ def _decibel(response: NDArray[np.complex128]) -> list[float]:
 def _disturbance(study: LoopStudy) -> Series:
     if not study.disturbed:
         return NO_SERIES
-    t = study.disturbed[0].step.t
+    t = next(iter(study.disturbed.values())).t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
-    steps = {item.name.kind: item.step.deflection for item in study.disturbed}
+    steps = {name: step.deflection for name, step in study.disturbed.items()}
     return Series(
         t=t[::every].tolist(),
         signals={name: deflection[::every].tolist() for name, deflection in steps.items()},

@@ -49,8 +49,7 @@ from mtcommission.record.schema.optima import (
 from mtcommission.record.schema.values import Series
 from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.setpoint import sample_setpoint
-from mtcommission.study.comparison import MoveComparison
-from mtcommission.study.within_band import WithinBand
+from mtcommission.study.optimum import MoveComparison, WithinBand
 
 InBand = TypeVar("InBand", BandEntry, RobustEntry)
 

@@ -18,7 +18,7 @@ from mtcommission.record.schema.robustness import (
     SampleEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.robustness import DAMPING_FACTORS, MonteCarlo, Robustness
+from mtcommission.study.robustness import MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 
@@ -35,12 +35,12 @@ settles at its end on every machine."""
 
 def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
     """Return how the recommended limits fare where machine or limits differ a little."""
-    drawn, damping = robustness.monte_carlo, robustness.damping_range
+    drawn = robustness.monte_carlo
     return entry_of(
         RobustnessPart,
         robustness,
         monte_carlo=drawn and _monte_carlo_entry(drawn, machine.axis_units.length.si),
-        damping_error=entry_of(DampingErrorEntry, damping, factor=DAMPING_FACTORS),
+        damping_error=entry_of(DampingErrorEntry, robustness.damping_range),
     )
 
 

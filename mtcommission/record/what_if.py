@@ -31,7 +31,7 @@ from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Yields
 from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.today import TodaysValues
+from mtcommission.study.rules import TodaysValues
 
 PAYLOAD = 1.0
 """At which the share of a payload in a mode's inertia is read [kg]: it is linear in it."""

@@ -1,38 +1,42 @@
-"""Where no limits meet the requirements: what could be asked for instead.
+"""What limits other bounds than those asked for allow.
 
-Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is a
-limiting one, and the value that those limits reach is what could be asked for. Where none helps
-alone, as few as possible are relaxed together by one common factor, the least found to help.
+Where no limits meet the requirements: what could be asked for instead. Each requirement is relaxed
+alone, the others kept: if limits are found then, that requirement is a limiting one, and the value
+that those limits reach is what could be asked for. Where none helps alone, as few as possible are
+relaxed together by one common factor, the least found to help.
+
+For the machining modes surface, accuracy and speed: what each column of G-code gets. The loop is
+linear: limits n times as large leave n times the deviation. So a mode with n times the band gets at
+most n times the jerk of the recommendation; more would live on ramps so short that what they excite
+is no longer in any model, for little time. A tighter band gets no more jerk than a wider one,
+unless nothing else meets it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, sqrt
-from typing import TypeVar
+from math import inf, isfinite, sqrt
 
-from mtcommission.limits.choose import Choice, choose_limits
-from mtcommission.limits.judge import Candidate, evaluate
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.limits.choose import Choice
+from mtcommission.limits.judge import Candidate
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
-from mtcommission.plant.plant import Plant
+from mtcommission.messages.message import Message
 from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
-
-Found = TypeVar("Found")
-
-HALVINGS = 5
-"""Of the range between the bound asked for and the one that is surely met, logarithmic."""
-
-LARGEST_FACTOR, COMMON_HALVINGS = 1e3, 6
-"""By which requirements are relaxed together at most (what needs more is no requirement), and
-halvings of its range: the common factor is found to within 12 %."""
+from mtcommission.study.settings import STUDY
+from mtcommission.study.variations import Row, choose, judge
 
 EASED = 1.0 + 1e-6
-"""The band with which least residuals are judged, over the residual itself."""
+"""The bounds with which attained values are judged, over these values."""
+
+NO_LIMITS = Message("no-limits-with-this-band")
+"""Why a mode has no values."""
+
+MODES = ("surface", "accuracy", "speed")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,15 +51,7 @@ class Attainable:
     together_with: tuple[Requirement, ...] = ()  # must give way, too; empty: it helps alone
 
 
-def _relaxable(machine: Machine) -> list[Requirement]:
-    """What may give way beside the band: all that is asked for but the drive's own limit."""
-    asked = requirements_of(machine)
-    return [r for r in asked if r != RESIDUAL_DEVIATION and r.yields is not Yields.NEVER]
-
-
-def find_attainable(
-    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
-) -> tuple[Attainable, ...]:
+def find_attainable(machine: Machine, tuned: TunedLoop, choice: Choice) -> tuple[Attainable, ...]:
     """Return what could be met in place of each requirement that stands in the way.
 
     Each one helps alone, with no reserve in the others; where none does, those that must give way
@@ -63,126 +59,151 @@ def find_attainable(
     """
     needs = replace(machine.requirements, reserve=NO_RESERVE)
     machine = replace(machine, requirements=needs)
-    found = [
-        find_least_residual(machine, plant, tuned),
-        *(
-            _relax_alone(machine, plant, tuned, item, known=choice.limits)
-            for item in _relaxable(machine)
-        ),
-    ]
-    alone = tuple(item for item in found if item is not None)
-    return alone or _relax_together(machine, plant, tuned)
+    # Whatever is asked for may give way but the drive's own limit, the band first.
+    asked = [item for item in requirements_of(machine) if item.yields is not Yields.NEVER]
+    asked.sort(key=lambda item: item != RESIDUAL_DEVIATION)
+    alone = tuple(
+        found for item in asked for found in _ease(machine, tuned, [item], known=choice.limits)
+    )
+    if alone or _search(machine, tuned, asked, STUDY.largest_factor) is None:
+        return alone
+    for item in list(asked):
+        fewer = [other for other in asked if other != item]
+        if fewer and _search(machine, tuned, fewer, STUDY.largest_factor):
+            asked = fewer
+    return _ease(machine, tuned, asked)
 
 
-def find_least_residual(machine: Machine, plant: Plant, tuned: TunedLoop) -> Attainable | None:
-    """Return the least band that some limits keep with all the rest; None if none is found [m].
-
-    The wider the band, the sooner the search's limits settle: the least is found by halving.
-    """
-    band = RESIDUAL_DEVIATION.bound(machine)
-
-    def search(factor: float) -> Attainable | None:
-        candidate = _choose(RESIDUAL_DEVIATION.with_bound(machine, factor * band), plant, tuned)
-        if candidate is None:
-            return None
-        found = _attained(candidate, RESIDUAL_DEVIATION, limit=band)
-        # In a narrower band the same motion settles later: perhaps too late.
-        narrow = RESIDUAL_DEVIATION.with_bound(machine, EASED * found.value)
-        is_met = evaluate(narrow, plant, tuned, found.limits).assessment.is_met
-        return found if is_met else replace(found, value=factor * band)
-
-    return _least(search)
+def find_least_residual(machine: Machine, tuned: TunedLoop) -> Attainable | None:
+    """Return the least band that some limits keep with all the rest; None if none is found [m]."""
+    return next(iter(_ease(machine, tuned, [RESIDUAL_DEVIATION])), None)
 
 
-def _least(search: Callable[[float], Found | None]) -> Found | None:
-    """What is found with the least factor that helps, to within 12 %; None if none does."""
-    low, high, best = 1.0, LARGEST_FACTOR, search(LARGEST_FACTOR)
-    for _ in range(COMMON_HALVINGS if best is not None else 0):
-        factor = sqrt(low * high)
-        found = search(factor)
-        if found is None:
-            low = factor
-        else:
-            high, best = factor, found
-    return best
-
-
-def _relax_alone(
+def _ease(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
-    requirement: Requirement,
+    wanted: Sequence[Requirement],
     *,
-    known: MotionLimits,
-) -> Attainable | None:
-    """The least value found for one requirement; None if dropping it does not help."""
-
-    def search(bound: float) -> Attainable | None:
-        eased = requirement.with_bound(machine, bound)
-        chosen = choose_limits(eased, plant, tuned).limits
-        attained = [
-            _attained(evaluate(machine, plant, tuned, limits), requirement)
-            for limits in (chosen, known)
-            if evaluate(eased, plant, tuned, limits).assessment.is_met
-        ]
-        return min(attained, key=lambda item: item.value, default=None)
-
-    best = search(inf)
-    if best is None or requirement.yields is Yields.MINIMISED:
-        return best
-    low = requirement.bound(machine)
-    for _ in range(HALVINGS):
-        middle = sqrt(low * best.value)
-        found = search(middle)
-        if found is None:
-            low = middle
-        else:
-            best = found
-    return best
-
-
-def _relax_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Attainable, ...]:
-    """What could be met if several requirements give way by one factor; empty if nothing helps."""
-
-    def search(wanted: Sequence[Requirement], factor: float) -> Candidate | None:
-        eased = machine
-        for item in wanted:
-            eased = item.with_bound(eased, factor * item.bound(machine))
-        return _choose(eased, plant, tuned)
-
-    wanted = (RESIDUAL_DEVIATION, *_relaxable(machine))
-    best = search(wanted, LARGEST_FACTOR)
-    if best is None:
+    known: MotionLimits | None = None,
+) -> tuple[Attainable, ...]:
+    """What some requirements reach by the least factor that helps; empty if none does."""
+    found = _search(machine, tuned, wanted, STUDY.largest_factor, known=known)
+    if found is None:
         return ()
-    for each in wanted:
-        fewer = tuple(other for other in wanted if other != each)
-        candidate = search(fewer, LARGEST_FACTOR) if fewer else None
-        if candidate is not None:
-            wanted, best = fewer, candidate
-    best = _least(lambda factor: search(wanted, factor)) or best
+    low, high, best = 1.0, STUDY.largest_factor, found
+    if [item.yields for item in wanted] != [Yields.MINIMISED]:  # that is the least at once
+        high = _largest_share(machine, wanted, best)
+        for _ in range(STUDY.halvings):
+            factor = sqrt(low * high)
+            found = _search(machine, tuned, wanted, factor, known=known, near=best.limits)
+            if found is None:
+                low = factor
+            else:
+                high, best = factor, found
+    eased, reached = machine, {item: best.assessment.check_of(item) for item in wanted}
+    for item, check in reached.items():
+        eased = item.with_bound(eased, EASED * check.value)
+    # In a narrower band the same motion settles later: perhaps too late.
+    is_kept = judge(Row(machine=eased, tuned=tuned, limits=best.limits)).assessment.is_met
     return tuple(
-        replace(
-            _attained(best, item, limit=item.bound(machine)),
+        Attainable(
+            requirement=item,
+            limit=item.bound(machine),
+            value=check.value if is_kept else high * item.bound(machine),
+            unit=check.unit,
+            limits=best.limits,
             together_with=tuple(other for other in wanted if other != item),
         )
-        for item in wanted
+        for item, check in reached.items()
     )
 
 
-def _choose(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate | None:
-    """The search's limits, judged; None where they do not meet what is asked for."""
-    candidate = choose_limits(machine, plant, tuned).candidate
-    return candidate if candidate.assessment.is_met else None
+def _search(
+    machine: Machine,
+    tuned: TunedLoop,
+    wanted: Sequence[Requirement],
+    factor: float,
+    *,
+    known: MotionLimits | None = None,
+    near: MotionLimits | None = None,
+) -> Candidate | None:
+    """The limits that need least of what is relaxed by a factor; None where none meet the rest."""
+    for item in wanted:
+        machine = item.with_bound(machine, factor * item.bound(machine))
+    rows = [Row(machine=machine, tuned=tuned, near=near)]
+    rows += [Row(machine=machine, tuned=tuned, limits=known)] if known else []
+    found = [item for item in map(judge, rows) if item.assessment.is_met]
+    return min(found, key=lambda item: _largest_share(machine, wanted, item), default=None)
 
 
-def _attained(
-    candidate: Candidate, requirement: Requirement, *, limit: float | None = None
-) -> Attainable:
-    check = candidate.assessment.check_of(requirement)
-    return Attainable(
-        requirement=requirement,
-        limit=check.limit if limit is None else limit,
-        value=check.value,
-        unit=check.unit,
-        limits=candidate.limits,
+def _largest_share(machine: Machine, wanted: Sequence[Requirement], item: Candidate) -> float:
+    return max(item.assessment.check_of(one).value / one.bound(machine) for one in wanted)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ModeLimits:
+    """Limits for one machining mode, from a band of its own."""
+
+    name: str  # one of ``MODES``
+    band: float  # allowed residual deviation [m]
+    candidate: Candidate  # the limits, judged with this band
+    bound_by: Message  # what forbids faster limits
+    attainable: Attainable | None  # the least residual found where no limits meet all requirements
+
+
+def find_limits_by_mode(
+    machine: Machine, tuned: TunedLoop, choice: Choice
+) -> tuple[ModeLimits, ...]:
+    """Return limits for each machining mode; the recommendation where a mode has its band."""
+    needs, own = machine.requirements, choice.limits.setpoint_filter
+    # Controls switch limits with the mode, but have one setpoint filter for all of them.
+    control = replace(
+        machine.control,
+        setpoint_filter=own or machine.control.setpoint_filter,
+        seeks_setpoint_filter=False,
+    )
+    machine = replace(machine, control=control)
+    bands: dict[str, float] = {name: getattr(needs.modes, name) for name in MODES}
+    # From the recommendation to ever tighter bands, then to ever wider ones.
+    tighter = [name for name in MODES if bands[name] < needs.tcp_deviation]
+    wider = [name for name in MODES if bands[name] >= needs.tcp_deviation]
+    tighter.sort(key=lambda name: -bands[name])
+    wider.sort(key=lambda name: bands[name])
+    found: dict[str, ModeLimits] = {}
+    largest = choice.limits.jerk
+    for name in (*tighter, *wider):
+        if name in wider:
+            largest = choice.limits.jerk * bands[name] / needs.tcp_deviation
+        most = largest if choice.meets_requirements else inf
+        mode = _find_mode(machine, tuned, choice, name, bands[name], most)
+        if mode.candidate.assessment.is_met:
+            largest = min(largest, mode.candidate.limits.jerk)
+        found[name] = mode
+    return tuple(found[name] for name in MODES)
+
+
+def _find_mode(
+    machine: Machine,
+    tuned: TunedLoop,
+    choice: Choice,
+    name: str,
+    band: float,
+    largest_jerk: float,
+) -> ModeLimits:
+    chosen, bound_by = choice, choice.bound_by
+    if band != machine.requirements.tcp_deviation:
+        machine = RESIDUAL_DEVIATION.with_bound(machine, band)
+        row = Row(machine=machine, tuned=tuned, near=choice.limits, largest_jerk=largest_jerk)
+        chosen = choose(row)
+        bound_by = chosen.bound_by
+        if not chosen.meets_requirements and isfinite(largest_jerk):
+            chosen = choose(replace(row, largest_jerk=inf))
+            bound_by = Message("bound-by-less-jerk-meets-nothing", jerk=largest_jerk)
+    is_met = chosen.meets_requirements
+    return ModeLimits(
+        name=name,
+        band=band,
+        candidate=chosen.candidate,
+        bound_by=bound_by,
+        attainable=None if is_met else find_least_residual(machine, tuned),
     )

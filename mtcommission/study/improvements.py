@@ -7,7 +7,7 @@ estimated: what cannot be computed is said.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, inf, log10, sqrt
 
@@ -15,7 +15,7 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.judge import Candidate, MoveResult
-from mtcommission.loop.tuning.cascade import CLASSIC, Shape
+from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     cascade_family,
@@ -23,28 +23,16 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message, parts_of
+from mtcommission.plant.modal import Modal
 from mtcommission.requirements.rms_force import RMS_FORCE
-from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.comparison import ROBUST, MoveComparison
-from mtcommission.study.loop_choice import WITH, with_filters
-from mtcommission.study.loop_trials import LoopChoice
+from mtcommission.study.loops import WITH, LoopChoice, with_filters
+from mtcommission.study.optimum import ROBUST, MoveComparison
+from mtcommission.study.settings import STUDY
 from mtcommission.study.variations import Row, choose, judge
-
-KNOWN_SPREAD = 0.02
-"""Frequency spread of a machine whose modes were measured [-] (empirical)."""
-
-PART = 0.1
-"""Share by which the machine is made stiffer or lighter: what a redesign may reach."""
-
-LONG_REST = 3600.0
-"""Rest with which no move heats the motor [s]: an hour."""
-
-REST_TRIES, REST_FACTOR = 4, 1.5
-"""How often a rest that does not suffice yet is made longer, and by how much."""
 
 ROUNDING = 1e-9
 
@@ -54,9 +42,9 @@ class Improvement:
     """One change, and what it would bring."""
 
     change: Message
-    settling_time: float  # slowest move, worst corner, limits chosen for it [s]; inf: not settled
-    saved: float  # less than with the recommendation [s]; negative: it takes longer
-    meets_requirements: bool
+    settling_time: float = inf  # slowest move, worst corner, limits chosen for it [s]; inf: not
+    saved: float = -inf  # less than with the recommendation [s]; negative: it takes longer
+    meets_requirements: bool = False
     outcome: Message | None = None  # why there is no number, or what was not judged
 
 
@@ -68,58 +56,62 @@ def find_improvements(
     settings: TuningSettings,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first; what has no number comes last."""
-    before = choice.candidate.settling_time
-    trial = next((item for item in loop.trials if item.is_used and not item.is_classic), None)
-    again = _Retuned(
-        shape=trial.shape if trial else CLASSIC,
-        # The classic rule begins with the symmetrical optimum, all other loops with more.
-        largest=settings.largest_fraction if trial else 1.0,
-        settings=settings,
-    )
-    changed = _changes(with_filters(machine, loop.tuned))
-    found = [_improve(item, again, choice) for item in changed]
-    found += _rested(machine, loop.tuned, choice)
+    used = loop.used
+    shape = used.shape if used else CLASSIC
+    # The classic rule begins with the symmetrical optimum, all other loops with more.
+    largest = 1.0 if used is None or used.is_classic else settings.largest_fraction
+
+    def family(changed: Machine) -> LoopFamily:
+        cascades = cascade_family(changed, settings)
+        return (feedback_family(cascades) if shape.mode_weight else None) or cascades
+
+    def tune(changed: Machine) -> TunedLoop | None:
+        if changed.drive.follows:
+            return tune_loop(changed)
+        return tune_shape(family(changed), shape, largest=largest)
+
+    def filter_force(changed: Machine) -> TunedLoop | None:
+        found = find_filters(family(changed), shape)
+        return found.tuned if found else None
+
+    rows = [
+        _improve(change, changed, tune, choice, is_near=is_near)
+        for change, changed, is_near in _changes(with_filters(machine, loop.tuned))
+    ]
+    rows += _rested(machine, loop.tuned, choice)
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
     if has_filters and not machine.control.seeks_force_filters:
-        found.append(_with_force_filters(machine, again, choice))
-    found += [
-        _compared(Message("change-state-feedback"), variant.candidate, before)
+        rows.append(_improve(Message("change-force-filters"), machine, filter_force, choice))
+    rows += [
+        _compared(Message("change-state-feedback"), variant.candidate, choice)
         for variant in loop.variants
         if variant.name == WITH and not variant.is_used
     ]
-    fed = _robust_times(comparisons)
-    if fed:
-        found.append(
+    fed = [dict(item.fed_forward).get(ROBUST) for item in comparisons]
+    if fed and all(fed):
+        time = max(one.settling_time for rows_of_move in fed for one in rows_of_move or ())
+        rows.append(
             Improvement(
                 change=Message("change-robust-force"),
-                settling_time=max(fed),
-                saved=before - max(fed),
-                meets_requirements=False,
+                settling_time=time,
+                saved=choice.candidate.settling_time - time,
                 outcome=Message("change-judged-by-band"),
             )
         )
-    return tuple(sorted(found, key=lambda item: item.settling_time))
+    return tuple(sorted(rows, key=lambda item: item.settling_time))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Change:
-    """A change, the machine with it, and about which limits its own are looked for."""
-
-    change: Message
-    machine: Machine
-    is_near: bool = True
+_Change = tuple[Message, Machine, bool]
+"""A change, the machine with it, and whether its limits lie near the recommended ones."""
 
 
 def _changes(machine: Machine) -> Iterator[_Change]:
-    """Yield what the control and the machine leave room for."""
-    control, drive = machine.control, machine.drive
-    kind = control.kind
+    """Yield what control, drive and structure leave room for."""
+    control, drive, kind = machine.control, machine.drive, machine.control.kind
 
     def of_control(name: str, *, is_near: bool = True, **changed: object) -> _Change:
         other = replace(control, **changed)  # type: ignore[arg-type]
-        return _Change(
-            change=Message(name), machine=replace(machine, control=other), is_near=is_near
-        )
+        return Message(name), replace(machine, control=other), is_near
 
     if control.position_loop is not PositionLoop.DRIVE:
         if PositionLoop.DRIVE in kind.position_loops:
@@ -130,107 +122,57 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     if kind.acceleration_feedforward and control.acceleration_feedforward == 0.0:
         yield of_control("change-feedforward", acceleration_feedforward=1.0, is_near=False)
     if kind.setpoint_filters and not control.seeks_setpoint_filter:
-        yield of_control(
-            "change-setpoint-filter",
-            setpoint_filter=None,
-            seeks_setpoint_filter=True,
-            is_near=False,
-        )
-    yield from _of_structure(machine)
+        sought = {"setpoint_filter": None, "seeks_setpoint_filter": True}
+        yield of_control("change-setpoint-filter", is_near=False, **sought)
+    needs, mechanics, spread = machine.requirements, machine.mechanics, STUDY.known_spread
+    if needs.frequency_spread > spread:
+        known = replace(machine, requirements=replace(needs, frequency_spread=spread))
+        yield Message("change-spread", spread=spread), known, True
+    part = STUDY.part
+    stiffer = mechanics.vary(
+        payload=0.0, payload_radius=0.0, frequency=sqrt(1.0 + part), damping=1.0
+    )
+    yield Message("change-stiffer", share=part), replace(machine, mechanics=stiffer), True
     if drive.follows:
         return
     faster = replace(drive, force_lag=0.5 * drive.force_lag)
-    yield _Change(change=Message("change-lag"), machine=replace(machine, drive=faster))
-    less = PART * machine.mechanics.moving_mass
-    lighter = machine.mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
+    yield Message("change-lag"), replace(machine, drive=faster), True
+    less = part * mechanics.moving_mass
+    lighter = mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
     fed = control.feedforward_mass
     adapted = replace(control, feedforward_mass=None if fed is None else fed - less)
-    yield _Change(
-        change=Message("change-lighter", share=PART),
-        machine=replace(machine, mechanics=lighter, control=adapted),
-    )
+    lighter_machine = replace(machine, mechanics=lighter, control=adapted)
+    yield Message("change-lighter", share=part), lighter_machine, True
 
 
-def _of_structure(machine: Machine) -> Iterator[_Change]:
-    """Yield what can be known better, or built stiffer."""
-    needs = machine.requirements
-    if needs.frequency_spread > KNOWN_SPREAD:
-        known = replace(needs, frequency_spread=KNOWN_SPREAD)
-        yield _Change(
-            change=Message("change-spread", spread=KNOWN_SPREAD),
-            machine=replace(machine, requirements=known),
-        )
-    stiffer = machine.mechanics.vary(
-        payload=0.0, payload_radius=0.0, frequency=sqrt(1.0 + PART), damping=1.0
-    )
-    yield _Change(
-        change=Message("change-stiffer", share=PART), machine=replace(machine, mechanics=stiffer)
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Retuned:
-    """How the loop that is used is tuned on another machine."""
-
-    shape: Shape
-    largest: float  # where Kp begins, over the symmetrical optimum [-]
-    settings: TuningSettings
-
-    def family(self, machine: Machine) -> LoopFamily:
-        """The family that the shape is of: state feedback where it has a weight for the modes."""
-        cascades = cascade_family(machine, self.settings)
-        return (feedback_family(cascades) if self.shape.mode_weight else None) or cascades
-
-    def loop(self, machine: Machine) -> TunedLoop | None:
-        """The loop; None where no Kp keeps the margins."""
-        if machine.drive.follows:
-            return tune_loop(machine)
-        return tune_shape(self.family(machine), self.shape, largest=self.largest)
-
-
-def _improve(item: _Change, again: _Retuned, choice: Choice) -> Improvement:
-    """What a change brings; named where it cannot be computed."""
-    try:
-        tuned = again.loop(item.machine)
-        if tuned is None:
-            return _without_number(item.change, Message("change-without-margins"))
-        near = choice.limits if item.is_near else None
-        return _judged(item.change, item.machine, tuned, near, choice)
-    except ComputationError as error:
-        return _without_number(item.change, error.message)
-
-
-def _with_force_filters(machine: Machine, again: _Retuned, choice: Choice) -> Improvement:
-    """What filters of the set force that let Kp rise bring."""
-    change = Message("change-force-filters")
-    try:
-        found = find_filters(again.family(machine), again.shape)
-        if found is None:
-            return _without_number(change, Message("change-no-filters"))
-        return _judged(change, machine, found.tuned, choice.limits, choice)
-    except ComputationError as error:
-        return _without_number(change, error.message)
-
-
-def _judged(
-    change: Message, machine: Machine, tuned: TunedLoop, near: MotionLimits | None, choice: Choice
+def _improve(
+    change: Message,
+    machine: Machine,
+    tune: Callable[[Machine], TunedLoop | None],
+    choice: Choice,
+    *,
+    is_near: bool = True,
 ) -> Improvement:
-    found = judge(Row(label=change, machine=machine, tuned=tuned, near=near))
-    return _compared(change, found, choice.candidate.settling_time)
+    """What a change brings in the loop that is tuned for it; named where there is no number."""
+    try:
+        tuned = tune(machine)
+        if tuned is None:
+            is_filter = change.kind == "change-force-filters"
+            why = Message("change-no-filters" if is_filter else "change-without-margins")
+            return Improvement(change=change, outcome=why)
+        near = choice.limits if is_near else None
+        found = judge(Row(machine=machine, tuned=tuned, near=near))
+        return _compared(change, found, choice)
+    except ComputationError as error:
+        return Improvement(change=change, outcome=error.message)
 
 
-def _compared(change: Message, found: Candidate, before: float) -> Improvement:
+def _compared(change: Message, found: Candidate, choice: Choice) -> Improvement:
     return Improvement(
         change=change,
         settling_time=found.settling_time,
-        saved=before - found.settling_time,
+        saved=choice.candidate.settling_time - found.settling_time,
         meets_requirements=found.assessment.is_met,
-    )
-
-
-def _without_number(change: Message, outcome: Message) -> Improvement:
-    return Improvement(
-        change=change, settling_time=inf, saved=-inf, meets_requirements=False, outcome=outcome
     )
 
 
@@ -247,32 +189,26 @@ def _rested(machine: Machine, tuned: TunedLoop, choice: Choice) -> list[Improvem
     def with_rest(dwell: float) -> Row:
         pairs = zip(machine.moves, assumed, strict=True)
         moves = tuple(replace(move, dwell=dwell) if free else move for move, free in pairs)
-        return Row(
-            label=Message("change-rest"),
-            machine=replace(machine, moves=moves),
-            tuned=tuned,
-            near=choice.limits,
-        )
+        return Row(machine=replace(machine, moves=moves), tuned=tuned, near=choice.limits)
 
     try:
-        rested = choose(with_rest(LONG_REST))
+        rested = choose(with_rest(STUDY.long_rest))
         dwell = _least_rest(machine, rested.moves, assumed)
-        for _ in range(REST_TRIES):
-            if not 0.0 < dwell < LONG_REST:
+        for _ in range(STUDY.rest_tries):
+            if not 0.0 < dwell < STUDY.long_rest:
                 break
             # Up to two digits, since an engineer compares it with his cycle; judged as it stands.
-            dwell = _rounded_up(dwell)
-            candidate = judge(replace(with_rest(dwell), limits=rested.limits))
-            before = choice.candidate.settling_time
-            is_sooner = candidate.settling_time < before
-            if candidate.assessment.keeps(machine.requirements.reserve) and is_sooner:
-                change = Message(
-                    "change-dwell", dwell=dwell, acceleration=rested.limits.acceleration
-                )
-                return [_compared(change, candidate, before)]
-            dwell *= REST_FACTOR  # some smaller move, or another corner, heats more
+            step = 10.0 ** (floor(log10(dwell)) - 1)
+            dwell = float(f"{ceil(dwell / step - ROUNDING) * step:.2g}")
+            a = rested.limits.acceleration
+            change = Message("change-dwell", dwell=dwell, acceleration=a)
+            found = judge(replace(with_rest(dwell), limits=rested.limits))
+            is_sooner = found.settling_time < choice.candidate.settling_time
+            if found.assessment.keeps(machine.requirements.reserve) and is_sooner:
+                return [_compared(change, found, choice)]
+            dwell *= STUDY.rest_factor  # some smaller move, or another corner, heats more
     except ComputationError as error:
-        return [_without_number(Message("change-rest"), error.message)]
+        return [Improvement(change=Message("change-rest"), outcome=error.message)]
     return []
 
 
@@ -295,17 +231,39 @@ def _least_rest(machine: Machine, moves: Sequence[MoveResult], assumed: Sequence
     return max(rests)
 
 
-def _rounded_up(value: float) -> float:
-    step = 10.0 ** (floor(log10(value)) - 1)
-    return float(f"{ceil(value / step - ROUNDING) * step:.2g}")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolSensor:
+    """What measuring at the tool could free at most, where modes' share at it was assumed."""
+
+    modes: tuple[str, ...]  # those whose share at the tool was assumed
+    settling_time: float  # with the limits recommended for these shares [s]; inf: not settled
+    least: float  # with limits for a tool at rest in these modes [s]; inf: nothing is met even then
 
 
-def _robust_times(comparisons: Sequence[MoveComparison]) -> list[float]:
-    """Settling times of the robust force in every corner of every move; empty if one has none."""
-    rows = [
-        [row.settling_time for row in found]
-        for comparison in comparisons
-        for name, found in comparison.fed_forward
-        if name == ROBUST
+def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> ToolSensor | None:
+    """Return what a sensor at the tool could free at most; None where nothing was assumed.
+
+    The measurement may show anything between the assumed share, a worst case, and a tool at rest.
+    """
+    mechanics = machine.mechanics
+    if machine.identified is None or not isinstance(mechanics, Modal):
+        return None
+    assumed = [
+        mode
+        for place, mode in enumerate(mechanics.modes)
+        if machine.is_assumed(f"{mechanics.mode_key(place)}.tcp_gain")
     ]
-    return [time for row in rows for time in row] if len(rows) == len(comparisons) else []
+    if not assumed:
+        return None
+    modes = tuple(
+        replace(mode, tcp_gain=0.0) if mode in assumed else mode for mode in mechanics.modes
+    )
+    still = replace(machine, mechanics=replace(mechanics, modes=modes))
+    loop = close_loop(corner_plants(still), tuned.controller)
+    # A tool that swings less may want another filter: everywhere, not about the recommendation.
+    found = choose(Row(machine=still, tuned=loop))
+    return ToolSensor(
+        modes=tuple(mode.name for mode in assumed),
+        settling_time=choice.candidate.settling_time if choice.meets_requirements else inf,
+        least=found.candidate.settling_time if found.meets_requirements else inf,
+    )

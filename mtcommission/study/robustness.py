@@ -1,38 +1,80 @@
-"""The recommended limits on machines that differ a little: rows of one varied judge.
+"""The same limits elsewhere: on machines that differ a little, in other sizes, with friction.
 
 Drawn machines tell how many of a series keep the requirements; the ranges of frequency and damping
 tell how far the machine may change until it must be measured and commissioned again.
+
+Sizes tell whether a rule, or listed sizes alone, suffice for small moves. A velocity step below
+a²/j ends before a is reached. Its ramps are then shorter than a/j, so a ramp that was made to
+cancel a vibration no longer does; a larger move keeps the ramps but not the time between them. A
+setpoint filter cancels the vibration whatever the move: its zeros stand in the filter.
+
+Friction, where it is stated, may break what the linear search and its verdict promise.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import ceil, inf, nan
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine
-from mtcommission.machine.variations import Variations, as_variations, corners, draw_variations
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.judge import MoveResult
+from mtcommission.loop.extremes import extremes
+from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.motions import set_in_motion
+from mtcommission.loop.nonlinear import drive_loop, find_friction
+from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.variations import (
+    Variations,
+    as_variations,
+    corners,
+    draw_variations,
+    vary,
+)
 from mtcommission.messages.message import Message, join_by_and
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import build_plant
+from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.settings import RobustnessSettings
-from mtcommission.study.varied import VariedResponse, respond_varied
+from mtcommission.setpoint.setpoint import Setpoint, knots_of, plan_within, sample_setpoint
+from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
+from mtcommission.study.settings import STUDY, RobustnessSettings
 
 Array = NDArray[np.float64]
 
-DAMPING_FACTORS = np.linspace(0.3, 1.7, 15)
-"""Looked at: what is measured of damping on one day may be off by half on another."""
+ROUNDING = 1e-9
+"""Of a frequency error [-]."""
 
-KNOWN_FREQUENCY = 0.02
-"""Error of an eigenfrequency that must be reckoned with even where it was measured [-]
-(empirical: resolution of the measurement, temperature, position on the axis)."""
 
-ALIKE = 1e-9
-"""Rounding of a frequency error [-]."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class VariedResponse:
+    """What limits do on many machines."""
+
+    settling_time: Array  # slowest move, shape (n_samples,) [s]; inf: not within the horizon
+    residual_deviation: Array  # worst move, the nominal encoder noise included, (n_samples,) [m]
+    values: Array  # of each requirement, likewise, shape (n_samples, n_requirements) [own units]
+    requirements: tuple[Requirement, ...]
+
+    def shares(self, machine: Machine) -> Array:
+        """Return the shares of each bound, shape (n_samples, n_requirements) [-]."""
+        return np.asarray(self.values / [item.bound(machine) for item in self.requirements])
+
+    def meets(self, machine: Machine) -> NDArray[np.bool_]:
+        """Return which samples keep all requirements, shape (n_samples,)."""
+        return np.asarray((self.shares(machine) <= 1.0).all(axis=1))
+
+    def missed(self, machine: Machine, samples: slice) -> tuple[Requirement, ...]:
+        """Return the requirements that any of some samples misses."""
+        is_missed = self.shares(machine)[samples] > 1.0
+        each = zip(self.requirements, is_missed.T, strict=True)
+        return tuple(requirement for requirement, own in each if own.any())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,7 +99,7 @@ class MonteCarlo:
         return int(np.argmax(self.settling_time))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class KeptRange:
     """Between which common factors every requirement is kept in every corner.
 
@@ -65,17 +107,11 @@ class KeptRange:
     factor nothing was looked at.
     """
 
+    factor: Array  # frequencies or damping ratios over those of the profile, rising, shape (n,)
+    settling_time: Array  # worst over moves and corners, shape (n,) [s]
+    residual_deviation: Array  # likewise [m]
     kept_from: float
     kept_to: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrequencyError(KeptRange):
-    """What the same limits do where all eigenfrequencies are off by a common factor."""
-
-    factor: Array  # frequencies over those of the profile, rising, shape (n,) [-]
-    settling_time: Array  # worst over moves, payload and damping, shape (n,) [s]
-    residual_deviation: Array  # likewise [m]
     lost_below: tuple[Requirement, ...]  # missed at the next factor below the range, and above
     lost_above: tuple[Requirement, ...]
 
@@ -85,49 +121,34 @@ class Robustness:
     """All views, and what they warn of."""
 
     monte_carlo: MonteCarlo | None  # None: no spread and no range of payload, nothing to draw
-    frequency_error: FrequencyError
+    frequency_error: KeptRange
     damping_range: KeptRange
     warnings: tuple[Message, ...]
 
 
 def examine_robustness(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    *,
-    settings: RobustnessSettings,
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
 ) -> Robustness:
     """Return how limits fare where the machine differs a little."""
-    drawn = None
-    if len(corners(machine)) > 1:
-        drawn = run_monte_carlo(
-            machine, plant, tuned, limits, samples=settings.samples, seed=settings.seed
-        )
-    error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
+    has_spread = len(corners(machine)) > 1
+    error = find_frequency_error(machine, tuned, limits, settings)
     return Robustness(
-        monte_carlo=drawn,
+        monte_carlo=run_monte_carlo(machine, tuned, limits, settings) if has_spread else None,
         frequency_error=error,
-        damping_range=find_damping_range(machine, plant, tuned, limits),
+        damping_range=find_damping_range(machine, tuned, limits),
         warnings=warn_of_narrow_range(machine, error),
     )
 
 
 def run_monte_carlo(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    *,
-    samples: int = 10_000,
-    seed: int = 0,
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
 ) -> MonteCarlo:
     """Return what limits do on machines drawn uniformly and independently from the stated spread.
 
     The controller is the same on every sample.
     """
-    variations = draw_variations(machine, samples=samples, seed=seed)
-    found = respond_varied(machine, plant, tuned, limits, variations=variations)
+    variations = draw_variations(machine, samples=settings.samples, seed=settings.seed)
+    found = respond_varied(machine, tuned, limits, variations)
     band = machine.requirements.tcp_deviation
     return MonteCarlo(
         variations=variations,
@@ -135,63 +156,37 @@ def run_monte_carlo(
         residual_deviation=found.residual_deviation,
         share_met=float(np.mean(found.meets(machine))),
         share_in_band=float(np.mean(found.residual_deviation <= band)),
-        seed=seed,
+        seed=settings.seed,
     )
 
 
 def find_frequency_error(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    *,
-    settings: RobustnessSettings,
-) -> FrequencyError:
-    """Return settling time and residual deviation over a common error of all frequencies."""
-    needs = machine.requirements
-    reach = max(settings.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
-    middle = settings.frequency_points
-    factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * middle + 1)
-    known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
-    found, each = _respond_over(known, plant, tuned, limits, factor, of="frequency_factor")
-    low, high = _stretch_about(np.all(found.meets(machine).reshape(-1, each), axis=1))
-    is_kept = low <= high
-    below = slice(max(low - 1, 0) * each, low * each)
-    above = slice((high + 1) * each, (high + 2) * each)
-    return FrequencyError(
-        factor=factor,
-        settling_time=found.settling_time.reshape(-1, each).max(axis=1),
-        residual_deviation=found.residual_deviation.reshape(-1, each).max(axis=1),
-        kept_from=float(factor[low]) if is_kept else np.nan,
-        kept_to=float(factor[high]) if is_kept else np.nan,
-        lost_below=found.missed(machine, below) if is_kept else (),
-        lost_above=found.missed(machine, above) if is_kept else (),
-    )
-
-
-def find_damping_range(
-    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
 ) -> KeptRange:
-    """Return between which common factors on all damping ratios every requirement is kept."""
+    """Return what the same limits do where all eigenfrequencies are off by a common factor."""
+    needs, count = machine.requirements, settings.frequency_points
+    reach = max(settings.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
+    factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * count + 1)
+    known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
+    return _find_range(known, tuned, limits, factor, of="frequency_factor")
+
+
+def find_damping_range(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> KeptRange:
+    """Return the same where all damping ratios are."""
     known = replace(machine, requirements=replace(machine.requirements, damping_spread=0.0))
-    factor = DAMPING_FACTORS
-    found, each = _respond_over(known, plant, tuned, limits, factor, of="damping_factor")
-    low, high = _stretch_about(np.all(found.meets(machine).reshape(-1, each), axis=1))
-    if low > high:
-        return KeptRange(kept_from=np.nan, kept_to=np.nan)
-    return KeptRange(kept_from=float(factor[low]), kept_to=float(factor[high]))
+    factor = np.linspace(STUDY.least_damping, STUDY.most_damping, STUDY.damping_points)
+    return _find_range(known, tuned, limits, factor, of="damping_factor")
 
 
-def _respond_over(
+def _find_range(
     known: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     limits: MotionLimits,
     factor: Array,
     *,
     of: Literal["frequency_factor", "damping_factor"],
-) -> tuple[VariedResponse, int]:
-    """Every corner of a machine at every factor, and how many corners there are."""
+) -> KeptRange:
+    """Every corner of a machine, the spread of one quantity apart, at every factor on that."""
     places = as_variations(corners(known))
     each = len(places.payload)
     variations = Variations(
@@ -200,20 +195,31 @@ def _respond_over(
         damping_factor=np.tile(places.damping_factor, len(factor)),
     )
     variations = replace(variations, **{of: np.repeat(factor, each)})
-    return respond_varied(known, plant, tuned, limits, variations=variations), each
+    found = respond_varied(known, tuned, limits, variations)
+    kept = np.all(found.meets(known).reshape(-1, each), axis=1)
+    low, high = _stretch_about(kept, len(kept) // 2)
+    is_kept = low <= high
+    below = slice(max(low - 1, 0) * each, low * each)
+    above = slice((high + 1) * each, (high + 2) * each)
+    return KeptRange(
+        factor=factor,
+        settling_time=found.settling_time.reshape(-1, each).max(axis=1),
+        residual_deviation=found.residual_deviation.reshape(-1, each).max(axis=1),
+        kept_from=float(factor[low]) if is_kept else np.nan,
+        kept_to=float(factor[high]) if is_kept else np.nan,
+        lost_below=found.missed(known, below) if is_kept else (),
+        lost_above=found.missed(known, above) if is_kept else (),
+    )
 
 
-def _stretch_about(kept: NDArray[np.bool_]) -> tuple[int, int]:
-    """First and last index of the unbroken stretch about the middle; first > last: none."""
-    middle = len(kept) // 2
-    if not kept[middle]:
-        return middle + 1, middle
+def _stretch_about(kept: NDArray[np.bool_], own: int) -> tuple[int, int]:
+    """First and last index of the unbroken stretch about a place; first > last: none."""
     broken = np.flatnonzero(~kept)
-    low = int(np.max(broken[broken < middle], initial=-1)) + 1
-    return low, int(np.min(broken[broken > middle], initial=len(kept))) - 1
+    low = int(np.max(broken[broken <= own], initial=-1)) + 1
+    return low, int(np.min(broken[broken >= own], initial=len(kept))) - 1
 
 
-def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[Message, ...]:
+def warn_of_narrow_range(machine: Machine, error: KeptRange) -> tuple[Message, ...]:
     """Return a warning where the requirements hang on frequencies nobody knows so exactly.
 
     Limits that cancel a vibration are as exact as its frequency. Where no spread is stated they may
@@ -221,27 +227,202 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[Messa
     is stated, where 2 % of error to either side are borne, or where the verdict says so.
     """
     low, high = error.kept_from - 1.0, error.kept_to - 1.0
-    is_narrow = max(low, -high) > -KNOWN_FREQUENCY + ALIKE
+    is_narrow = max(low, -high) > -STUDY.known_frequency + ROUNDING
     if machine.requirements.frequency_spread > 0.0 or not is_narrow:
         return ()
     ends = [
         Message("frequency-end-at-least" if end == tried else "frequency-end", error=end)
         for end, tried in zip((low, high), error.factor[[0, -1]] - 1.0, strict=True)
     ]
-    lost = [
-        Message(kind, requirement=requirement.message)
-        for kind, requirements in (
-            ("missed-where-lower", error.lost_below),
-            ("missed-where-higher", error.lost_above),
-        )
-        for requirement in requirements
-    ]
+    lost = [Message("missed-where-lower", requirement=r.message) for r in error.lost_below]
+    lost += [Message("missed-where-higher", requirement=r.message) for r in error.lost_above]
     return (
         Message(
             "frequency-spread-not-stated",
             low=ends[0],
             high=ends[1],
             lost=join_by_and(lost),
-            least=KNOWN_FREQUENCY,
+            least=STUDY.known_frequency,
         ),
     )
+
+
+def respond_varied(
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, variations: Variations
+) -> VariedResponse:
+    """Return what limits do to the listed moves on varied machines under the same controller."""
+    count, requirements = len(variations.payload), requirements_of(machine)
+    bench, plan = build_bench(machine, tuned.loops[0].plant, tuned), plan_within(machine, limits)
+    asked, settling, residual = bench.asked, np.zeros(count), np.zeros(count)
+    worst = {item: np.zeros(count) for item in requirements}
+    for start in range(0, count, STUDY.together):
+        part = slice(start, min(start + STUDY.together, count))
+        poles = _find_varied_poles(machine, tuned, variations, part)
+        grid = lay_grid(poles, STUDY.samples)
+        for place, move in enumerate(machine.moves):
+            own = knots_of(plan(move))
+            motions = set_in_motion(poles, own)
+            free = free_motion(motions, grid)
+            time = free.settling(machine.requirements.tcp_deviation)[0]
+            settling[part] = np.maximum(settling[part], time)
+            residual[part] = np.maximum(residual[part], free.residual[0])
+            found = dict.fromkeys(asked.settling, time)
+            for requirement, signal in asked.after:
+                left = free_motion(motions, grid, signal=signal).residual[0]
+                found[requirement] = requirement.with_noise(left, bench.noise)
+            for swings in asked.during:
+                _, parts = bench.where_to_look(swings)
+                judged = set_in_motion(poles, knots_of(plan(swings.moves[place])))
+                peaks = extremes(judged, grid, swings.rows, parts=parts, less=swings.less)[0]
+                for requirement, column in zip(swings.requirements, peaks.T, strict=True):
+                    found[requirement] = requirement.with_noise(column, bench.noise)
+            for requirement, mean in asked.means:
+                values = mean.exact(machine, poles, move, own, STUDY.mean_cycles)
+                found[requirement] = requirement.with_noise(values, bench.noise)
+            for requirement, values in found.items():
+                worst[requirement][part] = np.maximum(worst[requirement][part], values)
+    return VariedResponse(
+        settling_time=settling,
+        residual_deviation=residual + bench.noise.tool,
+        values=np.column_stack([worst[item] for item in requirements]),
+        requirements=requirements,
+    )
+
+
+def _find_varied_poles(
+    machine: Machine, tuned: TunedLoop, variations: Variations, part: slice
+) -> LoopPoles:
+    places = [variations.corner(i) for i in range(part.start, part.stop)]
+    plants = [build_plant(vary(machine, place)) for place in places]
+    model = tuned.loops[0].plant
+    loops = tuple(build_loop(each, tuned.controller, model=model) for each in plants)
+    return find_poles.__wrapped__(loops)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MoveSizes:
+    """Some limits on one move in many sizes."""
+
+    name: Message  # who gives them
+    limits: MotionLimits  # with the setpoint filter in use
+    move: Move  # the profile's
+    size: Array  # velocity step or distance, rising, shape (n,) [m/s or m]
+    settling_time: Array  # worst over the corners, shape (n,) [s]
+    residual_deviation: Array  # likewise [m]
+    full_from: float  # size from which a is reached at all; inf: ``max_velocity`` forbids it
+    kept_from: float  # ends of the unbroken range about the profile's own size in which the band
+    kept_to: float  # is kept [m/s or m]; both nan if not at that size
+
+
+def compare_move_sizes(
+    machine: Machine, tuned: TunedLoop, named: dict[str, MotionLimits | None]
+) -> tuple[MoveSizes, ...]:
+    """Return what limits by their names, where there are any, do with smaller and larger moves."""
+    own, found = machine.control.setpoint_filter, []
+    for kind, limits in named.items():
+        if limits is not None:
+            filtered = replace(limits, setpoint_filter=limits.setpoint_filter or own)
+            found += [
+                _judge_sizes(machine, tuned, Message(kind), filtered, move)
+                for move in machine.moves
+            ]
+    return tuple(found)
+
+
+def full_size(limits: MotionLimits, move: Move) -> float:
+    """Return the size from which a move reaches the acceleration [m/s or m].
+
+    v = a (t_j + T) for a velocity step, L = v (2 t_j + T) for a move from rest to rest, with
+    t_j = a/j and the length T of the setpoint filter.
+
+    Examples
+    --------
+    >>> full_size(MotionLimits(acceleration=2.0, jerk=100.0), VelocityStep(velocity_step=0.1))
+    0.04
+    """
+    time = limits.setpoint_filter.duration if limits.setpoint_filter else 0.0
+    velocity = limits.acceleration * (limits.jerk_time + time)
+    if isinstance(move, VelocityStep):
+        return velocity
+    return velocity * (2.0 * limits.jerk_time + time) if velocity <= move.max_velocity else inf
+
+
+def _judge_sizes(
+    machine: Machine, tuned: TunedLoop, name: Message, limits: MotionLimits, move: Move
+) -> MoveSizes:
+    shares = np.geomspace(STUDY.smallest, STUDY.largest, STUDY.sizes)
+    own = int(np.argmin(np.abs(shares - 1.0)))
+    shares[own] = 1.0
+    size, band = size_of(move) * shares, machine.requirements.tcp_deviation
+    poles = find_poles(tuned.loops)
+    motions = set_in_motion(poles, plan_sizes(move, size, limits))
+    free = free_motion(motions, lay_grid(poles, STUDY.size_samples))
+    residual = free.residual.max(axis=1)
+    low, high = _stretch_about(residual <= band, own)
+    return MoveSizes(
+        name=name,
+        limits=limits,
+        move=move,
+        size=size,
+        settling_time=free.settling(band).max(axis=1),
+        residual_deviation=residual,
+        full_from=full_size(limits, move),
+        kept_from=float(size[low]) if low <= high else nan,
+        kept_to=float(size[high]) if low <= high else nan,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionEffect:
+    """One move with the recommended limits and friction, worst over the corners."""
+
+    number: int  # of the move, from 1
+    settling_time: float  # [s]; inf: not settled while it was followed
+    without_friction: float  # [s]
+    residual_deviation: float  # [m]
+    max_force: float  # set force, friction included [N]
+    is_kept: bool  # band, settling time and force
+
+
+def examine_friction(
+    machine: Machine, tuned: TunedLoop, moves: Sequence[MoveResult]
+) -> tuple[FrictionEffect, ...]:
+    """Return what friction does to each move with the recommended limits; nothing if unstated."""
+    if not machine.drive.has_friction:
+        return ()
+    needs, effects = machine.requirements, []
+    for number, result in enumerate(moves, start=1):
+        rows = [_follow(machine, loop, result.setpoint) for loop in tuned.loops]
+        settling, residual, force = (max(column) for column in zip(*rows, strict=True))
+        kept = residual <= needs.tcp_deviation and settling <= needs.max_settling_time
+        effects.append(
+            FrictionEffect(
+                number=number,
+                settling_time=settling,
+                without_friction=max(one.settling_time for one in result.responses),
+                residual_deviation=residual,
+                max_force=force,
+                is_kept=kept and force < machine.drive.usable_force,
+            )
+        )
+    return tuple(effects)
+
+
+def _follow(machine: Machine, loop: SampledLoop, setpoint: Setpoint) -> tuple[float, float, float]:
+    """Settling time, residual deviation and largest set force of one move."""
+    drive, tau = machine.drive, loop.controller.reference_delay
+    step, cycle = loop.controller.velocity_cycle, loop.controller.position_cycle
+    friction = find_friction(
+        loop.plant, coulomb=drive.coulomb_friction, viscous=drive.viscous_friction, step=step
+    )
+    until = setpoint.duration + tau
+    count = ceil((until + STUDY.followed) / cycle)
+    references = sample_setpoint(setpoint, cycle * np.arange(count, dtype=np.float64))
+    outputs = drive_loop(loop, references, force_limit=drive.usable_force, friction=friction)
+    t = step * np.arange(len(outputs), dtype=np.float64)
+    late = t >= until - 1e-12
+    deviation = np.abs(outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0])[late]
+    outside = np.flatnonzero(deviation > machine.requirements.tcp_deviation)
+    times = [until, *t[late].tolist(), inf]
+    settling = times[outside[-1] + 2] if outside.size else until
+    return settling, float(deviation.max()), float(np.abs(outputs[:, 2]).max())

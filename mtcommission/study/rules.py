@@ -1,22 +1,29 @@
-"""What the rules of makers and textbooks, and the shapers of the control, do in the same loop.
+"""What stands beside the recommendation, judged alike in the same loop.
 
-Which value of a manual or a menu may be kept: each stands beside the recommendation, judged alike.
+The rules of makers and textbooks and the shapers of the control: which value of a manual or a menu
+may be kept. The values now in the control: whether typing in new ones pays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+from mtcommission.errors import ComputationError
 from mtcommission.limits.commissioning_rule.rule import RuleResult
-from mtcommission.limits.judge import Candidate
+from mtcommission.limits.judge import Candidate, describe_place
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
-from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.model.controller import Controller, no_observer
+from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
+from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
+from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.study.robustness import KeptRange, find_frequency_error
+from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.variations import Row, judge
 
 SOURCES = {
@@ -29,6 +36,9 @@ SOURCES = {
 
 DESIGN_DAMPING = 0.1
 """Damping ratio that Klipper's shapers are set to unless told otherwise [-]."""
+
+SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
+"""Gains as engineers write them."""
 
 
 def evaluate_rules(machine: Machine, tuned: TunedLoop, rule: RuleResult) -> tuple[Candidate, ...]:
@@ -96,3 +106,85 @@ def _of_klipper(machine: Machine, tuned: TunedLoop) -> Iterator[Row]:
             tuned=tuned,
             limits=replace(without_jerk_limit(machine, a), setpoint_filter=item),
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TodaysValues:
+    """The values now in the control, judged like the recommended ones."""
+
+    today: Today  # as stated
+    limits: MotionLimits  # of the setpoint; without a jerk limit, the shortest ramp
+    controller: Controller  # the loop that they are judged in
+    judged: Candidate | None  # None where ``failure`` says why that cannot be told
+    frequency_error: KeptRange | None  # likewise: where they keep every requirement
+    stated: tuple[str, ...]  # those of Kv, Kp and Tn that are today's, the others the recommended
+    failure: Message | None  # the loop is unstable, or the moves take too long
+
+    @property
+    def basis(self) -> Message:
+        """Which gains the loop has."""
+        others = tuple(symbol for symbol in SYMBOLS.values() if symbol not in self.stated)
+        if not self.stated:
+            return Message("today-in-recommended-loop")
+        if not others:
+            return Message("today-in-own-loop")
+        return Message("today-in-mixed-loop", stated=self.stated, others=others)
+
+
+def judge_today(
+    machine: Machine, tuned: TunedLoop, settings: RobustnessSettings
+) -> TodaysValues | None:
+    """Return what today's values do, or None where the profile states none.
+
+    Whatever is not known of today's loop is taken from the recommended one. With one gain of
+    today's it is a cascade without state feedback, which was made for other gains.
+    """
+    today, controller = machine.today, tuned.controller
+    if today is None:
+        return None
+    limits = without_jerk_limit(machine, today.acceleration)
+    if today.jerk is not None:
+        limits = MotionLimits(acceleration=today.acceleration, jerk=today.jerk)
+    gains = {name: value for name in SYMBOLS if (value := getattr(today, name)) is not None}
+    if gains:
+        controller = replace(
+            controller,
+            **gains,
+            state_gains=0.0 * controller.state_gains,
+            observer=no_observer(n_sensors=len(controller.sensors)),
+        )
+    control = replace(machine.control, setpoint_filter=today.setpoint_filter)
+    filtered = replace(machine, control=control)
+    candidate, error, failure = None, None, None
+    try:
+        require_short_moves(filtered, acceleration=limits.acceleration)
+        loop = close_loop(corner_plants(machine), controller) if gains else tuned
+        failure = _find_instability(loop)
+        if failure is None:
+            candidate = judge(Row(machine=filtered, tuned=loop, limits=limits))
+            error = find_frequency_error(filtered, loop, limits, settings)
+    except ComputationError as fault:
+        failure = Message("today-not-judged", why=fault.message)
+    return TodaysValues(
+        today=today,
+        limits=limits,
+        controller=controller,
+        judged=candidate,
+        frequency_error=error,
+        stated=tuple(symbol for name, symbol in SYMBOLS.items() if name in gains),
+        failure=failure,
+    )
+
+
+def _find_instability(loop: TunedLoop) -> Message | None:
+    corners = zip(loop.corners, loop.analyses, strict=True) if loop.analyses else ()
+    for corner, analysis in corners:
+        if not analysis.is_stable:
+            return Message(
+                "today-unstable",
+                Kv=loop.controller.position_gain,
+                Kp=loop.controller.velocity_gain,
+                Tn=loop.controller.integral_time,
+                corner=describe_place(1, corner, 1),
+            )
+    return None

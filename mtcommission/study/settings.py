@@ -1,4 +1,4 @@
-"""Numerical settings of the whole chain."""
+"""Numerical settings of the whole chain, and the numbers of the studies."""
 
 from __future__ import annotations
 
@@ -25,3 +25,51 @@ class Settings:
     tuning: TuningSettings = field(default_factory=TuningSettings)
     robustness: RobustnessSettings = field(default_factory=RobustnessSettings)
     band: BandSettings = field(default_factory=BandSettings)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudySettings:
+    """Design choices and empirical numbers of the studies: none decides about the limits."""
+
+    # Which loop: what a stiffer tool is worth, as a smooth price, so that a machine that is a
+    # little better never gets a loop that is much slower.
+    stiffness_exponent: float = 0.01  # twice the stiffness is worth 0.7 % of the settling time
+    sooner: float = 0.98  # state feedback is worth its effort if the moves settle 2 % sooner,
+    stiffer: float = 1.2  # or as soon with a tool that is 20 % stiffer
+    centres: int = 2  # loops about which others are looked at
+    beside: int = 4  # kinds of setpoint filters of a first look, the best of another loop first
+    finalists: int = 3  # loops whose limits are sought more closely
+    push_time: float = 0.3  # of the response to a step of force [s]
+    # Improvements: what may be known of a machine, or reached by a redesign.
+    known_spread: float = 0.02  # frequencies of a machine whose modes were measured [-]
+    part: float = 0.1  # by which the machine is made stiffer or lighter [-]
+    long_rest: float = 3600.0  # with which no move heats the motor [s]
+    rest_tries: int = 4  # how often a rest that does not suffice yet is made longer,
+    rest_factor: float = 1.5  # and by how much
+    # Attainable: by what requirements are relaxed at most (what needs more is no requirement), and
+    # halvings of that range: the least factor is found to within 12 %.
+    largest_factor: float = 1e3
+    halvings: int = 6
+    # Robustness: an eigenfrequency is off by that much even where it was measured (resolution,
+    # temperature, place on the axis); damping, of one day or another, by half.
+    known_frequency: float = 0.02
+    least_damping: float = 0.3
+    most_damping: float = 1.7
+    damping_points: int = 15
+    together: int = 64  # machines whose loops are looked at at once: their tables fit the cache
+    samples: int = 24  # of free motion to a period
+    mean_cycles: int = 400  # position cycles summed for a mean
+    # Sizes of moves looked at, as shares of the listed one; their ramps differ by 3 %.
+    smallest: float = 0.01
+    largest: float = 3.0
+    sizes: int = 96
+    size_samples: int = 48  # of free motion to a period
+    # The optimum beside the loop, and fed forward.
+    usual_spread: float = 0.05  # of frequencies where none is stated: rarely better known
+    tail: float = 0.4  # how long the motion after t_f is followed [s]
+    motion_samples: int = 4000  # of an optimal motion, for its integrals
+    overshoot_seen: float = 5e-4  # below it there is none [-]
+    followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]
+
+
+STUDY = StudySettings()

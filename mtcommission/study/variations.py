@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 
+from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.explore import Found, explore
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
+from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -18,12 +24,15 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 class Row:
     """A machine in its loop, whose limits are judged as given or as the one search finds them."""
 
-    label: Message
     machine: Machine  # nominal; its moves and requirements count
     tuned: TunedLoop  # in every corner
-    limits: MotionLimits | None = None  # None: chosen
-    near: MotionLimits | None = None  # where they are chosen: known ones that are nearly as good
+    label: Message | None = None
     source: Message | None = None  # who says so
+    limits: MotionLimits | None = None  # None: chosen
+    near: MotionLimits | None = None  # where they are chosen: known ones that are nearly as good,
+    beside: Sequence[SetpointFilter | None] = ()  # other filters that may be better,
+    found: tuple[Found, ...] = ()  # or what was found already
+    largest_jerk: float = inf  # [m/s³]
 
 
 def judge(row: Row) -> Candidate:
@@ -43,4 +52,27 @@ def judge(row: Row) -> Candidate:
 
 def choose(row: Row) -> Choice:
     """Return the limits that the one search finds for a row."""
-    return choose_limits(row.machine, build_plant(row.machine), row.tuned, near=row.near)
+    machine, tuned, near = row.machine, row.tuned, row.near
+    plant, found, most = build_plant(machine), row.found, row.largest_jerk
+    if near is not None and row.beside:
+        bench = build_bench(keep_reserve(machine), plant, tuned)
+        found = explore(bench, largest_jerk=most, near=near, beside=row.beside, refined=2)
+    return choose_limits(machine, plant, tuned, near=near, found=found, largest_jerk=most)
+
+
+def serve_listed(
+    machine: Machine,
+    tuned: TunedLoop,
+    choice: Choice,
+    filters: Sequence[SetpointFilter | None],
+) -> Candidate | None:
+    """Return what would serve the listed sizes alone best; None where only these count anyway.
+
+    ``filters``: those that served every size well, the best first.
+    """
+    needs = machine.requirements
+    if not (needs.every_size and choice.meets_requirements):
+        return None
+    alone = replace(machine, requirements=replace(needs, every_size=False))
+    near = choice.limits if filters else None
+    return judge(Row(machine=alone, tuned=tuned, near=near, beside=filters))

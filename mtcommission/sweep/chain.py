@@ -14,8 +14,7 @@ from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.study.loop_choice import settle_on_loop
-from mtcommission.study.settings import Settings
+from mtcommission.study.loops import settle_on_loop
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
 
@@ -39,10 +38,9 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
         With a named outcome.
     """
     require_force(machine)
-    settings = Settings()
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    loop = settle_on_loop(machine, plant, settings)
+    loop = settle_on_loop(machine)
     choice = loop.choice or choose_limits(machine, plant, loop.tuned)
     return chain_cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
 

@@ -28,9 +28,8 @@ from mtcommission.optimal.solution import (
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.comparison import ComparedControl, compare_controls
-from mtcommission.study.loop_choice import settle_on_loop
-from mtcommission.study.settings import Settings
+from mtcommission.study.loops import settle_on_loop
+from mtcommission.study.optimum import ComparedControl, compare_controls
 from mtcommission.validate.paper import (
     BOUNDED_T_F,
     FORCE_LIMIT,
@@ -146,8 +145,8 @@ def _rescale(machine: Machine, *, base: float = 1.0, tower: float = 1.0) -> Mach
 
 
 def _vary(machine: Machine) -> VariedLoop:
-    plant, settings = build_plant(machine), Settings()
-    tuned = settle_on_loop(machine, plant, settings).tuned
+    plant = build_plant(machine)
+    tuned = settle_on_loop(machine).tuned
     chosen = choose_limits(machine, plant, tuned)
     rough = without_jerk_limit(machine, machine.drive.motion_force / plant.moving_mass)
     return VariedLoop(
@@ -161,8 +160,8 @@ def _vary(machine: Machine) -> VariedLoop:
 def _loop_cases(
     machine: Machine, plant: Plant, optima: tuple[tuple[Arc, ...], ...]
 ) -> tuple[LoopCase, ...]:
-    settings, move = Settings(), machine.moves[0]
-    tuned = settle_on_loop(machine, plant, settings).tuned
+    move = machine.moves[0]
+    tuned = settle_on_loop(machine).tuned
     closest = [
         condense(
             move,
@@ -177,7 +176,7 @@ def _loop_cases(
     cases = []
     for limits in (rectangular, chosen.limits, *closest):
         response = _respond(machine, tuned, limits)
-        measured = compare_controls(machine, plant, tuned, move, limits=limits, optima=())[1]
+        measured = compare_controls(machine, tuned, move, limits=limits, optima=())[1]
         cases.append(LoopCase(limits=limits, response=response, measured=measured))
     return tuple(cases)
 

@@ -2,7 +2,7 @@
 
 Margins are read off one grid of frequencies that is affine in the gains (``GainGrid``) while Kp is
 sought, and once off the exact response. Which loop serves the job best only the moves can tell
-(``study.loop_choice``); none is proposed that is softer than the loop by the classic rule or
+(``study.loops``); none is proposed that is softer than the loop by the classic rule or
 forgets a lasting force much more slowly.
 """
 

@@ -1,6 +1,6 @@
 """The loop by the classic rule: given gains as given, the rest until the margins hold.
 
-It knows nothing of the moves; which loop serves them best is ``study.loop_choice``'s to find.
+It knows nothing of the moves; which loop serves them best is ``study.loops``'s to find.
 """
 
 from __future__ import annotations

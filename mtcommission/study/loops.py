@@ -1,0 +1,471 @@
+"""Which loop is used, and why: the one whose moves settle soonest, stiffness counting a little.
+
+All loops with the margins are looked at with limits that suit them, the best more closely, and the
+best of these exactly. What others would do, and what the one in use does beside following its
+setpoint, is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite, pi
+from typing import Any
+
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.choose import Choice
+from mtcommission.limits.explore import REFINED, Found, explore
+from mtcommission.limits.judge import Candidate, simulate_moves
+from mtcommission.limits.reserve import keep_reserve
+from mtcommission.loop.analysis.disturbance import DisturbanceStep, simulate_disturbance
+from mtcommission.loop.model.controller import Controller, feedforward_delay
+from mtcommission.loop.tuning.cascade import CLASSIC, Shape
+from mtcommission.loop.tuning.family import (
+    FilteredLoop,
+    Proposal,
+    Proposals,
+    cascade_family,
+    feedback_family,
+    feedback_shapes,
+    find_filters,
+    propose_cascades,
+    propose_feedback,
+    propose_near,
+    tune_shape,
+)
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.settings import STUDY
+from mtcommission.study.variations import Row, choose
+
+WITHOUT, WITH = Message("without-state-feedback"), Message("with-state-feedback")
+
+NEEDS_STATE_FEEDBACK = Message("control-needs-state-feedback")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopTrial:
+    """A loop and the limits that suit it best."""
+
+    shape: Shape  # Kv and Tn over Kp
+    tuned: TunedLoop  # in every corner
+    is_classic: bool = False  # the cascade by the classic rule
+    found: tuple[Found, ...] = ()  # limits, the best first; empty: none were found that keep all
+    is_explored: bool = False  # everywhere, not at a first look
+    choice: Choice | None = None  # the best limits, judged as the recommendation is
+    is_used: bool = False  # everything else in the record uses it
+    name: Message | None = None  # where it is one of the loops without and with state feedback
+
+    @property
+    def candidate(self) -> Candidate:
+        """Its best limits, judged."""
+        assert self.choice is not None
+        return self.choice.candidate
+
+    @property
+    def price(self) -> float:
+        """Settling time as far as was looked, less what the stiffness is worth."""
+        delay = self.tuned.controller.reference_delay
+        return priced(self.found[0].duration + delay if self.found else inf, self.tuned)
+
+    @property
+    def limits(self) -> MotionLimits | None:
+        """The best limits found, not rounded; None where none were."""
+        if not self.found:
+            return None
+        best = self.found[0]
+        return MotionLimits(
+            acceleration=best.acceleration,
+            jerk=best.acceleration / best.jerk_time,
+            setpoint_filter=best.setpoint_filter,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopChoice:
+    """Which loop is used, and what others would have done."""
+
+    tuned: TunedLoop
+    trials: tuple[LoopTrial, ...] = ()  # judged ones, soonest first; empty: nothing to choose
+    others: tuple[LoopTrial, ...] = ()  # that came near, not judged yet
+    variants: tuple[LoopTrial, ...] = ()  # without and with state feedback, if both were sought
+    remarks: tuple[Message, ...] = ()  # why this loop, and what the control must offer
+
+    @property
+    def used(self) -> LoopTrial | None:
+        """The loop in use, where there was a choice."""
+        return next((item for item in self.trials if item.is_used), None)
+
+    @property
+    def choice(self) -> Choice | None:
+        """Its limits, where they were chosen already."""
+        return self.used.choice if self.used else None
+
+    @property
+    def filters(self) -> list[SetpointFilter | None]:
+        """The best setpoint filters of each kind, as far as they were looked at, the best first."""
+        return _best_filters(self.used) if self.used else []
+
+    @property
+    def model(self) -> Any:
+        """The loop as a ``control.StateSpace`` to go on with, e.g. ``control.bode_plot``."""
+        return self.tuned.model
+
+
+def priced(settling_time: float, tuned: TunedLoop) -> float:
+    """Return a settling time divided by what the stiffness of the loop is worth."""
+    return float(settling_time / tuned.least_stiffness**STUDY.stiffness_exponent)
+
+
+def say_settling(candidate: Candidate) -> Message:
+    """Return the settling time, or that there is none."""
+    time = candidate.settling_time
+    return Message("time-value", time=time) if isfinite(time) else Message("not-settled")
+
+
+def settle_on_loop(machine: Machine, settings: TuningSettings | None = None) -> LoopChoice:
+    """Return the loop that serves the moves best, with state feedback only where that pays.
+
+    By the least price (``priced``); by the classic rule where given gains keep no margins. Filters
+    of the set force that let Kp rise come first where they may be chosen: no engineer leaves a
+    resonance unfiltered.
+
+    Raises
+    ------
+    ComputationError
+        As ``tune_loop``.
+    """
+    if machine.drive.follows:
+        return LoopChoice(tuned=tune_loop(machine))
+    settings = settings or TuningSettings()
+    family, remarks = cascade_family(machine, settings), list[Message]()
+    if machine.control.seeks_force_filters:
+        base = tune_shape(family, CLASSIC, largest=settings.largest_fraction)
+        filtered = find_filters(family, CLASSIC) if base else None
+        if base and filtered:
+            family = filtered.family
+            remarks.append(_say_filters("loop-filters-used", base, filtered))
+        elif machine.control.velocity_gain is None:
+            remarks.append(Message("loop-no-filters"))
+    cascades = propose_cascades(family)
+    choice, fastest_hz = _try_all(cascades), cascades.fastest_hz
+    if machine.control.state_feedback is StateFeedback.AUTO:
+        near = choice.used.shape if choice and choice.used else CLASSIC
+        shapes = feedback_shapes(settings, near=near)
+        proposals = propose_feedback(family, cascades.classic, shapes)
+        choice = _weigh_state_feedback(choice, _try_all(proposals), proposals.remark)
+        fastest_hz = max(fastest_hz, proposals.fastest_hz)
+    if choice is None:  # no loop keeps the margins
+        require_bandwidth(family.machine, fastest_hz or inf)
+        choice = LoopChoice(tuned=tune_loop(family.machine, settings=settings))
+    return replace(choice, remarks=(*choice.remarks, *remarks))
+
+
+def _try_all(proposals: Proposals) -> LoopChoice | None:
+    """The best of the proposals and of those near it, judged; None where there is none.
+
+    The best has the least price of those whose limits meet the requirements, if any does.
+    """
+    machine = proposals.family.machine
+    looked = _look_at_all(machine, proposals)
+    finalists = [
+        item if item.is_explored else _explore_closely(machine, item)
+        for item in looked[: STUDY.finalists]
+    ]
+    finalists.sort(key=_price)
+    best: LoopTrial | None = None
+    for item in finalists:
+        trial = _judge(machine, item)
+        best = best or trial
+        if trial.choice and trial.choice.meets_requirements:
+            best = trial
+            break
+    if best is None:
+        return None
+    why = Message(
+        "loop-chosen",
+        number=len(looked),
+        settling=say_settling(best.candidate),
+        stiffness=best.tuned.least_stiffness,
+    )
+    return LoopChoice(
+        tuned=finish(proposals.family, best.tuned),
+        trials=(replace(best, is_used=True),),
+        others=tuple(item for item in finalists if item.tuned is not best.tuned),
+        remarks=(why,) if len(looked) > 1 else (),
+    )
+
+
+def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
+    """All proposals, and those near the best of them, at a first look; the best first."""
+    found: list[LoopTrial] = []
+
+    def look_at(loops: Sequence[Proposal]) -> None:
+        for each in loops:
+            is_classic = each.tuned is proposals.classic
+            item = LoopTrial(shape=each.shape, tuned=each.tuned, is_classic=is_classic)
+            known = next((other for other in found if other.limits), None)
+            found.append(_look_like(machine, item, known) if known else _explore(machine, item))
+
+    look_at(proposals.loops)
+    for best in sorted(found, key=_price)[: STUDY.centres]:
+        look_at(propose_near(proposals, best.shape))
+    return sorted(found, key=_price)
+
+
+def _price(item: LoopTrial) -> float:
+    return item.price
+
+
+def _explore_closely(machine: Machine, item: LoopTrial) -> LoopTrial:
+    """A loop with the best limits near those of its first look, behind any filter that did well."""
+    beside = [each.setpoint_filter for each in item.found[1 : STUDY.beside]]
+    return _explore(machine, item, near=item.limits, beside=beside)
+
+
+def _look_like(machine: Machine, loop: LoopTrial, known: LoopTrial) -> LoopTrial:
+    """A loop at a first look, near the limits of another, and behind the best filters of others."""
+    return _explore(machine, loop, near=known.limits, beside=_best_filters(known)[1:], refined=0)
+
+
+def _best_filters(known: LoopTrial) -> list[SetpointFilter | None]:
+    kinds: dict[str, SetpointFilter | None] = {}
+    for each in known.found:
+        item = each.setpoint_filter
+        kinds.setdefault(item.kind if item else "", item)
+    return list(kinds.values())[: STUDY.beside]
+
+
+def _explore(
+    machine: Machine,
+    item: LoopTrial,
+    *,
+    near: MotionLimits | None = None,
+    beside: Sequence[SetpointFilter | None] = (),
+    refined: int = REFINED,
+) -> LoopTrial:
+    """A loop with the best limits, sought everywhere or near those of a loop much like it."""
+    bench = build_bench(keep_reserve(machine), build_plant(machine), item.tuned)
+    found = explore(bench, near=near, beside=beside, refined=refined)
+    return replace(item, found=found, is_explored=bool(refined))
+
+
+def _judge(machine: Machine, item: LoopTrial, *, near: MotionLimits | None = None) -> LoopTrial:
+    """A loop with the limits that were found for it, rounded and judged."""
+    row = Row(machine=machine, tuned=item.tuned, found=item.found, near=near)
+    return replace(item, choice=choose(row))
+
+
+def _in_order(trials: Sequence[LoopTrial]) -> tuple[LoopTrial, ...]:
+    return tuple(sorted(trials, key=lambda item: item.candidate.settling_time))
+
+
+def _weigh_state_feedback(
+    plain: LoopChoice | None, fed_back: LoopChoice | None, why_not: Message | None
+) -> LoopChoice | None:
+    """The loop with state feedback, if it pays, or if there is none without."""
+    if fed_back is None:
+        lost = (why_not,) if why_not else ()
+        return plain and replace(plain, remarks=(*plain.remarks, *lost))
+    needs = (NEEDS_STATE_FEEDBACK,)
+    if plain is None:
+        return replace(fed_back, remarks=(*fed_back.remarks, *needs))
+    without, with_it = plain.used, fed_back.used
+    assert without
+    assert with_it
+    before, after = without.candidate.settling_time, with_it.candidate.settling_time
+    ratio = with_it.tuned.least_stiffness / without.tuned.least_stiffness
+    is_stiffer = STUDY.sooner * after <= before and ratio > STUDY.stiffer
+    helps = after < STUDY.sooner * before or is_stiffer
+    without = replace(without, name=WITHOUT, is_used=not helps)
+    with_it = replace(with_it, name=WITH, is_used=helps)
+    chosen = fed_back if helps else plain
+    remarks = (
+        Message(
+            "state-feedback-chosen" if helps else "state-feedback-left-out",
+            with_it=say_settling(with_it.candidate),
+            without=say_settling(without.candidate),
+        ),
+        Message("state-feedback-stiffness", ratio=ratio),
+        *(needs if helps else ()),
+    )
+    return replace(
+        chosen,
+        trials=_in_order((with_it, without) if helps else (without, with_it)),
+        variants=(without, with_it),
+        remarks=(*chosen.remarks, *remarks),
+    )
+
+
+def show_alternatives(machine: Machine, choice: LoopChoice, settings: TuningSettings) -> LoopChoice:
+    """Return the same choice with what filters and state feedback would add where not used."""
+    if machine.drive.follows:
+        return choice
+    machine = with_filters(machine, choice.tuned)
+    near = [_judge(machine, each, near=each.limits) for each in choice.others]
+    choice = replace(choice, trials=_in_order((*choice.trials, *near)), others=())
+    if not machine.control.seeks_force_filters:
+        choice = _suggest_filters(machine, choice, settings)
+    return show_state_feedback(machine, choice, settings)
+
+
+def with_filters(machine: Machine, tuned: TunedLoop) -> Machine:
+    """Return a machine whose profile names the filters of the set force that a loop has."""
+    filters = tuned.controller.force_filters
+    return replace(machine, control=replace(machine.control, force_filters=filters))
+
+
+def _suggest_filters(machine: Machine, choice: LoopChoice, settings: TuningSettings) -> LoopChoice:
+    """The choice with a remark on filters of the set force that would let Kp rise."""
+    used = choice.used
+    if used is None or machine.control.kind.force_filters == 0:
+        return choice
+    cascades = cascade_family(machine, settings)
+    family = feedback_family(cascades) if used.shape.mode_weight else cascades
+    found = find_filters(family, used.shape) if family else None
+    remark = Message("loop-no-filters")
+    if found:
+        remark = _say_filters("loop-filters-suggested", used.tuned, found)
+    return replace(choice, remarks=(*choice.remarks, remark))
+
+
+def show_state_feedback(
+    machine: Machine, choice: LoopChoice, settings: TuningSettings
+) -> LoopChoice:
+    """Return the same choice with what state feedback would add where it is not used.
+
+    The loop that is used stays; variants are added unless the sensors see no mode or nothing keeps
+    the margins.
+    """
+    if choice.variants or choice.tuned.controller.state_gains.any():
+        return choice
+    used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=choice.tuned))
+    classic = next((item.tuned for item in choice.trials if item.is_classic), None)
+    found = propose_feedback(cascade_family(machine, settings), classic, [used.shape])
+    if found.remark is not None:
+        return replace(choice, remarks=(*choice.remarks, found.remark))
+    near = used.candidate.limits
+    tried = [LoopTrial(shape=item.shape, tuned=item.tuned, name=WITH) for item in found.loops]
+    explored = [_explore(machine, item, near=near, refined=1) for item in tried]
+    best = _judge(machine, min(explored, key=_price), near=near)
+    remark = Message(
+        "state-feedback-would",
+        with_it=say_settling(best.candidate),
+        without=say_settling(used.candidate),
+        ratio=best.tuned.least_stiffness / choice.tuned.least_stiffness,
+    )
+    without = replace(used, tuned=choice.tuned, name=WITHOUT, is_used=True)
+    remarks = (*choice.remarks, remark)
+    return replace(choice, variants=(without, best), remarks=remarks)
+
+
+def _say_filters(kind: str, before: TunedLoop, found: FilteredLoop) -> Message:
+    return Message(
+        kind,
+        filters=tuple(map(name_filter, found.filters)),
+        Kp=before.controller.velocity_gain,
+        higher=found.tuned.controller.velocity_gain,
+        stiffness=before.least_stiffness,
+        stiffer=found.tuned.least_stiffness,
+    )
+
+
+def describe_loop(controller: Controller) -> list[Message]:
+    """Return the gains of a loop and its filters of the set force, in sentences."""
+    if controller.follows:
+        return [Message("simulated-without-loop")]
+    gains = Message(
+        "simulated-with-loop",
+        Kv=controller.position_gain,
+        Kp=controller.velocity_gain,
+        Tn=controller.integral_time,
+    )
+    filters = tuple(map(name_filter, controller.force_filters))
+    return [gains, *([Message("simulated-with-filters", filters=filters)] if filters else [])]
+
+
+def name_filter(item: ForceFilter) -> Message:
+    """Return what a filter of the set force is called, with its numbers."""
+    frequency = item.natural_frequency / (2.0 * pi)
+    if item.kind is FilterKind.LOW_PASS:
+        return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)
+    return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JerkFeedforward:
+    """The recommended limits with some weight of the jerk feed-forward, worst case."""
+
+    weight: float  # 1 cancels the drive lag [-]
+    is_used: bool  # whether everything else in the record uses this weight
+    reference_delay: float  # τ [s]
+    max_force: float  # largest |F_set| that the loop asks for [N]
+    settling_time: float  # [s]
+    residual_deviation: float  # [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopStudy:
+    """The response of the tool to a disturbance, and the effect of the jerk feed-forward."""
+
+    disturbed: dict[str, DisturbanceStep]
+    """Of the loop without and with state feedback, or of the one there is, nominal machine; empty
+    where the motor follows its setpoint, whatever pushes."""
+    jerk_feedforward: tuple[JerkFeedforward, ...]
+    """Without, with, and as the profile has it; empty where the control has none."""
+
+
+def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> LoopStudy:
+    """Return the response to a disturbance and what the jerk feed-forward does to some limits."""
+    if machine.drive.follows:
+        return LoopStudy(disturbed={}, jerk_feedforward=())
+    shown = {item.name.kind: item.tuned for item in loop.variants if item.name}
+    shown = shown or {"loop-in-use": loop.tuned}
+    used = loop.tuned.controller.jerk_feedforward
+    weights = sorted({0.0, 1.0, used}) if machine.control.kind.jerk_feedforward else ()
+    return LoopStudy(
+        disturbed={
+            name: simulate_disturbance(tuned.loops[0], duration=STUDY.push_time)
+            for name, tuned in shown.items()
+        },
+        jerk_feedforward=tuple(
+            _with_jerk_feedforward(machine, loop.tuned, limits, weight=weight) for weight in weights
+        ),
+    )
+
+
+def _with_jerk_feedforward(
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, *, weight: float
+) -> JerkFeedforward:
+    """With another weight the same gains, and the delay that belongs to it."""
+    controller, own = tuned.controller, tuned.controller.jerk_feedforward
+    if weight != own:
+        tau = controller.reference_delay
+        if machine.control.reference_delay is None:
+            tau = feedforward_delay(
+                handing_down=controller.handing_down_delay,
+                velocity_cycle=controller.velocity_cycle,
+                force_lag=controller.force_lag,
+                jerk_feedforward=weight,
+                force_filters=controller.force_filters,
+            )
+        controller = replace(controller, jerk_feedforward=weight, reference_delay=tau)
+        tuned = close_loop(corner_plants(machine), controller)
+    # Without a limit the force asked for is the linear one, which is what is compared.
+    strong = replace(machine, drive=replace(machine.drive, max_force=inf))
+    moves = simulate_moves(strong, tuned, limits)
+    found = [response for result in moves for response in result.responses]
+    return JerkFeedforward(
+        weight=weight,
+        is_used=weight == own,
+        reference_delay=tuned.controller.reference_delay,
+        max_force=max(response.max_force for response in found),
+        settling_time=max(response.settling_time for response in found),
+        residual_deviation=max(response.residual_deviation for response in found),
+    )
