@@ -28,7 +28,7 @@ from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
-from mtcommission.study.variations import Row, choose, judge
+from mtcommission.study.variations import Row, choose, judge, look
 
 EASED = 1.0 + 1e-6
 """The bounds with which attained values are judged, over these values."""
@@ -130,7 +130,9 @@ def _search(
     """The limits that need least of what is relaxed by a factor; None where none meet the rest."""
     for item in wanted:
         machine = item.with_bound(machine, factor * item.bound(machine))
-    rows = [Row(machine=machine, tuned=tuned, near=near)]
+    row = Row(machine=machine, tuned=tuned, near=near)
+    seen = look(row)
+    rows = [replace(row, found=seen)] if seen else []
     rows += [Row(machine=machine, tuned=tuned, limits=known)] if known else []
     found = [item for item in map(judge, rows) if item.assessment.is_met]
     return min(found, key=lambda item: _largest_share(machine, wanted, item), default=None)
@@ -164,21 +166,17 @@ def find_limits_by_mode(
     )
     machine = replace(machine, control=control)
     bands: dict[str, float] = {name: getattr(needs.modes, name) for name in MODES}
-    # From the recommendation to ever tighter bands, then to ever wider ones.
-    tighter = [name for name in MODES if bands[name] < needs.tcp_deviation]
-    wider = [name for name in MODES if bands[name] >= needs.tcp_deviation]
-    tighter.sort(key=lambda name: -bands[name])
-    wider.sort(key=lambda name: bands[name])
+    shares = {name: band / needs.tcp_deviation for name, band in bands.items()}
     found: dict[str, ModeLimits] = {}
     largest = choice.limits.jerk
-    for name in (*tighter, *wider):
-        if name in wider:
-            largest = choice.limits.jerk * bands[name] / needs.tcp_deviation
+    # From the recommendation to ever tighter bands, then to ever wider ones.
+    for name in sorted(MODES, key=lambda name: (shares[name] >= 1.0, abs(shares[name] - 1.0))):
+        if shares[name] >= 1.0:
+            largest = shares[name] * choice.limits.jerk
         most = largest if choice.meets_requirements else inf
-        mode = _find_mode(machine, tuned, choice, name, bands[name], most)
-        if mode.candidate.assessment.is_met:
-            largest = min(largest, mode.candidate.limits.jerk)
-        found[name] = mode
+        found[name] = _find_mode(machine, tuned, choice, name, bands[name], most)
+        if found[name].candidate.assessment.is_met:
+            largest = min(largest, found[name].candidate.limits.jerk)
     return tuple(found[name] for name in MODES)
 
 

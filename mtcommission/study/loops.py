@@ -12,11 +12,9 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any
 
-from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.explore import REFINED, Found, explore
+from mtcommission.limits.explore import REFINED, Found
 from mtcommission.limits.judge import Candidate, simulate_moves
-from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.analysis.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller, feedforward_delay
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
@@ -39,10 +37,9 @@ from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
-from mtcommission.study.variations import Row, choose
+from mtcommission.study.variations import Row, choose, look
 
 WITHOUT, WITH = Message("without-state-feedback"), Message("with-state-feedback")
 
@@ -251,9 +248,8 @@ def _explore(
     refined: int = REFINED,
 ) -> LoopTrial:
     """A loop with the best limits, sought everywhere or near those of a loop much like it."""
-    bench = build_bench(keep_reserve(machine), build_plant(machine), item.tuned)
-    found = explore(bench, near=near, beside=beside, refined=refined)
-    return replace(item, found=found, is_explored=bool(refined))
+    row = Row(machine=machine, tuned=item.tuned, near=near, beside=beside, refined=refined)
+    return replace(item, found=look(row), is_explored=bool(refined))
 
 
 def _judge(machine: Machine, item: LoopTrial, *, near: MotionLimits | None = None) -> LoopTrial:

@@ -159,8 +159,13 @@ def judge_today(
     try:
         require_short_moves(filtered, acceleration=limits.acceleration)
         loop = close_loop(corner_plants(machine), controller) if gains else tuned
-        failure = _find_instability(loop)
-        if failure is None:
+        each = zip(loop.corners, loop.analyses, strict=False)  # none where the motor follows
+        unstable = [corner for corner, analysis in each if not analysis.is_stable]
+        if unstable:
+            place = describe_place(1, unstable[0], 1)
+            gained = {symbol: getattr(loop.controller, name) for name, symbol in SYMBOLS.items()}
+            failure = Message("today-unstable", **gained, corner=place)
+        else:
             candidate = judge(Row(machine=filtered, tuned=loop, limits=limits))
             error = find_frequency_error(filtered, loop, limits, settings)
     except ComputationError as fault:
@@ -174,17 +179,3 @@ def judge_today(
         stated=tuple(symbol for name, symbol in SYMBOLS.items() if name in gains),
         failure=failure,
     )
-
-
-def _find_instability(loop: TunedLoop) -> Message | None:
-    corners = zip(loop.corners, loop.analyses, strict=True) if loop.analyses else ()
-    for corner, analysis in corners:
-        if not analysis.is_stable:
-            return Message(
-                "today-unstable",
-                Kv=loop.controller.position_gain,
-                Kp=loop.controller.velocity_gain,
-                Tn=loop.controller.integral_time,
-                corner=describe_place(1, corner, 1),
-            )
-    return None

@@ -9,7 +9,7 @@ from math import inf
 
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
-from mtcommission.limits.explore import Found, explore
+from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -32,6 +32,7 @@ class Row:
     near: MotionLimits | None = None  # where they are chosen: known ones that are nearly as good,
     beside: Sequence[SetpointFilter | None] = ()  # other filters that may be better,
     found: tuple[Found, ...] = ()  # or what was found already
+    refined: int = REFINED  # places that are looked at more closely; 0 for a first look
     largest_jerk: float = inf  # [m/s³]
 
 
@@ -50,14 +51,28 @@ def judge(row: Row) -> Candidate:
     return of_all(name=row.label, source=row.source) if found.assessment.is_met else found
 
 
+def look(row: Row) -> tuple[Found, ...]:
+    """Return limits that the search sees for a row, the best first; empty where it sees none."""
+    bench = build_bench(keep_reserve(row.machine), build_plant(row.machine), row.tuned)
+    return explore(
+        bench,
+        largest_jerk=row.largest_jerk,
+        near=row.near,
+        beside=row.beside,
+        refined=row.refined,
+    )
+
+
 def choose(row: Row) -> Choice:
     """Return the limits that the one search finds for a row."""
-    machine, tuned, near = row.machine, row.tuned, row.near
-    plant, found, most = build_plant(machine), row.found, row.largest_jerk
-    if near is not None and row.beside:
-        bench = build_bench(keep_reserve(machine), plant, tuned)
-        found = explore(bench, largest_jerk=most, near=near, beside=row.beside, refined=2)
-    return choose_limits(machine, plant, tuned, near=near, found=found, largest_jerk=most)
+    return choose_limits(
+        row.machine,
+        build_plant(row.machine),
+        row.tuned,
+        near=row.near,
+        found=row.found or (look(row) if row.beside else ()),
+        largest_jerk=row.largest_jerk,
+    )
 
 
 def serve_listed(
@@ -75,4 +90,4 @@ def serve_listed(
         return None
     alone = replace(machine, requirements=replace(needs, every_size=False))
     near = choice.limits if filters else None
-    return judge(Row(machine=alone, tuned=tuned, near=near, beside=filters))
+    return judge(Row(machine=alone, tuned=tuned, near=near, beside=filters, refined=2))
