@@ -40,6 +40,7 @@ class StudySettings:
     beside: int = 4  # kinds of setpoint filters of a first look, the best of another loop first
     finalists: int = 3  # loops whose limits are sought more closely
     push_time: float = 0.3  # of the response to a step of force [s]
+    other_filter: float = 0.6  # how far about it another filter may serve the listed sizes [-]
     # Improvements: what may be known of a machine, or reached by a redesign.
     known_spread: float = 0.02  # frequencies of a machine whose modes were measured [-]
     part: float = 0.1  # by which the machine is made stiffer or lighter [-]

@@ -10,6 +10,7 @@ from math import inf
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.explore import REFINED, Found, explore
+from mtcommission.limits.filters import neighbours
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -18,6 +19,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.settings import STUDY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,5 +91,10 @@ def serve_listed(
     if not (needs.every_size and choice.meets_requirements):
         return None
     alone = replace(machine, requirements=replace(needs, every_size=False))
-    near = choice.limits if filters else None
-    return judge(Row(machine=alone, tuned=tuned, near=near, beside=filters, refined=2))
+    if not filters:
+        return judge(Row(machine=alone, tuned=tuned))
+    # One size leaves more notches to the ramps alone: none, or another filter, may do.
+    control, own = machine.control, choice.limits.setpoint_filter
+    beside = [*filters, *neighbours(control, own, STUDY.other_filter)]
+    beside += [None] if control.seeks_setpoint_filter else []
+    return judge(Row(machine=alone, tuned=tuned, near=choice.limits, beside=beside, refined=2))
