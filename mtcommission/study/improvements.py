@@ -23,11 +23,10 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message, parts_of
-from mtcommission.plant.modal import Modal
 from mtcommission.requirements.rms_force import RMS_FORCE
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
 from mtcommission.study.optimum import ROBUST, MoveComparison
@@ -229,41 +228,3 @@ def _least_rest(machine: Machine, moves: Sequence[MoveResult], assumed: Sequence
         if free:
             rests.append((energy - allowed * t_e) / (allowed - load))
     return max(rests)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ToolSensor:
-    """What measuring at the tool could free at most, where modes' share at it was assumed."""
-
-    modes: tuple[str, ...]  # those whose share at the tool was assumed
-    settling_time: float  # with the limits recommended for these shares [s]; inf: not settled
-    least: float  # with limits for a tool at rest in these modes [s]; inf: nothing is met even then
-
-
-def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> ToolSensor | None:
-    """Return what a sensor at the tool could free at most; None where nothing was assumed.
-
-    The measurement may show anything between the assumed share, a worst case, and a tool at rest.
-    """
-    mechanics = machine.mechanics
-    if machine.identified is None or not isinstance(mechanics, Modal):
-        return None
-    assumed = [
-        mode
-        for place, mode in enumerate(mechanics.modes)
-        if machine.is_assumed(f"{mechanics.mode_key(place)}.tcp_gain")
-    ]
-    if not assumed:
-        return None
-    modes = tuple(
-        replace(mode, tcp_gain=0.0) if mode in assumed else mode for mode in mechanics.modes
-    )
-    still = replace(machine, mechanics=replace(mechanics, modes=modes))
-    loop = close_loop(corner_plants(still), tuned.controller)
-    # A tool that swings less may want another filter: everywhere, not about the recommendation.
-    found = choose(Row(machine=still, tuned=loop))
-    return ToolSensor(
-        modes=tuple(mode.name for mode in assumed),
-        settling_time=choice.candidate.settling_time if choice.meets_requirements else inf,
-        least=found.candidate.settling_time if found.meets_requirements else inf,
-    )
