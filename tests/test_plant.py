@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
-from typing import ClassVar, Self
 
 import numpy as np
 import pytest
@@ -13,20 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.keys import keyed, list_quantities
 from mtcommission.machine.machine import moving_mass
-from mtcommission.machine.mechanics import Array, FlexibleMode, Misfit, ModeStates
-from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.machine.ranges import FREQUENCIES, MASSES
-from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.message import Message
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant, kalman_rank
-from mtcommission.profile.plant_tables import plant_table
-from mtcommission.profile.values import Context
-from mtcommission.units.axis_units import LINEAR, AxisUnits
-from mtcommission.units.quantities import FORCE, LENGTH, VELOCITY, Dimension
 from tests.independent_loop import axis_of
 from tests.machines import paper_machine, random_modal_machine
 
@@ -150,62 +139,3 @@ def test_unknown_signals_are_refused() -> None:
         plant.row("v_nothing")
     assert len(plant.signals) == len(plant.signal_units) == 10
     assert plant.moving_mass == moving_mass(paper_machine())
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pendulum:
-    """A kind of plant that the package does not know: a load that swings below a trolley."""
-
-    kind: ClassVar = "pendulum"
-    position: ClassVar = "x"
-    velocity: ClassVar = "v"
-
-    moving_mass: float = keyed(MASSES, "Trolley.", "10 kg")
-    swing: float = keyed(FREQUENCIES, "Swing.", "1 Hz", key="swing_frequency", factor=2.0 * pi)
-
-    @property
-    def modes(self) -> tuple[FlexibleMode, ...]:
-        swing, gain = self.swing, -1.0 / self.moving_mass
-        return (
-            FlexibleMode(name="load", natural_frequency=swing, damping_ratio=0.0, tcp_gain=gain),
-        )
-
-    def mode_states(self) -> tuple[ModeStates, ...]:
-        return (ModeStates("q", "w", scale=2.0),)
-
-    @classmethod
-    def states(cls, modes: Sequence[str], axis: AxisUnits) -> dict[str, Dimension]:
-        return {"x": LENGTH, "v": VELOCITY, "q": LENGTH, "w": VELOCITY, "F": FORCE}
-
-    def mode_key(self, index: int) -> str:
-        return "plant"
-
-    def vary(
-        self, *, payload: float, payload_radius: float, frequency: float, damping: float
-    ) -> Self:
-        return replace(self, swing=self.swing * frequency)
-
-    def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
-        return np.ones_like(payload)
-
-    def find_faults(self) -> list[Misfit]:
-        return []
-
-    def assumptions(self) -> tuple[Message, ...]:
-        return ()
-
-
-def test_a_new_kind_of_plant_needs_only_its_own_file() -> None:
-    """Its class alone gives plant, corners, remarks, the profile's table and the list of data."""
-    kind = Pendulum(moving_mass=10.0, swing=2.0 * pi)
-    machine = replace(paper_machine(), mechanics=kind)
-    plant = build_plant(vary(machine, Corner(frequency_factor=1.1)))
-    assert plant.states == ("x", "v", "q", "w", "F")
-    assert plant.modes[0].frequency_hz == pytest.approx(1.1)
-    assert any("load" in str(remark.message) for remark in check_plausibility(machine))
-    table = plant_table("pendulum", Pendulum)
-    context = Context(axis=LINEAR, states={}, outputs={})
-    written = {"kind": "pendulum", "moving_mass": "10 kg", "swing_frequency": "60 1/min"}
-    assert table.model_validate(written, context=context).build() == kind
-    rows = list(list_quantities(kind, "plant", LINEAR))
-    assert rows == [("plant.moving_mass", 10.0, "kg"), ("plant.swing_frequency", 1.0, "Hz")]

@@ -15,11 +15,10 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Positioning, VelocityStep
-from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.setpoint_filter import KEYS, SetpointFilter
 from mtcommission.machine.shapers import EVEN, HUMPS, MARLIN, frequencies_told_apart
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.profile.filter_tables import KEYS
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.study.rules import compare_shapers

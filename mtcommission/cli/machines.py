@@ -58,7 +58,7 @@ def check(
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
-        from mtcommission.profile.read import profile_schema
+        from mtcommission.profile.describe import profile_schema
 
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return

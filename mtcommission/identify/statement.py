@@ -8,9 +8,14 @@ from typing import Any
 import tomlkit
 from tomlkit.items import Table
 
-from mtcommission.machine.identified import Estimate, MeasuredMode, ShaperProposal
+from mtcommission.machine.identified import (
+    LONGEST_FILE,
+    MOST_FILES,
+    Estimate,
+    MeasuredMode,
+    ShaperProposal,
+)
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.profile.identified_tables import LONGEST_FILE, MOST_FILES
 from mtcommission.record.identified import evidence_checksum
 from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.record.shape import to_plain

@@ -1,13 +1,59 @@
-"""The control of an axis: its cascade and filters as stated, and what it holds today."""
+"""[control] and [today]: the cascade and its filters as stated, and what the control holds now."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from math import pi
+from typing import Any
 
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
-from mtcommission.control_kinds.kinds import GENERIC
-from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.control_kinds.kinds import GENERIC, KINDS
+from mtcommission.machine.keys import (
+    Array,
+    Misfit,
+    PerSignal,
+    Reading,
+    Signals,
+    Table,
+    Word,
+    WordOr,
+    describe,
+    keyed,
+    one_of,
+    word_of,
+)
+from mtcommission.machine.ranges import (
+    ACCELERATIONS,
+    CYCLES,
+    DELAYS,
+    FEEDFORWARDS,
+    FILTER_DAMPINGS,
+    FREQUENCIES,
+    JERKS,
+    MASSES,
+    POSITION_GAINS,
+    TIMES,
+    VELOCITY_GAINS,
+)
+from mtcommission.machine.setpoint_filter import (
+    AUTO,
+    CHOSEN_FILTER,
+    HELD_FILTER,
+    SetpointFilter,
+    list_misfits,
+)
+from mtcommission.messages.message import Message
+from mtcommission.units.axis_units import AxisUnits
+
+FEEDFORWARDS_OF_KINDS = ("velocity_feedforward", "acceleration_feedforward", "jerk_feedforward")
+"""Keys of [control], and fields of the kinds of control."""
+
+WHOLE_MULTIPLE = 1e-9
+"""Relative distance from a whole number of velocity cycles."""
+
+MOST_FORCE_FILTERS = 8
 
 
 class TcpSensor(Enum):
@@ -42,56 +88,148 @@ class FilterKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceFilter:
-    """One filter in the set-force path."""
+    """One filter in the set-force path, an element of force_filters of [control]."""
 
-    kind: FilterKind  # notch or second-order low-pass
-    natural_frequency: float  # [rad/s]
-    damping: float  # denominator damping ratio of a low-pass, numerator one of a notch [-]
-    width: float = 1.0
-    """Denominator damping ratio of the notch [-]: its depth is damping / width. 1 is the widest
-    without overshoot. Without effect on a low-pass."""
+    kind: FilterKind = keyed(word_of(FilterKind), "Kind of filter.", "notch")
+    natural_frequency: float = keyed(
+        FREQUENCIES, "Frequency of the filter.", "72 Hz", key="frequency", factor=2.0 * pi
+    )  # [rad/s]
+    damping: float = keyed(
+        FILTER_DAMPINGS,
+        "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.",
+        "0.1",
+    )
+    width: float = keyed(
+        FILTER_DAMPINGS,
+        "Damping ratio of the denominator of a notch; depth = damping / width.",
+        "0.5",
+        default=1.0,
+    )
+    """1 is the widest without overshoot. Without effect on a low-pass."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Today:
     """What the control holds now; None for what is not known, which is then as recommended."""
 
-    acceleration: float  # [m/s²]
-    jerk: float | None  # [m/s³]
-    position_gain: float | None = None  # Kv [1/s]
-    velocity_gain: float | None = None  # Kp [N s/m]
-    integral_time: float | None = None  # Tn [s]
-    setpoint_filter: SetpointFilter | None = None  # behind the setpoint generator; None: none
+    acceleration: float = keyed(
+        ACCELERATIONS, "Limit of the acceleration that is in the control now.", "2 m/s^2"
+    )
+    jerk: float | None = keyed(JERKS, "Limit of the jerk.", "40 m/s^3", left_out=None)
+    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
+    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
+    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
+    setpoint_filter: SetpointFilter | None = keyed(
+        HELD_FILTER, 'Filter behind the setpoint generator, or "none".', "none", default=None
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
     """The cascade as the profile states it; None means "left out: tune it and print it"."""
 
-    kind: ControlKind = GENERIC  # what it lacks is neither tuned nor simulated nor exported
-    position_loop: PositionLoop = PositionLoop.CONTROL  # where it closes
-    position_gain: float | None = None  # Kv [1/s]
-    velocity_gain: float | None = None  # Kp [N s/m]
-    integral_time: float | None = None  # Tn [s]
-    reference_model_time: float = 0.0  # time constant in the integral branch [s]; 0: none
-    velocity_feedforward: float = 1.0  # weight [-]
-    acceleration_feedforward: float = 1.0  # weight [-]
-    jerk_feedforward: float = 0.0  # weight [-]
-    feedforward_mass: float | None = None  # [kg]; None: moving mass at mid payload
-    reference_delay: float | None = None  # τ [s]; None: chosen so that feed-forward meets feedback
-    position_cycle: float = 2e-3  # [s], a whole multiple of the velocity cycle
-    velocity_cycle: float = 125e-6  # [s]
-    tcp_sensor: TcpSensor = TcpSensor.NONE  # second encoder
+    kind: ControlKind = keyed(
+        Word(KINDS), "Which control: what it lacks is not used.", "generic", default=GENERIC
+    )
+    position_loop: PositionLoop = keyed(
+        word_of(PositionLoop),
+        "Where the position loop closes; left out: as the kind of control does.",
+        "control",
+        default=PositionLoop.CONTROL,
+        left_out=None,
+    )
+    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
+    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
+    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
+    reference_model_time: float = keyed(
+        DELAYS,
+        "Time constant of the reference model in the integral branch; 0 = none.",
+        "5 ms",
+        default=0.0,
+    )
+    velocity_feedforward: float = keyed(
+        FEEDFORWARDS,
+        "Weight; left out: 1 where the control has it.",
+        "1.0",
+        default=1.0,
+        left_out=None,
+    )
+    acceleration_feedforward: float = keyed(
+        FEEDFORWARDS,
+        "Weight, times feedforward_mass; left out: 1 where the control has it.",
+        "1.0",
+        default=1.0,
+        left_out=None,
+    )
+    jerk_feedforward: float = keyed(
+        FEEDFORWARDS, "Weight, times feedforward_mass and force_lag.", "0.0", default=0.0
+    )
+    feedforward_mass: float | None = keyed(
+        MASSES,
+        "Mass of the feed-forward; default: moving mass at mid payload.",
+        "800 kg",
+        default=None,
+    )
+    reference_delay: float | None = keyed(
+        DELAYS, "Delay of the reference path, or auto.", AUTO, default=None
+    )  # τ [s]; None: chosen so that feed-forward meets feedback
+    position_cycle: float = keyed(
+        CYCLES,
+        "Position controller cycle; left out: what is usual for the kind of control.",
+        "2 ms",
+        default=2e-3,
+        left_out=None,
+    )  # [s], a whole multiple of the velocity cycle
+    velocity_cycle: float = keyed(
+        CYCLES,
+        "Velocity controller cycle; left out: what is usual for the kind of control.",
+        "125 us",
+        default=125e-6,
+        left_out=None,
+    )
+    tcp_sensor: TcpSensor = keyed(
+        word_of(TcpSensor), "Second encoder near the tool.", "none", default=TcpSensor.NONE
+    )
     state_feedback: StateFeedback = StateFeedback.OFF  # auto, off, or given by ``state_gains``
-    state_gains: tuple[StateGain, ...] = ()  # for ``StateFeedback.GIVEN``
-    setpoint_filter: SetpointFilter | None = None  # behind the generator, as given; None: no filter
+    state_gains: tuple[StateGain, ...] = keyed(
+        WordOr(
+            {"auto": StateFeedback.AUTO, "off": StateFeedback.OFF},
+            Signals(
+                PerSignal.GAIN,
+                lambda state, value: StateGain(state=state, value=value),
+                ("auto", "off"),
+            ),
+        ),
+        "Active damping of the dominant mode: auto, off, or gains by state.",
+        "off",
+        key="state_feedback",
+        default=(),
+        left_out=StateFeedback.OFF,
+    )
+    setpoint_filter: SetpointFilter | None = keyed(
+        CHOSEN_FILTER,
+        'Filter behind the setpoint generator, "none", or "auto": chosen with the limits.',
+        AUTO,
+        default=None,
+        left_out=AUTO,
+    )
     seeks_setpoint_filter: bool = False
     """Whether one is chosen together with the limits; else it is ``setpoint_filter``, or none."""
-    force_filters: tuple[ForceFilter, ...] = ()  # in the set-force path, in order
+    force_filters: tuple[ForceFilter, ...] = keyed(
+        WordOr({AUTO: AUTO}, Array(Table(ForceFilter), 0, MOST_FORCE_FILTERS)),
+        'Filters in the set-force path; "auto": those that let Kp rise; []: none.',
+        default=(),
+        left_out=AUTO,
+    )
     seeks_force_filters: bool = False
     """Whether those that let Kp rise are used; otherwise they are only suggested."""
-    minimum_bandwidth_hz: float = 0.0
-    """What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0: none."""
+    minimum_bandwidth_hz: float = keyed(
+        FREQUENCIES,
+        "What tuning must at least reach, closed velocity loop, -3 dB.",
+        "15 Hz",
+        key="minimum_bandwidth",
+        default=0.0,
+    )  # 0: none
 
     @property
     def has_given_gains(self) -> bool:
@@ -104,3 +242,80 @@ class Control:
         """Whether nothing of the loop is given or demanded, so nothing can be poor about it."""
         given = self.has_given_gains or self.force_filters or self.state_gains
         return not given and self.minimum_bandwidth_hz == 0.0
+
+    @classmethod
+    def complete(
+        cls, values: dict[str, Any], stated: Mapping[str, Any], reading: Reading
+    ) -> dict[str, Any]:
+        """Return the values with what is left out as the kind of control has it."""
+        kind, gains = values["kind"], values["state_gains"]
+        usual = {
+            "position_loop": kind.position_loops[0],
+            "velocity_feedforward": float(kind.velocity_feedforward),
+            "acceleration_feedforward": float(kind.acceleration_feedforward),
+            "reference_delay": None if kind.reference_delay else 0.0,
+            "position_cycle": kind.position_cycle,
+            "velocity_cycle": kind.velocity_cycle,
+        }
+        is_given = isinstance(gains, tuple)
+        sought = {key: values[key] == AUTO for key in ("setpoint_filter", "force_filters")}
+        return {
+            **values,
+            **{key: usual[key] for key in usual if values[key] is None},
+            "state_feedback": StateFeedback.GIVEN if is_given else gains,
+            "state_gains": gains if is_given else (),
+            "setpoint_filter": None if sought["setpoint_filter"] else values["setpoint_filter"],
+            "seeks_setpoint_filter": sought["setpoint_filter"],
+            "force_filters": () if sought["force_filters"] else values["force_filters"],
+            "seeks_force_filters": sought["force_filters"] and kind.force_filters > 0,
+        }
+
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterator[Misfit]:
+        """Yield what the kind of control does not have, and what does not fit together."""
+        yield from self._lacking(stated)
+        for key, message in list_misfits(
+            self.setpoint_filter, self.kind, position_cycle=self.position_cycle
+        ):
+            yield f"setpoint_filter.{key}", message
+        least, delay = 2.0 * self.position_cycle, self.reference_delay
+        is_drive = self.position_loop is PositionLoop.DRIVE
+        if is_drive and "reference_delay" in stated and delay is not None and delay < least:
+            yield "reference_delay", Message("delay-below-drive", got=delay, least=least)
+        ratio = self.position_cycle / self.velocity_cycle
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
+            message = Message(
+                "cycle-no-multiple",
+                got=self.position_cycle,
+                ratio=ratio,
+                velocity_cycle=self.velocity_cycle,
+            )
+            yield "position_cycle", message
+
+    def _lacking(self, stated: Mapping[str, Any]) -> Iterator[Misfit]:
+        kind, name = self.kind, self.kind.key
+        if self.position_loop not in kind.position_loops:
+            got, there = (
+                describe(self.position_loop.value),
+                [one.value for one in kind.position_loops],
+            )
+            message = Message("control-closes-elsewhere", got=got, control=name, has=one_of(there))
+            yield "position_loop", message
+        for key in FEEDFORWARDS_OF_KINDS:
+            if getattr(self, key) and not getattr(kind, key):
+                has = ", ".join(one for one in FEEDFORWARDS_OF_KINDS if getattr(kind, one))
+                got = describe(getattr(self, key))
+                message = Message("control-without-feedforward", got=got, control=name, has=has)
+                yield key, message
+        if self.reference_delay and not kind.reference_delay:
+            message = Message("control-without-delay", got=self.reference_delay, control=name)
+            yield "reference_delay", message
+        if self.state_feedback is not StateFeedback.OFF and not kind.state_feedback:
+            yield "state_feedback", Message("control-without-state-feedback", control=name)
+        if self.tcp_sensor is not TcpSensor.NONE and not kind.state_feedback:
+            yield "tcp_sensor", Message("control-without-observer", control=name)
+        count, most = len(self.force_filters), kind.force_filters
+        if count > most:
+            message = Message("control-with-fewer-filters", got=count, control=name, most=most)
+            yield "force_filters", message
+        if stated.get("force_filters") == AUTO and not most:
+            yield "force_filters", Message("control-without-force-filters", control=name)

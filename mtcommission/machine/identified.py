@@ -1,9 +1,44 @@
-"""What was measured on an axis, as its profile states it: estimates and where they come from."""
+"""What was measured on an axis, as [identified] of its profile states it for the sheet to print.
+
+[plant] may be changed by hand beside it, and the sheet tells.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+
+from mtcommission.control_kinds.kind import SHAPERS
+from mtcommission.machine.keys import (
+    IDENTIFIER,
+    REQUIRED,
+    Array,
+    AxisRange,
+    Flag,
+    Table,
+    Text,
+    keyed,
+    word_of,
+)
+from mtcommission.machine.ranges import (
+    ACCELERATIONS,
+    BANDS,
+    FREQUENCIES,
+    MEASURED_FREQUENCIES,
+    MEASURED_MASSES,
+    MEASURED_TIMES,
+    MODE_GAINS,
+    RATIOS,
+    SPREADS,
+)
+
+LONGEST_FILE = 400
+"""Characters of a file's name."""
+
+MOST_FILES = 200
+
+MOST_MISFIT = 10.0
+"""Weighted rms of the residuals by the noise beyond which a model does not describe a response."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,56 +54,94 @@ class Estimate:
         return abs(self.sigma / self.value) if self.value else inf
 
 
+def _pair(allowed: AxisRange) -> Array:
+    """A value and its standard error."""
+    return Array(allowed, 2, 2, lambda pair: Estimate(value=pair[0], sigma=pair[1]))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredMode:
-    """A mode as it was measured."""
+    """A mode as it was measured: [[identified.modes]], pairs of value and standard error."""
 
-    name: str = ""  # as the profile calls it; "" where it has no name yet
-    frequency_hz: Estimate  # f [Hz]
-    damping_ratio: Estimate  # ζ [-]
-    measured_gain: Estimate | None = None
-    """Share at the encoder [1/kg]; None where no sensor with a force tells."""
-    tcp_gain: Estimate | None = None  # share at the tool [1/kg]; likewise
+    name: str = keyed(IDENTIFIER, "Name of the mode.", "mode1", default="", left_out=REQUIRED)
+    frequency_hz: Estimate = keyed(
+        _pair(MEASURED_FREQUENCIES), "Eigenfrequency.", '["40 Hz", "0.05 Hz"]', key="frequency"
+    )  # f [Hz]
+    damping_ratio: Estimate = keyed(_pair(RATIOS), "Damping ratio.", "[0.03, 0.001]")  # ζ [-]
+    measured_gain: Estimate | None = keyed(
+        _pair(MODE_GAINS), "At the encoder.", '["1e-3 1/kg", "1e-5 1/kg"]', default=None
+    )  # [1/kg]; None where no sensor with a force tells, like the next
+    tcp_gain: Estimate | None = keyed(
+        _pair(MODE_GAINS), "At the tool.", '["2e-3 1/kg", "2e-5 1/kg"]', default=None
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredFile:
-    """A file that was read."""
+    """A file that was read: [[identified.files]]."""
 
-    name: str  # as it was given, with its label where a file holds several measurements
-    sensor: str  # "encoder" or "tcp"
-    sha256: str  # of its bytes, 64 hexadecimal digits
+    name: str = keyed(Text(LONGEST_FILE), "File that was read.", "x.csv")
+    sensor: str = keyed(word_of(("encoder", "tcp")), "Where its sensor sat.", "encoder")
+    sha256: str = keyed(Text(64), "Of its bytes.", "64 hexadecimal digits")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShaperProposal:
-    """A shaper as Klipper's calibrate_shaper would set it."""
+    """What Klipper's calibrate_shaper would set: [[identified.calibrate_shaper]]."""
 
-    shaper: str  # kind of setpoint filter
-    frequency_hz: float
-    vibration: float  # share of the measured power that it leaves, by that script's measure [-]
-    smoothing: float  # by how much it rounds a corner at 5 m/s², by the same measure [m]
-    max_acceleration: float  # at which that is 0.12 mm [m/s²]
-    is_recommended: bool = False  # whether the script would recommend this one
-
-
-MOST_MISFIT = 10.0
-"""Weighted rms of the residuals by the noise beyond which a model does not describe a response."""
+    shaper: str = keyed(word_of(SHAPERS), "Shaper.", "mzv")
+    frequency_hz: float = keyed(FREQUENCIES, "Its frequency.", "45.2 Hz", key="frequency")
+    vibration: float = keyed(SPREADS, "Share of the power it leaves.", "0.02")  # by its measure
+    smoothing: float = keyed(BANDS, "How it rounds corners.", "0.1 mm")  # at 5 m/s², likewise [m]
+    max_acceleration: float = keyed(
+        ACCELERATIONS, "At which it rounds them by 0.12 mm.", "11.7 m/s^2"
+    )
+    is_recommended: bool = keyed(
+        Flag(), "Whether the script recommends it.", "true", key="recommended", default=False,
+        left_out=REQUIRED,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
-    """What was measured when the profile was written; values may have been changed since."""
+    """[identified]: what was measured; pairs are value and standard error."""
 
-    date: str  # day, ISO 8601
-    files: tuple[MeasuredFile, ...]  # from which it comes
-    band_hz: tuple[float, float] | None  # lowest and highest fitted line [Hz]; None: nothing fitted
-    misfit: float | None  # weighted rms of the residuals by the noise [-]; None: not known
-    moving_mass: Estimate | None  # [kg]; None where nothing tells, like the two below
-    delay: Estimate | None  # [s]
-    lag: Estimate | None  # [s]
-    modes: tuple[MeasuredMode, ...]  # by frequency
-    evidence: str  # name of the file beside the profile with points and advice; "" for none
-    checksum: str  # of that file's content
-    proposals: tuple[ShaperProposal, ...] = ()
-    """What Klipper's calibrate_shaper would choose from the same files; empty: it could not."""
+    date: str = keyed(Text(10), "Day of the identification.", "2026-11-22")
+    band_hz: tuple[float, float] | None = keyed(
+        Array(MEASURED_FREQUENCIES, 2, 2),
+        "Lines that were fitted.",
+        '["2 Hz", "300 Hz"]',
+        key="band",
+        default=None,
+    )
+    misfit: float | None = keyed(
+        SPREADS, "Weighted rms of the residuals by the noise.", "1.0", default=None
+    )
+    moving_mass: Estimate | None = keyed(
+        _pair(MEASURED_MASSES), "Rigid mass.", '["800 kg", "2 kg"]', default=None
+    )
+    delay: Estimate | None = keyed(
+        _pair(MEASURED_TIMES), "From set force to sensor.", '["0.4 ms", "2 us"]', default=None
+    )
+    lag: Estimate | None = keyed(
+        _pair(MEASURED_TIMES), "First-order lag beside it.", '["0.6 ms", "5 us"]', default=None
+    )
+    evidence: str = keyed(
+        Text(LONGEST_FILE),
+        "File beside the profile with measured points and advice.",
+        "machine.identified.json",
+        default="",
+    )
+    checksum: str = keyed(Text(64), "Of that file's content.", "64 hexadecimal digits", default="")
+    files: tuple[MeasuredFile, ...] = keyed(
+        Array(Table(MeasuredFile), 0, MOST_FILES), "What was read.", default=()
+    )
+    modes: tuple[MeasuredMode, ...] = keyed(
+        Array(Table(MeasuredMode), 0, MOST_FILES), "As measured.", default=()
+    )
+    proposals: tuple[ShaperProposal, ...] = keyed(
+        Array(Table(ShaperProposal), 0, 8),
+        "What Klipper's script would choose from the same files.",
+        key="calibrate_shaper",
+        default=(),
+    )

@@ -1,55 +1,132 @@
-"""How the fields of a dataclass stand in a profile: key, meaning, range, and what it is printed in.
+"""How a field of the machine stands in a profile, and how what stands there is read.
 
-A description only: the profile's tables are built from it, and the record's list of data.
+A table of a profile is a frozen dataclass whose fields are made by ``keyed``: each says once what
+may stand there, what it means and an example. Reading, faults, JSON schema, questions, the page of
+keys and the list of data follow from that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Any
+from datetime import date, datetime, time
+from difflib import get_close_matches
+from enum import Enum
+from math import inf
+from typing import Any, Protocol
 
-from mtcommission.machine.ranges import AxisRange
-from mtcommission.units.axis_units import AxisUnits
+from mtcommission.errors import Refused
+from mtcommission.messages.message import Message
+from mtcommission.units.axis_units import ROTARY, AxisUnits
+from mtcommission.units.quantities import LARGEST, Dimension, parse_quantity
+
+KeyPath = tuple[str | int, ...]
+
+Misfit = tuple[str, Message]
+"""Key of a profile, below the table that it belongs to, and what is wrong with its value."""
+
+REQUIRED: Any = MISSING
+"""For ``left_out``: the key must be given, though a program may leave the field out."""
+
+EMPTY: Any = object()
+"""For ``left_out``: the table is read as if it stood there without a key."""
+
+_AS_DEFAULT = object()
+
+LONGEST_NAME = 80
+LARGEST_NUMBER = 1e30
+"""Bound of numbers whose plausible size depends on the plant; squares stay finite."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Reading:
+    """What the values of a profile depend on, and what was found wrong with them so far."""
+
+    axis: AxisUnits  # what masses, forces and lengths are
+    states: Mapping[str, Dimension]  # of the plant, by name; empty if the plant is not known
+    outputs: Mapping[str, Dimension]
+    follows: bool = False  # whether the motor follows its setpoint
+    faults: list[tuple[KeyPath, Message]] = field(default_factory=list)
+
+    def refuse(self, place: KeyPath, message: Message) -> None:
+        """Note a fault; reading goes on, so that all are found at once."""
+        self.faults.append((place, message))
+
+
+class Reader(Protocol):
+    """What may stand at a key."""
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return the value in SI; what is wrong with it is noted, and what is returned is void."""
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return its JSON schema; those of tables go into ``tables`` by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Key:
     """One key of a profile."""
 
-    meaning: str  # for the profile's schema and for remedies
-    example: str = ""
-    allowed: AxisRange | None = None  # None for an identifier, and for an array of tables
+    reader: Reader
+    meaning: str  # for the schema and for remedies
+    example: str = ""  # without quotes
     name: str = ""  # as the profile spells it; "" if as the field
     factor: float = 1.0  # value of the field per value of the key, SI
-    parts: type[Any] | None = None  # dataclass of an array's elements
-    most: int = 0  # largest number of elements
+    left_out: Any = (
+        MISSING  # what the field is where the key is left out; MISSING: it must be given
+    )
+    table: str = ""  # table in which it stands, where the field's dataclass is of several
+    is_listed: bool = True  # whether the sheet lists it among the data
+
+    @property
+    def example_toml(self) -> str:
+        """The example as it stands in a file."""
+        is_bare = re.fullmatch(r"[-+.\d]+|true|false|[\[{].*", self.example)
+        return self.example if is_bare or not self.example else f'"{self.example}"'
+
+    @property
+    def is_required(self) -> bool:
+        """Whether a profile without it is at fault."""
+        return self.left_out is MISSING
 
 
 def keyed(
-    allowed: AxisRange | None,
+    reader: Reader,
     meaning: str,
-    example: str,
+    example: str = "",
     *,
     key: str = "",
     factor: float = 1.0,
     default: Any = MISSING,
+    left_out: Any = _AS_DEFAULT,
+    table: str = "",
+    is_listed: bool = True,
 ) -> Any:
-    """Return a field that stands in the profile as a quantity, or as an identifier."""
-    about = Key(meaning=meaning, example=example, allowed=allowed, name=key, factor=factor)
+    """Return a field that stands in the profile.
+
+    ``default`` is that of a machine built in a program; ``left_out`` what a profile means that says
+    nothing, where that is something else.
+    """
+    about = Key(
+        reader=reader,
+        meaning=meaning,
+        example=example,
+        name=key,
+        factor=factor,
+        left_out=default if left_out is _AS_DEFAULT else left_out,
+        table=table,
+        is_listed=is_listed,
+    )
     return field(default=default, metadata={"key": about})
 
 
-def keyed_array(parts: type[Any], meaning: str, *, most: int, key: str = "") -> Any:
-    """Return a field that stands in the profile as an array of one to ``most`` tables."""
-    return field(metadata={"key": Key(meaning=meaning, parts=parts, most=most, name=key)})
-
-
-def list_keys(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Key]]:
+def list_keys(kind: type[Any], table: str = "") -> Iterator[tuple[str, Field[Any], Key]]:
     """Yield key, field and description of a dataclass's fields that have one, in its order."""
     for one in fields(kind):
         about: Key | None = one.metadata.get("key")
-        if about is not None:
+        if about is not None and about.table == table:
             yield about.name or one.name, one, about
 
 
@@ -59,9 +136,463 @@ def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[st
     ``place``: where the dataclass stands in the profile, e.g. ``"plant"``.
     """
     for key, one, about in list_keys(type(data)):
-        value, here = getattr(data, one.name), f"{place}.{key}"
-        if about.parts:
+        value, here, reader = getattr(data, one.name), f"{place}.{key}", about.reader
+        if not about.is_listed:
+            continue
+        if isinstance(reader, AxisRange):
+            yield here, value / about.factor, reader.on(axis).dimension.si or "-"
+        elif isinstance(reader, Table):
+            yield from list_quantities(value, here, axis)
+        elif isinstance(reader, Array) and isinstance(reader.inner, Table):
             for part in value:
                 yield from list_quantities(part, f"{here}.{part.name}", axis)
-        elif about.allowed:
-            yield here, value / about.factor, about.allowed.on(axis).dimension.si or "-"
+
+
+# Reading a table
+
+
+ELSEWHERE: dict[type[Any], tuple[type[Any], str]] = {}
+"""For a table: the one that stands in its place below the other kind of drive, and that kind."""
+
+
+def read_table(
+    kind: type[Any], value: object, place: KeyPath, reading: Reading, *, beside: Sequence[str] = ()
+) -> Any:
+    """Return a table of a profile as its dataclass.
+
+    Its ``complete`` gives "left out" a meaning that hangs on other keys; its ``find_faults`` says
+    what does not fit together, once every key by itself is right. ``beside``: further keys that
+    somebody else reads.
+    """
+    before = len(reading.faults)
+    values = read_values(kind, value, place, reading, beside=beside)
+    return (
+        build_table(kind, values, value, place, reading) if len(reading.faults) == before else None
+    )
+
+
+def build_table(
+    kind: type[Any], values: dict[str, Any], stated: Any, place: KeyPath, reading: Reading
+) -> Any:
+    """Return the dataclass of values that are right by themselves."""
+    if hasattr(kind, "complete"):
+        values = kind.complete(values, stated, reading)
+    found = kind(**values)
+    if hasattr(kind, "find_faults"):
+        for below, message in found.find_faults(stated, reading.axis):
+            reading.refuse((*place, *read_path(below)), message)
+    return found
+
+
+def read_values(
+    kind: type[Any],
+    value: object,
+    place: KeyPath,
+    reading: Reading,
+    *,
+    table: str = "",
+    beside: Sequence[str] = (),
+    required: Sequence[str] = (),
+) -> dict[str, Any]:
+    """Return the values of a table by field; unknown and missing keys are noted.
+
+    ``beside`` and ``required``: further keys that somebody else reads.
+    """
+    if not isinstance(value, dict):
+        reading.refuse(place, Message("got-no-table", got=describe(value)))
+        return {}
+    keys = {key: (one.name, about) for key, one, about in list_keys(kind, table)}
+    needed = (*required, *(key for key, (_, about) in keys.items() if about.is_required))
+    missing = [key for key in needed if key not in value]
+    known = dict.fromkeys((*required, *beside, *keys))
+    for name in value:
+        if name in known:
+            continue
+        meant = find_close(name, missing)
+        if meant:
+            missing.remove(meant)
+            reading.refuse((*place, name), Message("key-misspelt", meant=meant))
+        else:
+            reading.refuse((*place, name), _unknown(kind, name, known))
+    for key in missing:
+        example = keys[key][1].example_toml if key in keys else ""
+        reading.refuse((*place, key), Message("key-missing", remedy=_add(key, example)))
+    values = {}
+    for key, (name, about) in keys.items():
+        if key not in value and about.left_out is not EMPTY:
+            values[name] = about.left_out
+            continue
+        found = about.reader.read(value.get(key, {}), (*place, key), reading)
+        values[name] = found if about.factor == 1.0 or found is None else about.factor * found
+    return values
+
+
+def _add(key: str, example: str) -> Message:
+    """What to add where a key is missing; the number is an example, not the user's."""
+    if key == "schema":
+        return Message("add-schema")
+    if example:
+        return Message("add-value", key=key, example=example)
+    return Message("add-table", header="[[moves]]" if key == "moves" else f"[{key}]")
+
+
+def _unknown(kind: type[Any], name: str, known: Iterable[str]) -> Message:
+    other, drive = ELSEWHERE.get(kind, (None, ""))
+    if other and name in {key for key, _, _ in list_keys(other)}:
+        return Message("key-of-other-drive", drive=drive)
+    return Message("key-unknown", hint=propose(name, known))
+
+
+def table_schema(
+    kind: type[Any],
+    tables: dict[str, Any],
+    *,
+    table: str = "",
+    before: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Return the JSON schema of a table; ``before``: keys that stand before those of the kind."""
+    properties, required = dict(before or {}), list(before or {})
+    for key, _, about in list_keys(kind, table):
+        own = about.reader.schema(tables) | {"description": about.meaning}
+        if about.example:
+            own["examples"] = [about.example_toml]
+        if isinstance(about.left_out, bool | float | str) and about.left_out != inf:
+            own["default"] = about.left_out
+        properties[key] = own
+        if about.is_required:
+            required.append(key)
+    return {
+        "type": "object",
+        "description": (kind.__doc__ or "").partition("\n")[0],
+        "properties": properties,
+        "required": required,
+        "additionalProperties": False,
+    }
+
+
+# Readers
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A dimension with the values that make sense; the ends are generous."""
+
+    dimension: Dimension
+    low: float  # [SI]
+    high: float  # [SI]
+    above: float = -inf  # physical bound that is not itself allowed [SI]; -inf if there is none
+
+    def number_of(self, value: object) -> float:
+        """Return the SI value of a number or a text with a unit; raise Refused if it is none."""
+        number = _number_of(value, self.dimension)
+        unit = f" {self.dimension.si}" if self.dimension.si else ""
+        got = value.strip() if isinstance(value, str) else f"{number:g}{unit}"
+        if number <= self.above:
+            raise Refused(Message("must-be-above", got=got, bound=self.above, unit=unit))
+        if self.above == -inf and number < self.low == 0.0:
+            raise Refused(Message("must-be-at-least", got=got, bound=0.0, unit=unit))
+        if not self.low <= number <= self.high:
+            raise Refused(
+                Message("must-be-between", got=got, low=self.low, high=self.high, unit=unit)
+            )
+        return number
+
+
+def _number_of(value: object, dimension: Dimension) -> float:
+    if isinstance(value, str):
+        return parse_quantity(value, dimension)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Refused(Message("got-no-quantity", got=describe(value), expected=dimension.expected))
+    if not abs(value) <= LARGEST:
+        raise Refused(Message("got-infinite", got=describe(value)))
+    return float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class AxisRange:
+    """A quantity: what is allowed on a linear and on a rotary axis."""
+
+    linear: Range
+    rotary: Range
+    word: str = ""  # text accepted in place of a number, e.g. "auto"; "" for none
+
+    def on(self, axis: AxisUnits) -> Range:
+        """Return the range on one kind of axis."""
+        return self.rotary if axis is ROTARY else self.linear
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> float | None:
+        """Return the SI value; None for the word."""
+        if self.word and value == self.word:
+            return None
+        try:
+            return self.on(reading.axis).number_of(value)
+        except Refused as error:
+            said = error.message
+            reading.refuse(
+                place, Message("or-word", what=said, word=self.word) if self.word else said
+            )
+            return None
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema: a number in SI, or a text with a unit."""
+        return {
+            "type": ["number", "string"],
+            "x-unit": self.linear.dimension.si or "no unit",
+            "x-unit-rotary": self.rotary.dimension.si or "no unit",
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text for people."""
+
+    longest: int = LONGEST_NAME
+    is_identifier: bool = False  # whether it becomes part of a state's name
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> str:
+        """Return the text."""
+        if not isinstance(value, str):
+            reading.refuse(place, Message("got-no-text", got=describe(value)))
+            return ""
+        if len(value) > self.longest:
+            reading.refuse(place, Message("text-too-long", length=len(value), most=self.longest))
+        elif any(unicodedata.category(letter).startswith("C") for letter in value):
+            reading.refuse(place, Message("text-with-control-characters"))
+        elif self.is_identifier and not value.isidentifier():
+            reading.refuse(place, Message("name-no-identifier", got=value))
+        elif not value.strip():
+            reading.refuse(place, Message("name-empty"))
+        return value
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema."""
+        return {"type": "string", "maxLength": self.longest}
+
+
+IDENTIFIER = Text(is_identifier=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """One of some words."""
+
+    meanings: Mapping[str, Any]
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return what the word means."""
+        if isinstance(value, str) and value in self.meanings:
+            return self.meanings[value]
+        words = one_of(tuple(self.meanings))
+        reading.refuse(place, Message("got-other-word", got=describe(value), words=words))
+        return None
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema."""
+        return {"type": "string", "enum": list(self.meanings)}
+
+
+def word_of(kinds: type[Enum] | Iterable[str]) -> Word:
+    """Return the reader of an enumeration's values, or of plain words."""
+    if isinstance(kinds, type):
+        return Word({one.value: one for one in kinds})
+    return Word({word: word for word in kinds})
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """True or false."""
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> bool:
+        """Return it."""
+        if not isinstance(value, bool):
+            reading.refuse(place, Message("got-no-boolean", got=describe(value)))
+        return value is True
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema."""
+        return {"type": "boolean"}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table, as the dataclass that declares its keys."""
+
+    kind: type[Any]
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return the dataclass."""
+        return read_table(self.kind, value, place, reading)
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return a reference to the schema of the table."""
+        tables[self.kind.__name__] = table_schema(self.kind, tables)
+        return {"$ref": f"#/$defs/{self.kind.__name__}"}
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """An array of ``least`` to ``most`` elements."""
+
+    inner: Reader
+    least: int
+    most: int
+    make: Callable[[tuple[Any, ...]], Any] = tuple  # of its elements
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return what is made of the elements."""
+        before = len(reading.faults)
+        if not isinstance(value, list):
+            hint = Message("hint-moves-header") if place == ("moves",) else None
+            reading.refuse(place, Message("got-no-array", got=describe(value), hint=hint))
+            return None
+        if len(value) > self.most:
+            reading.refuse(place, Message("array-too-long", most=self.most))
+            return None
+        found = tuple(self.inner.read(one, (*place, i), reading) for i, one in enumerate(value))
+        if len(reading.faults) == before and len(value) < self.least:
+            message = Message("array-too-short", length=len(value), least=self.least)
+            reading.refuse(place, message)
+        return self.make(found) if len(reading.faults) == before else None
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema."""
+        inner = self.inner.schema(tables)
+        return {"type": "array", "items": inner, "minItems": self.least, "maxItems": self.most}
+
+
+@dataclass(frozen=True, slots=True)
+class WordOr:
+    """A word in place of something else; ``refused``: what is said of any other word."""
+
+    meanings: Mapping[str, Any]
+    other: Reader
+    refused: str = ""
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return what the word means, or the other."""
+        if isinstance(value, str) and value in self.meanings:
+            return self.meanings[value]
+        if isinstance(value, str) and self.refused:
+            words = one_of(tuple(self.meanings))
+            reading.refuse(place, Message(self.refused, got=describe(value), words=words))
+            return None
+        return self.other.read(value, place, reading)
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema."""
+        return {"anyOf": [self.other.schema(tables), {"enum": list(self.meanings)}]}
+
+
+class PerSignal(Enum):
+    """What a number in a table of signals measures."""
+
+    BOUND = "the signal itself"
+    GAIN = "force per signal"
+    WEIGHT = "squared force per squared signal"
+
+
+@dataclass(frozen=True, slots=True)
+class Signals:
+    """A table with one number for each of some states or, for bounds, outputs."""
+
+    kind: PerSignal
+    make: Callable[[str, float], Any]  # of name and number
+    words: tuple[str, ...] = ()  # accepted in place of the table, for messages
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> tuple[Any, ...]:
+        """Return what is made of each."""
+        if not isinstance(value, dict):
+            words = one_of(self.words) if self.words else None
+            kind = "got-no-signals-or-word" if words else "got-no-signals"
+            reading.refuse(place, Message(kind, got=describe(value), words=words))
+            return ()
+        if not reading.states:  # the plant is at fault, and that is said there
+            return ()
+        is_bound = self.kind is PerSignal.BOUND
+        signals = {**reading.states, **(reading.outputs if is_bound else {})}
+        found = []
+        for name, number in value.items():
+            if name not in signals:
+                message = Message("no-such-signal", hint=propose(name, signals))
+                reading.refuse((*place, name), message)
+                continue
+            try:
+                allowed = self._range(signals[name], reading.states["F"])
+                found.append(self.make(name, allowed.number_of(number)))
+            except Refused as error:
+                reading.refuse((*place, name), error.message)
+        return tuple(found)
+
+    def _range(self, signal: Dimension, force: Dimension) -> Range:
+        if self.kind is PerSignal.BOUND:
+            return Range(signal, 0.0, LARGEST_NUMBER, above=0.0)
+        gain = force.per(signal)
+        if self.kind is PerSignal.WEIGHT:
+            return Range(gain.squared(), 0.0, LARGEST_NUMBER)
+        return Range(gain, -LARGEST_NUMBER, LARGEST_NUMBER)
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema: a table of numbers or texts with units."""
+        return {"type": "object", "additionalProperties": {"type": ["number", "string"]}}
+
+
+# Words of messages
+
+
+def read_path(key: str) -> KeyPath:
+    """Return the path of a dotted key.
+
+    Examples
+    --------
+    >>> read_path("moves.0.distance")
+    ('moves', 0, 'distance')
+    """
+    return tuple(int(part) if part.isdigit() else part for part in key.split(".") if part)
+
+
+def one_of(words: Sequence[str]) -> Message | str:
+    """Return words in quotes as alternatives: "a", "b" or "c"."""
+    *first, last = (f'"{word}"' for word in words)
+    return Message("one-or-other", first=", ".join(first), last=last) if first else last
+
+
+def describe(value: object) -> Message | str:
+    """Return a TOML value as it was written, or what it is, for a message.
+
+    Examples
+    --------
+    >>> describe(True), describe([1, 2]), describe("x" * 100)[:8]
+    ('true', Message('an-array'), '"xxxxxxx')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        shown = "".join(letter if letter.isprintable() else "?" for letter in value)
+        return f'"{shown[:40]}..."' if len(shown) > 40 else f'"{shown}"'
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, int):
+        return f"{value}" if abs(value) < 10**18 else Message("a-huge-integer")
+    if isinstance(value, list):
+        return Message("an-array")
+    return Message("a-date" if isinstance(value, date | datetime | time) else "a-table")
+
+
+def propose(name: str, known: Iterable[str]) -> Message:
+    """Return a hint: what was meant, or the list of what there is.
+
+    Examples
+    --------
+    >>> propose("base_mas", ["base_mass", "slider_mass"])
+    Message('hint-did-you-mean', name='base_mass')
+    """
+    known = list(known)
+    close = find_close(name, known)
+    if close:
+        return Message("hint-did-you-mean", name=close)
+    return Message("hint-there-are", names=", ".join(known))
+
+
+def find_close(name: str, known: Iterable[str]) -> str:
+    """Return the known name that resembles a misspelt one; "" if none does."""
+    return next(iter(get_close_matches(name, list(known), n=1, cutoff=0.6)), "")

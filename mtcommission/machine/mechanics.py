@@ -1,28 +1,39 @@
 """What a machine knows of its mechanics, whichever kind of plant describes them.
 
-The kinds themselves stand in ``plant``, one file each.
+The kinds themselves stand in ``plant``, one file each, or outside the package: ``register`` adds
+one, and everything goes through the protocol.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi, sqrt
-from typing import ClassVar, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import keyed
+from mtcommission.machine.keys import (
+    ELSEWHERE,
+    IDENTIFIER,
+    KeyPath,
+    Misfit,
+    Reading,
+    describe,
+    find_close,
+    keyed,
+    list_keys,
+    one_of,
+    read_table,
+    table_schema,
+)
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
 
 Array = NDArray[np.float64]
-
-Misfit = tuple[str, Message]
-"""Key of a profile, below the table that it belongs to, and what is wrong with its value."""
 
 EQUAL_POLE_TOLERANCE = 1e-6
 """Relative distance of two poles below which they count as one (empirical: beyond it the
@@ -33,7 +44,7 @@ moment equations of the two modes are dependent to half of double precision)."""
 class FlexibleMode:
     """One mode q'' + 2 ζ ω q' + ω² q = F."""
 
-    name: str = keyed(None, "Name of the mode.", "column")  # used in state names
+    name: str = keyed(IDENTIFIER, "Name of the mode.", "column")  # used in state names
     natural_frequency: float = keyed(
         FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
     )  # ω [rad/s]
@@ -54,7 +65,7 @@ class FlexibleMode:
         zeta, omega = self.damping_ratio, self.natural_frequency
         return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2))
 
-    def find_faults(self) -> list[Misfit]:
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key and message of what cannot be."""
         if 0.0 <= self.damping_ratio < 1.0:
             return []
@@ -65,7 +76,7 @@ class FlexibleMode:
 class HeldMode:
     """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''."""
 
-    name: str = keyed(None, "Name of the mode.", "belt")  # used in state names
+    name: str = keyed(IDENTIFIER, "Name of the mode.", "belt")  # used in state names
     natural_frequency: float = keyed(
         FREQUENCIES,
         "Eigenfrequency with the motor held, undamped.",
@@ -78,9 +89,9 @@ class HeldMode:
         RATIOS, "Share in the tool position; 1 where one mode is all of it.", "1", default=1.0
     )  # of q, signed [-]
 
-    def find_faults(self) -> list[Misfit]:
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key and message of what cannot be."""
-        return self.driven.find_faults()
+        return self.driven.find_faults(stated, axis)
 
     @property
     def driven(self) -> FlexibleMode:
@@ -91,6 +102,9 @@ class HeldMode:
             damping_ratio=self.damping_ratio,
             tcp_gain=-self.tcp_gain,
         )
+
+
+ELSEWHERE[HeldMode] = (FlexibleMode, "servo")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +119,7 @@ class ModeStates:
 class Mechanics(Protocol):
     """A rigid mass with flexible modes; a kind of plant is a frozen dataclass that tells this.
 
-    Its fields are described by ``keyed``, so that the profile can read it.
+    Its fields are made by ``keyed``, so that a profile can state it.
     """
 
     kind: ClassVar[str]
@@ -140,7 +154,19 @@ class Mechanics(Protocol):
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
         """Return what a mode moves without payload over that with it [-], shape of payload."""
 
-    def find_faults(self) -> list[Misfit]:
+    def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
+        """Return the mechanics with a rigid mass [kg] and these frequencies and damping ratios.
+
+        Gains stay. What a recorded move showed goes into the profile by the keys that differ.
+        """
+
+    def still_tool(self, modes: Collection[str]) -> Self | None:
+        """Return the mechanics with a tool that does not move in these modes.
+
+        None where no key states the tool's share in a mode.
+        """
+
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterable[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
 
     def assumptions(self) -> tuple[Message, ...]:
@@ -163,6 +189,68 @@ def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, Messa
                 )
 
 
+KINDS: dict[str, type[Mechanics]] = {}
+"""Kinds of plant by the name that ``plant.kind`` of a profile gives."""
+
+HELD: dict[type[Mechanics], type[Mechanics]] = {}
+"""Form of a kind below a motor that follows its setpoint: the same name, other keys."""
+
+SOURCE = "position_source"
+"""Word of drive.kind for a motor that follows its setpoint."""
+
+
+def register(kind: type[Mechanics], *, motor_held: type[Mechanics] | None = None) -> None:
+    """Add a kind of plant: profiles may name it from now on.
+
+    ``motor_held``: its form below a motor that follows; without one such a drive is refused.
+    """
+    KINDS[kind.kind] = kind
+    if motor_held is not None:
+        HELD[kind] = motor_held
+        ELSEWHERE[motor_held] = (kind, "servo")
+
+
+def kind_of(plant: Mapping[str, Any], *, follows: bool) -> type[Mechanics]:
+    """Return the kind that a table [plant] names, or the likeliest: else nothing could be read."""
+    name = plant.get("kind")
+    if not isinstance(name, str):
+        name = ""
+    if name not in KINDS:
+        shared = {
+            one: sum(key in plant for key, _, _ in list_keys(kind)) for one, kind in KINDS.items()
+        }
+        name = find_close(name, KINDS) or max(shared, key=lambda one: shared[one])
+    return HELD.get(KINDS[name], KINDS[name]) if follows else KINDS[name]
+
+
+class Plants:
+    """Reader of [plant], whose ``kind`` tells the dataclass."""
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Mechanics | None:
+        """Return the mechanics."""
+        kind: type[Any] = FlexibleMode
+        if isinstance(value, dict):
+            kind, given = kind_of(value, follows=reading.follows), value.get("kind")
+            key = (*place, "kind")
+            if given is None:
+                remedy = Message("add-kind-of-keys", kind=kind.kind)
+                reading.refuse(key, Message("key-missing", remedy=remedy))
+            elif not isinstance(given, str) or given not in KINDS:
+                hint, words = Message("hint-did-you-mean", name=kind.kind), one_of(tuple(KINDS))
+                got = describe(given)
+                reading.refuse(key, Message("got-other-word-for", got=got, words=words, hint=hint))
+        found: Mechanics | None = read_table(kind, value, place, reading, beside=("kind",))
+        return found
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema: a table of any kind."""
+        kinds = [form for kind in KINDS.values() for form in (kind, HELD.get(kind)) if form]
+        for kind in kinds:
+            own = {"description": "Form of the plant.", "const": kind.kind}
+            tables[kind.__name__] = table_schema(kind, tables, before={"kind": own})
+        return {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in kinds]}
+
+
 _Mode = TypeVar("_Mode", FlexibleMode, HeldMode)
 
 
@@ -175,6 +263,14 @@ def scale_modes(modes: Sequence[_Mode], *, frequency: float, damping: float) -> 
             damping_ratio=mode.damping_ratio * damping,
         )
         for mode in modes
+    )
+
+
+def renew_modes(modes: Sequence[_Mode], new: Sequence[FlexibleMode]) -> tuple[_Mode, ...]:
+    """Return modes with the frequencies and damping ratios of others, in the same order."""
+    return tuple(
+        replace(mode, natural_frequency=one.natural_frequency, damping_ratio=one.damping_ratio)
+        for mode, one in zip(modes, new, strict=True)
     )
 
 

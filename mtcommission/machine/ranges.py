@@ -5,10 +5,8 @@ The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf
-
-from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.machine.keys import AxisRange, Range
+from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import (
     FREQUENCY,
     GAIN,
@@ -22,31 +20,8 @@ from mtcommission.units.quantities import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Range:
-    """A dimension with the values that make sense; the ends are generous."""
-
-    dimension: Dimension
-    low: float  # [SI]
-    high: float  # [SI]
-    above: float = -inf  # physical bound that is not itself allowed [SI]; -inf if there is none
-
-
-@dataclass(frozen=True, slots=True)
-class AxisRange:
-    """What is allowed on a linear and on a rotary axis."""
-
-    linear: Range
-    rotary: Range
-    word: str = ""  # text accepted in place of a number, e.g. "auto"; "" for none
-
-    def on(self, axis: AxisUnits) -> Range:
-        """Return the range on one kind of axis."""
-        return self.rotary if axis is ROTARY else self.linear
-
-
-def _same(dimension: Dimension, low: float, high: float, above: float = -inf) -> AxisRange:
-    both = Range(dimension, low, high, above)
+def _same(dimension: Dimension, low: float, high: float, above: float | None = None) -> AxisRange:
+    both = Range(dimension, low, high) if above is None else Range(dimension, low, high, above)
     return AxisRange(both, both)
 
 

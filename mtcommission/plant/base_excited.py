@@ -8,20 +8,21 @@ frequencies are those with the motor held, which is what an accelerometer shows 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import keyed_array
+from mtcommission.machine.keys import Array as ArrayOf
+from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
     HeldMode,
-    Misfit,
     ModeStates,
     find_mode_faults,
+    renew_modes,
     scale_modes,
 )
 from mtcommission.messages.message import Message
@@ -50,8 +51,10 @@ class BaseExcited:
     velocity: ClassVar = "v"
     moving_mass: ClassVar = 1.0
 
-    held_modes: tuple[HeldMode, ...] = keyed_array(
-        HeldMode, "One to eight modes, with the motor held.", most=MOST_MODES, key="modes"
+    held_modes: tuple[HeldMode, ...] = keyed(
+        ArrayOf(Table(HeldMode), 1, MOST_MODES),
+        "One to eight modes, with the motor held.",
+        key="modes",
     )
 
     @property
@@ -83,7 +86,14 @@ class BaseExcited:
         """Return 1: no payload is stated here."""
         return np.ones_like(payload)
 
-    def find_faults(self) -> list[Misfit]:
+    def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
+        """Return these frequencies and damping ratios; a motor that follows has no mass."""
+        return replace(self, held_modes=renew_modes(self.held_modes, modes))
+
+    def still_tool(self, modes: Collection[str]) -> None:
+        """Return None: modes with the motor held are seen at the tool only."""
+
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         return find_mode_faults(self.modes)
 

@@ -1,13 +1,13 @@
-"""The kinds of plant that there are; a new one is a file of its own and a line here."""
+"""The kinds of plant that come with the package; a new one is a file of its own and a line here."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from mtcommission.machine.mechanics import KINDS, register
+from mtcommission.plant.base_excited import BaseExcited
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 
-KINDS: Mapping[str, type[Manipulator] | type[Modal]] = {
-    kind.kind: kind for kind in (Manipulator, Modal)
-}
-"""By the name that ``plant.kind`` of a profile gives."""
+__all__ = ["KINDS"]
+
+register(Manipulator)
+register(Modal, motor_held=BaseExcited)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import keyed
+from mtcommission.machine.keys import Misfit, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
-    Misfit,
     ModeStates,
     find_equal_poles,
 )
@@ -146,7 +145,23 @@ class Manipulator:
         J = self.rotary_inertia
         return np.asarray(J / (J + payload * payload_radius**2))
 
-    def find_faults(self) -> list[Misfit]:
+    def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
+        """Return the stiffnesses and damping constants that give these modes, with this mass."""
+        m_b, J = self.base_mass, self.rotary_inertia
+        base, tower = modes
+        return replace(
+            self,
+            slider_mass=mass,
+            base_stiffness=m_b * base.natural_frequency**2,
+            base_damping=2.0 * m_b * base.damping_ratio * base.natural_frequency,
+            rotary_stiffness=J * tower.natural_frequency**2,
+            rotary_damping=2.0 * J * tower.damping_ratio * tower.natural_frequency,
+        )
+
+    def still_tool(self, modes: Collection[str]) -> None:
+        """Return None: the tool's share follows from the geometry."""
+
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         faults = []
         if self.lever_arm == 0.0:

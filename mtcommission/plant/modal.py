@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import keyed, keyed_array
+from mtcommission.machine.keys import Array as ArrayOf
+from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
-    Misfit,
     ModeStates,
     find_mode_faults,
+    renew_modes,
     scale_modes,
 )
 from mtcommission.machine.ranges import MASSES
@@ -36,8 +37,8 @@ class Modal:
     velocity: ClassVar = "v"
 
     moving_mass: float = keyed(MASSES, "Total rigid mass.", "800 kg")
-    modes: tuple[FlexibleMode, ...] = keyed_array(
-        FlexibleMode, "One to eight modes.", most=MOST_MODES
+    modes: tuple[FlexibleMode, ...] = keyed(
+        ArrayOf(Table(FlexibleMode), 1, MOST_MODES), "One to eight modes."
     )
 
     def mode_states(self) -> tuple[ModeStates, ...]:
@@ -67,7 +68,20 @@ class Modal:
         """Return 1: a payload leaves the modes as they are."""
         return np.ones_like(payload)
 
-    def find_faults(self) -> list[Misfit]:
+    def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
+        """Return the plant with this mass [kg], frequencies and damping ratios."""
+        return replace(self, moving_mass=mass, modes=renew_modes(self.modes, modes))
+
+    def still_tool(self, modes: Collection[str]) -> Self:
+        """Return the plant with a tool that does not move in these modes."""
+        return replace(
+            self,
+            modes=tuple(
+                replace(mode, tcp_gain=0.0) if mode.name in modes else mode for mode in self.modes
+            ),
+        )
+
+    def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         return find_mode_faults(self.modes)
 

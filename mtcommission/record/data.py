@@ -8,12 +8,12 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import list_quantities
+from mtcommission.machine.keys import KeyPath, list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant
-from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
+from mtcommission.profile.lines import find_key_lines, show_key
 from mtcommission.profile.read import ProfileSource
 from mtcommission.record.schema.machine import Datum, MachineEntry
 from mtcommission.record.schema.record import Profile
@@ -136,10 +136,6 @@ def _requirement_rows(machine: Machine, plant: Plant) -> list[Row]:
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     return [
         *list_quantities(needs, "requirements", machine.axis_units),
-        ("requirements.reserve.band", needs.reserve.band, "-"),
-        ("requirements.reserve.force", needs.reserve.force, "-"),
-        ("requirements.frequency_spread", needs.frequency_spread, "-"),
-        ("requirements.damping_spread", needs.damping_spread, "-"),
         ("requirements.payload (least)", needs.payload[0], mass),
         ("requirements.payload (largest)", needs.payload[1], mass),
         *((f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks),

@@ -8,7 +8,6 @@ from math import inf
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 
 
@@ -27,24 +26,20 @@ def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> Too
     The measurement may show anything between the assumed share, a worst case, and a tool at rest.
     """
     mechanics = machine.mechanics
-    if machine.identified is None or not isinstance(mechanics, Modal):
-        return None
-    assumed = [
-        mode
+    assumed = tuple(
+        mode.name
         for place, mode in enumerate(mechanics.modes)
         if machine.is_assumed(f"{mechanics.mode_key(place)}.tcp_gain")
-    ]
-    if not assumed:
-        return None
-    modes = tuple(
-        replace(mode, tcp_gain=0.0) if mode in assumed else mode for mode in mechanics.modes
     )
-    still = replace(machine, mechanics=replace(mechanics, modes=modes))
+    resting = mechanics.still_tool(assumed)
+    if machine.identified is None or not assumed or resting is None:
+        return None
+    still = replace(machine, mechanics=resting)
     loop = close_loop(corner_plants(still), tuned.controller)
     # A tool that swings less may want another filter: everywhere, not about the recommendation.
     found = choose_limits(still, build_plant(still), loop)
     return ToolSensor(
-        modes=tuple(mode.name for mode in assumed),
+        modes=assumed,
         settling_time=choice.candidate.settling_time if choice.meets_requirements else inf,
         least=found.candidate.settling_time if found.meets_requirements else inf,
     )

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from math import isnan
-from typing import Any
 
 from mtcommission.machine.machine import Motion
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import parse_profile, profile_schema
+from mtcommission.profile.describe import unit_of
+from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import (
     PEAKS_KEY,
     Plan,
@@ -175,36 +175,8 @@ def key_unit(key: str, *, rotary: bool) -> str:
     >>> key_unit("plant.slider_mass", rotary=False), key_unit("moves.0.distance", rotary=True)
     ('kg', 'rad')
     """
-    schema = json.loads(profile_schema())
-    places = [schema]
-    for part in plain_key(key).split("."):
-        if part.isdigit():
-            continue
-        places = [
-            below
-            for place in places
-            for table in _tables(place, schema["$defs"])
-            if (below := table.get("properties", {}).get(part)) is not None
-        ]
-    name = "x-unit-rotary" if rotary else "x-unit"
-    for place in places:
-        for table in _tables(place, schema["$defs"]):
-            if name in table:
-                return "" if table[name] == "no unit" else str(table[name])
-    return "SI"
-
-
-def _tables(place: dict[str, Any], definitions: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return a schema with all that it refers to, alternatives and elements alike."""
-    found = [place]
-    reference = place.get("$ref")
-    if isinstance(reference, str):
-        found += _tables(definitions[reference.rsplit("/", 1)[1]], definitions)
-    for name in ("anyOf", "oneOf", "items"):
-        below = place.get(name, [])
-        for item in below if isinstance(below, list) else [below]:
-            found += _tables(item, definitions)
-    return found
+    unit = unit_of(plain_key(key).split("."), rotary=rotary)
+    return "SI" if unit is None else unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,9 +10,6 @@ import numpy as np
 
 from mtcommission.errors import MtcommissionError
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.mechanics import Mechanics
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.verify.motions import Recorded
 from mtcommission.verify.prediction import Rebuilt, on_machine, predict
@@ -229,46 +226,26 @@ def _mean(rows: Sequence[tuple[float, float]]) -> Estimate:
 def _with(machine: Machine, parameters: tuple[Parameter, ...]) -> Machine:
     """The machine with the new values of what has changed."""
     new = {one.name: one.new.value for one in parameters if one.has_changed}
-    drive = replace(
-        machine.drive,
-        coulomb_friction=new.get("coulomb_friction", machine.drive.coulomb_friction),
-        viscous_friction=new.get("viscous_friction", machine.drive.viscous_friction),
+    drive, mechanics = machine.drive, machine.mechanics
+    modes = [
+        replace(
+            mode,
+            natural_frequency=2.0 * np.pi * new[f"{mode.name}.frequency"]
+            if f"{mode.name}.frequency" in new
+            else mode.natural_frequency,
+            damping_ratio=new.get(f"{mode.name}.damping_ratio", mode.damping_ratio),
+        )
+        for mode in mechanics.modes
+    ]
+    return replace(
+        machine,
+        drive=replace(
+            drive,
+            coulomb_friction=new.get("coulomb_friction", drive.coulomb_friction),
+            viscous_friction=new.get("viscous_friction", drive.viscous_friction),
+        ),
+        mechanics=mechanics.renew(mass=new.get("mass", mechanics.moving_mass), modes=modes),
     )
-    return replace(machine, drive=drive, mechanics=_mechanics(machine.mechanics, new))
-
-
-def _mechanics(mechanics: Mechanics, new: dict[str, float]) -> Mechanics:
-    mass = new.get("mass", mechanics.moving_mass)
-    if isinstance(mechanics, Modal):
-        modes = tuple(
-            replace(
-                mode,
-                natural_frequency=2.0 * np.pi * new[f"{mode.name}.frequency"]
-                if f"{mode.name}.frequency" in new
-                else mode.natural_frequency,
-                damping_ratio=new.get(f"{mode.name}.damping_ratio", mode.damping_ratio),
-            )
-            for mode in mechanics.modes
-        )
-        return replace(mechanics, moving_mass=mass, modes=modes)
-    if isinstance(mechanics, Manipulator):
-        base, tower = (
-            (
-                new.get(f"{mode.name}.frequency", mode.natural_frequency / (2.0 * np.pi))
-                / (mode.natural_frequency / (2.0 * np.pi)),
-                new.get(f"{mode.name}.damping_ratio", mode.damping_ratio) / mode.damping_ratio,
-            )
-            for mode in mechanics.modes
-        )
-        return replace(
-            mechanics,
-            slider_mass=mass,
-            base_stiffness=mechanics.base_stiffness * base[0] ** 2,
-            base_damping=mechanics.base_damping * base[0] * base[1],
-            rotary_stiffness=mechanics.rotary_stiffness * tower[0] ** 2,
-            rotary_damping=mechanics.rotary_damping * tower[0] * tower[1],
-        )
-    return mechanics
 
 
 def _unexplained(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> float | None:

@@ -7,26 +7,16 @@ from typing import Any
 import tomlkit
 
 from mtcommission.machine.keys import list_quantities
-from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.modal import Modal
 from mtcommission.profile.read import parse_profile
 from mtcommission.verify.refine import Parameter, Refined
 
 
 def renew_profile(text: str, refined: Refined, *, words: Catalogue, date: str) -> str:
-    """Return a profile with the parameters that the traces show.
+    """Return the text of the record's profile with the parameters that the traces show.
 
-    Parameters
-    ----------
-    text
-        Of the record's profile.
-    refined
-        What has changed.
-    words
-        Language of the comments.
-    date
-        ISO 8601, day.
+    A kind of plant whose keys state no frequencies gets those values that give the new ones.
+    ``words``: language of the comments; ``date``: day, ISO 8601.
 
     Raises
     ------
@@ -34,17 +24,25 @@ def renew_profile(text: str, refined: Refined, *, words: Catalogue, date: str) -
         The new values make no profile.
     """
     document = tomlkit.parse(text)
-    plant: Any = document["plant"]
     drive: Any = document["drive"]
     changed = [one for one in refined.parameters if one.has_changed]
     for one in changed:
-        comment = words.text("verify-renewed", error=_short(2.0 * one.new.sigma, one.unit))
         if one.key in ("coulomb_friction", "viscous_friction"):
-            _set(drive, one.key, _quantity(one.new.value, one.unit), comment)
-        elif isinstance(refined.machine.mechanics, Modal):
-            _set_modal(plant, one, comment)
-    if not isinstance(refined.machine.mechanics, Modal) and changed:
-        _set_manipulator(plant, parse_profile(text, where="record"), refined.machine, words)
+            _set(drive, one.key, one.new.value, one.unit, _say(one, words))
+    before, after = parse_profile(text, where="record"), refined.machine
+    old, new = (
+        list(list_quantities(one.mechanics, "plant", one.axis_units)) for one in (before, after)
+    )
+    for (key, value, unit), (_, was, _) in zip(new, old, strict=True):
+        if _written(value, unit) == _written(was, unit):
+            continue
+        *above, own = key.split(".")
+        table: Any = document
+        for name in above:
+            table = _element(table, name)
+        stated = [one for one in changed if _states(key, value, one, after.mechanics.moving_mass)]
+        comment = _say(stated[0], words) if stated else words.text("verify-renewed-derived")
+        _set(table, own, value, unit, comment)
     head = tomlkit.document()
     head.add(tomlkit.comment(words.text("verify-renewed-head", date=date)))
     renewed = tomlkit.dumps(head) + tomlkit.dumps(document)
@@ -52,37 +50,30 @@ def renew_profile(text: str, refined: Refined, *, words: Catalogue, date: str) -
     return renewed
 
 
-def _set_modal(plant: Any, one: Parameter, comment: str) -> None:
-    if one.key == "mass":
-        _set(plant, "moving_mass", _quantity(one.new.value, one.unit), comment)
-        return
-    table = next((mode for mode in plant["modes"] if str(mode["name"]) == one.mode), None)
-    if table is None or one.key not in ("frequency", "damping_ratio"):
-        return
-    value = _quantity(one.new.value, one.unit) if one.unit else float(f"{one.new.value:.4g}")
-    _set(table, one.key, value, comment)
-
-
-def _set_manipulator(plant: Any, before: Machine, after: Machine, words: Catalogue) -> None:
-    """Masses, stiffnesses and damping that give the new frequencies and damping ratios."""
-    old, new = (
-        list(list_quantities(one.mechanics, "plant", one.axis_units)) for one in (before, after)
+def _states(key: str, value: float, one: Parameter, mass: float) -> bool:
+    """Whether a key of the profile states a parameter itself."""
+    return (
+        key.endswith(f".{one.mode}.{one.key}") if one.mode else one.key == "mass" and value == mass
     )
-    for (key, value, unit), (_, was, _) in zip(new, old, strict=True):
-        if value != was:
-            own = key.rpartition(".")[2]
-            _set(plant, own, _quantity(value, unit), words.text("verify-renewed-derived"))
 
 
-def _set(table: Any, key: str, value: str | float, comment: str) -> None:
-    item = tomlkit.item(value)
+def _element(table: Any, name: str) -> Any:
+    """What stands below a key, or the element of an array with this name."""
+    if isinstance(table, dict):
+        return table[name]
+    return next(one for one in table if str(one["name"]) == name)
+
+
+def _set(table: Any, key: str, value: float, unit: str, comment: str) -> None:
+    item = tomlkit.item(_written(value, unit))
     item.comment(comment)
     table[key] = item
 
 
-def _quantity(value: float, unit: str) -> str:
-    return f"{value:.6g} {unit}"
+def _written(value: float, unit: str) -> str | float:
+    return float(f"{value:.4g}") if unit in ("", "-") else f"{value:.6g} {unit}"
 
 
-def _short(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}".rstrip()
+def _say(one: Parameter, words: Catalogue) -> str:
+    error = f"{2.0 * one.new.sigma:.2g} {one.unit}".rstrip()
+    return words.text("verify-renewed", error=error)

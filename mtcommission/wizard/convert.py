@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, pi, prod, sqrt
 
+from mtcommission.machine.keys import read_path
+from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.profile.lines import read_key, read_path, show_key
-from mtcommission.profile.model import MOST_MOVES
+from mtcommission.profile.lines import read_key, show_key
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.axis_units import (

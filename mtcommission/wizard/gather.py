@@ -11,12 +11,11 @@ import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
+from mtcommission.machine.keys import propose
 from mtcommission.messages.message import Message
-from mtcommission.profile.faults import find_unknown
+from mtcommission.profile.describe import find_unknown
 from mtcommission.profile.lines import find_key_lines, read_key
-from mtcommission.profile.read import read_profile_text
-from mtcommission.profile.syntax import load_toml
-from mtcommission.profile.values import propose
+from mtcommission.profile.read import load_toml, read_profile_text
 from mtcommission.units.quantities import TIME
 from mtcommission.wizard.axis_units import MEASURED, WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
@@ -102,18 +101,18 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
     text, answers = "", {}
     if identified or output.exists():
         text = OPEN.sub("\n", identified or read_profile_text(output))
-        answers = to_answers(_load(text, str(output)))
+        answers = to_answers(load_toml(text, where=str(output)))
     in_profile = frozenset(answers)
     answers = _with_lag(answers)
     kept = Path(f"{output}{KEPT}")
     if kept.exists():
-        answers |= to_answers(_load(read_profile_text(kept), str(kept)))
+        answers |= to_answers(load_toml(read_profile_text(kept), where=str(kept)))
     place = answers.pop(PLACE, "")
     lines: dict[str, int] = {}
     measured = ""
     if answers_file is not None:
         given = read_profile_text(answers_file)
-        data = _load(given, str(answers_file))
+        data = load_toml(given, where=str(answers_file))
         found = find_key_lines(given).lines
         lines = {".".join(map(str, path)): line for path, line in found.items()}
         answers |= _known(to_answers(data), where=str(answers_file), lines=lines)
@@ -152,13 +151,6 @@ def _passed(answers: Answers) -> frozenset[str]:
 def keep(output: Path, answers: Answers, *, place: str) -> None:
     """Write the answers of an unfinished session beside the profile."""
     write_text(f"{output}{KEPT}", tomlkit.dumps({**answers, PLACE: place}))
-
-
-def _load(text: str, where: str) -> Mapping[str, object]:
-    parsed = load_toml(text, where=where)
-    if parsed.faults:
-        raise InputError(parsed.faults)
-    return parsed.data
 
 
 def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> dict[str, str]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from math import inf, pi, sqrt
 
+from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.control_kinds.kinds import GENERIC, KINDS
-from mtcommission.profile.model import MOST_MOVES
+from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.units.quantities import GAIN, RATIO, TIME
 from mtcommission.wizard.axis_units import (
     MEASURED,

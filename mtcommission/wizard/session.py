@@ -10,12 +10,13 @@ from pathlib import Path
 
 from mtcommission.errors import INTERRUPTED, Fault, InputError, Refused
 from mtcommission.files import write_text
+from mtcommission.machine.keys import read_path
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.profile.faults import may_be_left_out
-from mtcommission.profile.lines import read_key, read_path, show_key
+from mtcommission.profile.describe import may_be_left_out
+from mtcommission.profile.lines import read_key, show_key
 from mtcommission.profile.read import parse_profile
 from mtcommission.wizard.axis_units import MEASURED, NO, YES, is_rotary
 from mtcommission.wizard.console import (

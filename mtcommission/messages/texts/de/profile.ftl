@@ -21,19 +21,7 @@ profile-meant = ; ist { $name } gemeint?
 profile-none-meant = .
 
 toml-nested-deeply = ist zu tief verschachtelt; ein Profil braucht höchstens drei Ebenen
-toml-refused = TOML-Syntax: { $reason }
-line-no-toml = „{ $got }“ angegeben; eine Zeile ist eine [Tabelle], ein Schlüssel = Wert oder ein Kommentar nach #
-key-twice = steht schon in Zeile { $first }; eines von beiden entfernen
-value-missing = kein Wert nach dem =; einen ergänzen oder die Zeile löschen
-value-in-typographic-quotes = { $got } mit typografischen Anführungszeichen angegeben; "{ $wanted }" mit geraden schreiben
-values-without-quotes = { $got } angegeben; Werte mit Einheit stehen in Anführungszeichen: [{ $wanted }]
-value-without-bracket = { $got } ohne die schließende Klammer ] angegeben
-value-without-closing-quote = { $got } ohne das schließende Anführungszeichen angegeben; "{ $wanted }" schreiben
-value-of-many-digits = eine Zahl mit Tausenden von Ziffern; sie prüfen
-value-with-bare-point = { $got } angegeben; auf beiden Seiten des Punkts Ziffern schreiben: { $wanted }
-value-with-comma = { $got } mit Komma angegeben; mit Punkt schreiben: { $wanted }
-value-with-comma-and-unit = { $got } mit Komma angegeben; mit Punkt schreiben: "{ $wanted }", in Anführungszeichen
-value-without-quotes = { $got } ohne Anführungszeichen angegeben; "{ $wanted }" schreiben
+toml-refused = TOML-Syntax: { $reason }; diese oder die Zeile davor berichtigen: Texte und Werte mit Einheit stehen in Anführungszeichen, Zahlen haben einen Punkt, und jeder Schlüssel steht nur einmal
 
 key-unknown = unbekannter Schlüssel{ $hint }
 key-misspelt = unbekannter Schlüssel; ist „{ $meant }“ gemeint, das fehlt?
@@ -42,7 +30,6 @@ key-missing = fehlt; { $remedy }
 add-schema = schema = 1 ergänzen
 add-value = den Wert Ihrer Maschine ergänzen, zum Beispiel { $key } = { $example }
 add-table = eine Tabelle { $header } ergänzen
-add-kind = { $kinds } ergänzen
 add-kind-of-keys = kind = "{ $kind }" ergänzen, zu dem die übrigen Schlüssel gehören
 
 got-other-word = { $got } angegeben, muss { $words } sein
@@ -59,7 +46,6 @@ got-no-quantity = { $got } angegeben, { $expected }
 got-infinite = { $got } angegeben, muss eine endliche Zahl sein
 array-too-short = { $length } Elemente angegeben, mindestens { $least } nötig
 array-too-long = zu viele Elemente angegeben, höchstens { $most } erlaubt
-value-refused = { $got } angegeben: { $reason }
 text-too-long = { $length } Zeichen angegeben, höchstens { $most } sind erlaubt
 text-with-control-characters = Steuerzeichen angegeben; sie entfernen
 name-no-identifier = „{ $got }“ angegeben, müssen Buchstaben, Ziffern und _ sein, nicht mit einer Ziffer am Anfang

@@ -27,20 +27,7 @@ profile-none-meant = .
 
 # TOML.
 toml-nested-deeply = is nested too deeply; a profile needs no more than three levels
-toml-refused = TOML syntax: { $reason }
-line-no-toml = got "{ $got }"; a line is a [table], a key = value, or a comment after #
-# $first: line
-key-twice = stands in line { $first } already; remove one of the two
-value-missing = got no value after the =; add one, or delete the line
-value-in-typographic-quotes = got { $got } with typographic quotes; write "{ $wanted }" with straight ones
-values-without-quotes = got { $got }; values with a unit stand in quotes: [{ $wanted }]
-value-without-bracket = got { $got } without the closing bracket ]
-value-without-closing-quote = got { $got } without the closing quote; write "{ $wanted }"
-value-of-many-digits = got a number of thousands of digits; check it
-value-with-bare-point = got { $got }; write digits on both sides of the point: { $wanted }
-value-with-comma = got { $got } with a comma; write it with a point: { $wanted }
-value-with-comma-and-unit = got { $got } with a comma; write it with a point: "{ $wanted }", in quotes
-value-without-quotes = got { $got } without quotes; write "{ $wanted }"
+toml-refused = TOML syntax: { $reason }; mend this line or the one above: texts and values with a unit stand in quotes, numbers take a point, and a key stands once
 
 # Keys.
 key-unknown = unknown key{ $hint }
@@ -51,7 +38,6 @@ add-schema = add schema = 1
 # $example: as TOML
 add-value = add the value of your machine, for example { $key } = { $example }
 add-table = add a table { $header }
-add-kind = add { $kinds }
 add-kind-of-keys = add kind = "{ $kind }", to which the other keys belong
 
 # Values.
@@ -69,7 +55,6 @@ got-no-quantity = got { $got }, { $expected }
 got-infinite = got { $got }, must be a finite number
 array-too-short = got { $length } elements, at least { $least } needed
 array-too-long = got too many elements, at most { $most } allowed
-value-refused = got { $got }: { $reason }
 text-too-long = got { $length } characters, at most { $most } are allowed
 text-with-control-characters = got control characters, remove them
 name-no-identifier = got "{ $got }", must be letters, digits and _, not beginning with a digit
