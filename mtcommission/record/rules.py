@@ -6,7 +6,7 @@ e.g. a series with fewer values than instants. Every printer would meet that som
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -41,14 +41,17 @@ Rule: TypeAlias = Callable[[Place], Iterator[Message]]
 """Yields what is wrong."""
 
 
-def one_of(*words: str) -> Rule:
-    """Return the rule that a word, or each name in a mapping or a series, is one of some."""
+def one_of(*words: str, registered: Collection[str] = ()) -> Rule:
+    """Return the rule that a word, or each name in a mapping or a series, is one of some.
+
+    ``registered``: words to which some may be added later.
+    """
 
     def check(at: Place) -> Iterator[Message]:
         key, found = (at.key, [at.value]) if isinstance(at.value, str) else at.names
         for got in found:
-            if got not in words:
-                yield Message("record-word-unknown", key=key, got=got, words=", ".join(words))
+            if got not in (known := (*words, *registered)):
+                yield Message("record-word-unknown", key=key, got=got, words=", ".join(known))
 
     return check
 

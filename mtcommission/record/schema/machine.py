@@ -57,7 +57,7 @@ class MachineEntry:
     axis: str
     motion: Annotated[str, one_of(*(motion.value for motion in Motion))]
     source: str
-    kind: Annotated[str, one_of(*KINDS)]
+    kind: Annotated[str, one_of(registered=KINDS)]
     drive: Annotated[str, one_of(*(kind.value for kind in DriveKind))] = "servo"
 
     @property
