@@ -205,3 +205,24 @@ def test_it_goes_through_check_run_export_and_verify(
     assert new.modes[0].natural_frequency == pytest.approx(OMEGA, rel=1e-4)
     assert new.motor_mass == 20.0
     assert "from the frequencies and the mass of a recorded move" in text
+
+
+def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("belt.toml").write_text(PROFILE, encoding="utf-8")
+    f = np.linspace(5.0, 200.0, 800)
+    s = 2j * pi * f
+    (mode,) = parse_profile(PROFILE, where="belt.toml").mechanics.modes
+    elastic = mode.measured_gain / (s**2 + 2 * mode.damping_ratio * OMEGA * s + OMEGA**2)
+    response = 1.0 / (80.0 * s**2) + elastic
+    rows = [f"{a},{b.real},{b.imag}" for a, b in zip(f, response, strict=True)]
+    Path("sweep.csv").write_text("\n".join(["f [Hz],re,im", *rows]), encoding="utf-8")
+    words = ("--sensor", "encoder", "--input", "force", "--output", "position")
+    profile = ("--profile", "belt.toml", "-o", "new.toml")
+    assert call(monkeypatch, "identify", "sweep.csv", *words, *profile) == 0
+    assert 'take the place of kind = "belt"' in " ".join(capsys.readouterr().out.split())
+    new = parse_profile(Path("new.toml").read_text(encoding="utf-8"), where="new.toml").mechanics
+    assert new.kind == "modal"
+    assert new.moving_mass == pytest.approx(80.0, rel=0.01)

@@ -25,10 +25,11 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.profile.describe import profile_schema
+from mtcommission.profile.describe import profile_schema, questions
 from mtcommission.profile.lines import find_key_lines
 from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from tests.machines import paper_machine
+from tests.profile_page import PAGE, write_page
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 SHIPPED = sorted(PROFILES.glob("*.toml"))
@@ -1100,6 +1101,31 @@ def test_a_damaged_profile_gives_a_machine_or_input_errors_and_nothing_else() ->
                 assert 1 <= fault.line <= len(text.split("\n")), str(fault)
                 assert str(fault).isprintable()
     assert 0.2 < np.mean(outcomes) < 0.9
+
+
+def test_the_page_of_keys_is_the_schema() -> None:
+    assert PAGE.read_text("utf-8") == write_page(), "run: python -m tests.profile_page"
+
+
+def test_the_questions_ask_for_every_key_that_a_profile_must_have() -> None:
+    """What the wizard asks is enough for a profile, with the examples as answers."""
+    for kind, follows in (("manipulator", False), ("modal", False), ("modal", True)):
+        asked = [one for one in questions(kind, follows=follows) if one.is_required]
+        lines = ["schema = 1", f'plant.kind = "{kind}"']
+        lines += ['drive.kind = "position_source"'] if follows else []
+        tables: dict[str, list[str]] = {"moves.0": [], "plant.modes.0": []}
+        for one in asked:
+            table, key = one.key.rsplit(".", 1)
+            if key != "velocity_step":  # the other kind of move
+                where = tables.get(table, lines)
+                where.append(f"{key if where is not lines else one.key} = {_typed(one.example)}")
+        for table, rows in tables.items():
+            lines += [f"[[{table.removesuffix('.0')}]]", *rows] if rows else []
+        assert isinstance(parse_profile("\n".join(lines), where=kind), Machine)
+
+
+def _typed(example: str) -> str:
+    return example if example.replace(".", "").isdigit() else f'"{example}"'
 
 
 def test_the_schema_names_every_key_with_a_description() -> None:

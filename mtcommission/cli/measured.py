@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
@@ -161,7 +162,7 @@ def _identify(
     from mtcommission.cli.terminal import show
     from mtcommission.files import write_text
     from mtcommission.identify.check import check_records
-    from mtcommission.identify.document import Writing, merge_profile, write_profile
+    from mtcommission.identify.document import Writing, kind_replaced, merge_profile, write_profile
     from mtcommission.identify.entry import identified_json, identified_part
     from mtcommission.identify.gather import gather
     from mtcommission.identify.page import print_identified
@@ -176,6 +177,7 @@ def _identify(
         checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
     created = now()
     part = identified_part(found, checks=checks, created=created)
+    part = replace(part, warnings=[*part.warnings, *kind_replaced(before)])
     beside = job.beside
     target = output or (str(profile) if profile else "machine.toml")
     how = Writing(

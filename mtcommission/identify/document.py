@@ -15,6 +15,7 @@ from mtcommission.identify.matching import FARTHEST
 from mtcommission.identify.statement import statement
 from mtcommission.machine.identified import Estimate
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
@@ -157,6 +158,12 @@ def _printer_rows(words: Catalogue) -> dict[str, list[_Row]]:
         note = words.text(f"identify-document-printer-{key.replace('_', '-')}")
         tables.setdefault(table, []).append(_Row(key, value, note, is_assumed=True))
     return tables
+
+
+def kind_replaced(text: str) -> list[Message]:
+    """Return that measured modes take the place of another kind of plant, if they do."""
+    kind = tomlkit.parse(text).get("plant", {}).get("kind", "modal")
+    return [] if kind == "modal" else [Message("identify-kind-replaced", kind=str(kind))]
 
 
 def merge_profile(text: str, found: Identified, how: Writing) -> str:

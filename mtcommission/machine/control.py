@@ -33,6 +33,7 @@ from mtcommission.machine.ranges import (
     FREQUENCIES,
     JERKS,
     MASSES,
+    MODEL_TIMES,
     POSITION_GAINS,
     TIMES,
     VELOCITY_GAINS,
@@ -142,7 +143,7 @@ class Control:
     velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
     integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
     reference_model_time: float = keyed(
-        DELAYS,
+        MODEL_TIMES,
         "Time constant of the reference model in the integral branch; 0 = none.",
         "5 ms",
         default=0.0,

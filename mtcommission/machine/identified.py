@@ -98,7 +98,7 @@ class ShaperProposal:
     )
     is_recommended: bool = keyed(
         Flag(), "Whether the script recommends it.", "true", key="recommended", default=False,
-        left_out=REQUIRED,
+        left_out=REQUIRED
     )  # fmt: skip
 
 

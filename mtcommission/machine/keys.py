@@ -74,9 +74,7 @@ class Key:
     example: str = ""  # without quotes
     name: str = ""  # as the profile spells it; "" if as the field
     factor: float = 1.0  # value of the field per value of the key, SI
-    left_out: Any = (
-        MISSING  # what the field is where the key is left out; MISSING: it must be given
-    )
+    left_out: Any = MISSING  # the field where the key is left out; MISSING: it must be given
     table: str = ""  # table in which it stands, where the field's dataclass is of several
     is_listed: bool = True  # whether the sheet lists it among the data
 
@@ -85,6 +83,15 @@ class Key:
         """The example as it stands in a file."""
         is_bare = re.fullmatch(r"[-+.\d]+|true|false|[\[{].*", self.example)
         return self.example if is_bare or not self.example else f'"{self.example}"'
+
+    @property
+    def default(self) -> float | str | bool | None:
+        """What the profile means that leaves the key out, in SI or as a word; None: nothing."""
+        if isinstance(self.reader, Word | WordOr):
+            words = self.reader.meanings.items()
+            return next((word for word, one in words if one == self.left_out), None)
+        is_plain = isinstance(self.left_out, bool | float | str) and self.left_out != inf
+        return self.left_out if is_plain else None
 
     @property
     def is_required(self) -> bool:
@@ -256,8 +263,8 @@ def table_schema(
         own = about.reader.schema(tables) | {"description": about.meaning}
         if about.example:
             own["examples"] = [about.example_toml]
-        if isinstance(about.left_out, bool | float | str) and about.left_out != inf:
-            own["default"] = about.left_out
+        if about.default is not None:
+            own["default"] = about.default
         properties[key] = own
         if about.is_required:
             required.append(key)

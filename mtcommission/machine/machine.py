@@ -63,13 +63,7 @@ from mtcommission.machine.ranges import (
 )
 from mtcommission.machine.setpoint_filter import list_misfits
 from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import (
-    LINEAR,
-    LINEAR_SOURCE,
-    ROTARY,
-    ROTARY_SOURCE,
-    AxisUnits,
-)
+from mtcommission.units.axis_units import LINEAR, LINEAR_SOURCE, ROTARY, ROTARY_SOURCE, AxisUnits
 
 MOST_MOVES = 50
 MOST_ASSUMED = 300
@@ -278,9 +272,7 @@ class VelocityStep:
     """An element of [[moves]]: accelerate from rest to a velocity; the end position is free."""
 
     velocity_step: float = keyed(
-        VELOCITIES,
-        "Accelerate from rest to this velocity; the end position is free.",
-        "0.1 m/s",
+        VELOCITIES, "Accelerate from rest to this velocity; the end position is free.", "0.1 m/s"
     )
     dwell: float = keyed(DWELLS, "Rest after the move.", "0 s", default=0.0)  # for the RMS force
 
@@ -356,10 +348,7 @@ class Reserve:
     """Share of what is allowed that recommendations may use; given limits may use all of it."""
 
     band: float = keyed(
-        SHARES,
-        "Share of band, contour and peaks that recommendations may use.",
-        "0.8",
-        default=0.8,
+        SHARES, "Share of band, contour and peaks that recommendations may use.", "0.8", default=0.8
     )
     force: float = keyed(
         SHARES,
@@ -421,10 +410,7 @@ class Requirements:
         left_out=True,
     )
     payload: tuple[float, float] = keyed(
-        Array(LOADS, 2, 2),
-        "Least and largest payload.",
-        '["0 kg", "100 kg"]',
-        default=(0.0, 0.0),
+        Array(LOADS, 2, 2), "Least and largest payload.", '["0 kg", "100 kg"]', default=(0.0, 0.0)
     )
     payload_radius: float = keyed(
         ARMS,

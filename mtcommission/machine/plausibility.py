@@ -51,6 +51,10 @@ class Remark:
         return Message("remark", key=self.key, what=self.message)
 
 
+Found = Iterator[tuple[str, Message]]
+"""Keys and what is unusual at them."""
+
+
 def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     """Return what a commissioning engineer would ask about a machine; empty if nothing is unusual.
 
@@ -58,36 +62,27 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Drive, Modes, Requirements, VelocityStep
-    >>> from mtcommission.plant.modal import Modal
-    >>> axis = Machine(name="a", axis="X", source="example",
-    ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
-    ...         natural_frequency=250.0, damping_ratio=0.5, tcp_gain=0.01),)),
-    ...     drive=Drive(force_lag=2e-3, max_force=1e3), moves=(VelocityStep(velocity_step=0.1),),
-    ...     requirements=Requirements(tcp_deviation=1e-5,
-    ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
-    >>> [remark.key for remark in check_plausibility(axis)]
-    ['plant.modes[1]']
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> check_plausibility(read_shipped("ball-screw").machine)
+    ()
     """
-    modes = enumerate(machine.mechanics.modes)
-    return (
-        *(remark for i, mode in modes for remark in _check_mode(machine, mode, i)),
-        *_check_drive(machine),
-        *_check_moves(machine),
-        *_check_requirements(machine),
-        *_check_control(machine),
-        *_check_measurement(machine),
+    checks = (
+        _check_modes,
+        _check_drive,
+        _check_moves,
+        _check_requirements,
+        _check_control,
+        _check_measurement,
     )
+    found = (one for check in checks for one in check(machine))
+    return tuple(Remark(key=key, message=message) for key, message in found)
 
 
-def _on_mode(machine: Machine, mode: FlexibleMode, index: int, what: Message) -> Remark:
-    message = Message("remark-on-mode", mode=mode.name, what=what)
-    return Remark(key=machine.mechanics.mode_key(index), message=message)
-
-
-def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> Iterator[Remark]:
-    for what in _doubts(machine, mode, is_stated=machine.mechanics.mode_key(index) != "plant"):
-        yield _on_mode(machine, mode, index, what)
+def _check_modes(machine: Machine) -> Found:
+    for index, mode in enumerate(machine.mechanics.modes):
+        key = machine.mechanics.mode_key(index)
+        for what in _doubts(machine, mode, is_stated=key != "plant"):
+            yield key, Message("remark-on-mode", mode=mode.name, what=what)
 
 
 def _doubts(machine: Machine, mode: FlexibleMode, *, is_stated: bool) -> Iterator[Message]:
@@ -128,36 +123,36 @@ def _doubts(machine: Machine, mode: FlexibleMode, *, is_stated: bool) -> Iterato
         yield Message("mode-bends-far", deflection=deflection, ratio=deflection / band, band=band)
 
 
-def _check_drive(machine: Machine) -> Iterator[Remark]:
+def _check_drive(machine: Machine) -> Found:
     drive, m = machine.drive, moving_mass(machine)
     low, high = ACCELERATIONS[machine.motion]
     a = drive.motion_force / m
     if not low <= a <= high:
         kind = "force-hardly-moves-axis" if a < low else "force-beyond-axis"
         message = Message(kind, force=drive.motion_force, mass=m, acceleration=a)
-        yield Remark(key="drive.max_force", message=message)
+        yield "drive.max_force", message
     if abs(drive.static_load) > LOAD_SHARE * drive.max_force:
         message = Message(
             "static-load-large", load=abs(drive.static_load), max_force=drive.max_force
         )
-        yield Remark(key="drive.static_load", message=message)
+        yield "drive.static_load", message
     if isfinite(drive.continuous_force) and drive.continuous_force > drive.max_force:
         message = Message(
             "continuous-force-above-max", force=drive.continuous_force, max_force=drive.max_force
         )
-        yield Remark(key="drive.continuous_force", message=message)
+        yield "drive.continuous_force", message
     if machine.control.kind.follows_steps and not drive.follows:
-        yield Remark(key="drive.kind", message=Message("drive-kind-steps"))
+        yield "drive.kind", Message("drive-kind-steps")
     if drive.force_lag > LONGEST_FORCE_LAG:
-        yield Remark(key="drive.force_lag", message=Message("force-lag-long", lag=drive.force_lag))
+        yield "drive.force_lag", Message("force-lag-long", lag=drive.force_lag)
 
 
-def _check_moves(machine: Machine) -> Iterator[Remark]:
+def _check_moves(machine: Machine) -> Found:
     a, fastest = machine.drive.motion_force / moving_mass(machine), VELOCITIES[machine.motion]
     for i, move in enumerate(machine.moves):
         time = least_motion_time(move, a)
         if time > LONGEST_MOVE:
-            yield Remark(key=f"moves[{i + 1}]", message=Message("move-lasts-long", time=time))
+            yield f"moves[{i + 1}]", Message("move-lasts-long", time=time)
         name, velocity = (
             ("velocity_step", move.velocity_step)
             if isinstance(move, VelocityStep)
@@ -165,56 +160,53 @@ def _check_moves(machine: Machine) -> Iterator[Remark]:
         )
         if fastest < velocity < inf:
             message = Message("move-fast", velocity=velocity, fastest=fastest)
-            yield Remark(key=f"moves[{i + 1}].{name}", message=message)
+            yield f"moves[{i + 1}].{name}", message
 
 
-def _check_requirements(machine: Machine) -> Iterator[Remark]:
+def _check_requirements(machine: Machine) -> Found:
     needs, m = machine.requirements, moving_mass(machine)
     low, high = DEVIATIONS[machine.motion]
     if not low <= needs.tcp_deviation <= high:
         kind = "band-finer-than-encoders" if needs.tcp_deviation < low else "band-no-accuracy"
         message = Message(kind, band=needs.tcp_deviation)
-        yield Remark(key="requirements.tcp_deviation", message=message)
+        yield "requirements.tcp_deviation", message
     if needs.payload[1] > PAYLOAD_RATIO * m:
         message = Message("payload-large", payload=needs.payload[1], mass=m)
-        yield Remark(key="requirements.payload", message=message)
+        yield "requirements.payload", message
     bands = needs.modes
     if not bands.surface <= bands.accuracy <= bands.speed:
         message = Message(
-            "bands-not-widening",
-            surface=bands.surface,
-            accuracy=bands.accuracy,
-            speed=bands.speed,
+            "bands-not-widening", surface=bands.surface, accuracy=bands.accuracy, speed=bands.speed
         )
-        yield Remark(key="requirements.modes", message=message)
+        yield "requirements.modes", message
 
 
-def _check_control(machine: Machine) -> Iterator[Remark]:
+def _check_control(machine: Machine) -> Found:
     control, m = machine.control, moving_mass(machine)
     if control.velocity_cycle < SHORTEST_VELOCITY_CYCLE:
         message = Message("cycle-shorter-than-drives-have", cycle=control.velocity_cycle)
-        yield Remark(key="control.velocity_cycle", message=message)
+        yield "control.velocity_cycle", message
     low, high = (m + payload for payload in machine.requirements.payload)
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:
         message = Message("feedforward-mass-far", mass=mass, low=low, high=high)
-        yield Remark(key="control.feedforward_mass", message=message)
+        yield "control.feedforward_mass", message
     gain = control.position_gain
     if gain is not None and gain < LEAST_POSITION_GAIN:
         in_custom = convert_to(gain, "(m/min)/mm")
         message = Message("position-gain-without-unit", gain=gain, in_custom=in_custom)
-        yield Remark(key="control.position_gain", message=message)
+        yield "control.position_gain", message
     if control.minimum_bandwidth_hz * control.velocity_cycle * SAMPLES_PER_PERIOD > 1.0:
         message = Message(
             "bandwidth-above-sampling",
             bandwidth=control.minimum_bandwidth_hz,
             rate=1.0 / control.velocity_cycle,
         )
-        yield Remark(key="control.minimum_bandwidth", message=message)
+        yield "control.minimum_bandwidth", message
 
 
-def _check_measurement(machine: Machine) -> Iterator[Remark]:
+def _check_measurement(machine: Machine) -> Found:
     misfit = machine.identified.misfit if machine.identified else None
     if misfit is not None and misfit > MOST_MISFIT:
         message = Message("measured-not-described", misfit=misfit, most=MOST_MISFIT)
-        yield Remark(key="identified.misfit", message=message)
+        yield "identified.misfit", message

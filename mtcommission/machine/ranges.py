@@ -57,7 +57,8 @@ MODE_GAINS = AxisRange(Range(LINEAR.gain, -1e6, 1e6), Range(ROTARY.gain, -1e12, 
 VELOCITY_GAINS = AxisRange(
     Range(LINEAR.damping, 1e-6, 1e12, 0.0), Range(ROTARY.damping, 1e-9, 1e12, 0.0)
 )
-DELAYS = AxisRange(Range(TIME, 0.0, 10.0), Range(TIME, 0.0, 10.0), word="auto")
+MODEL_TIMES = _same(TIME, 0.0, 10.0)
+DELAYS = AxisRange(MODEL_TIMES.linear, MODEL_TIMES.rotary, word="auto")
 LAGS = _same(TIME, 1e-6, 0.1, 0.0)
 FILTER_TIMES = _same(TIME, 1e-6, 1.0, 0.0)
 # Drives have 31.25 us and more, controls up to 20 ms; every simulation steps through them.

@@ -11,11 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.keys import Misfit, keyed
-from mtcommission.machine.mechanics import (
-    FlexibleMode,
-    ModeStates,
-    find_equal_poles,
-)
+from mtcommission.machine.mechanics import FlexibleMode, ModeStates, find_equal_poles
 from mtcommission.machine.ranges import (
     ARMS,
     DAMPINGS,
@@ -169,7 +165,7 @@ class Manipulator:
         for key, damping, stiffness, mass, unit in (
             ("base_damping", self.base_damping, self.base_stiffness, self.base_mass, "N s/m"),
             ("rotary_damping", self.rotary_damping, self.rotary_stiffness, self.rotary_inertia,
-             "N m s/rad"),
+             "N m s/rad")
         ):  # fmt: skip
             critical = 2.0 * sqrt(stiffness * mass)
             if damping >= critical:

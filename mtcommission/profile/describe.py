@@ -12,9 +12,7 @@ import mtcommission.plant.kinds  # noqa: F401  registers them
 from mtcommission.machine.keys import (
     Array,
     AxisRange,
-    Key,
     Range,
-    Reader,
     Table,
     Word,
     list_keys,
@@ -31,7 +29,7 @@ from mtcommission.machine.machine import (
 )
 from mtcommission.machine.mechanics import HELD, KINDS
 from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import LINEAR, ROTARY
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 Schema = dict[str, Any]
 
@@ -145,7 +143,7 @@ class KeyQuestion:
     key: str  # dotted; elements of arrays are asked for as number 0
     meaning: str
     example: str  # as one types it
-    default: Any  # SI, or a word; None where there is none
+    default: float | str | bool | None  # SI, or a word; None where there is none
     is_required: bool
     allowed: Range | None  # what a number may be, and its unit; None for texts and words
     words: tuple[str, ...]  # what may be chosen; empty for free input
@@ -170,43 +168,42 @@ def questions(
     ['drive.force_lag', 'drive.max_force', 'drive.continuous_force']
     """
     plant = HELD[KINDS[kind]] if follows else KINDS[kind]
-    parts: list[tuple[str, type[Any], str]] = [
-        (ABOUT, Machine, ABOUT),
-        ("drive", PositionSource if follows else Drive, ""),
-        ("plant", plant, ""),
-        ("moves.0", Positioning, ""),
-        ("moves.0", VelocityStep, ""),
-        *((key, _kind_of(about), "") for key, _, about in list_keys(Machine) if _kind_of(about)),
+    own: list[tuple[str, type[Any], bool]] = [
+        ("drive", PositionSource if follows else Drive, True),
+        ("plant", plant, True),
+        ("moves.0", Positioning, True),
+        ("moves.0", VelocityStep, True),
     ]
-    found = [one for place, table, own in parts for one in _ask(place, table, own, rotary=rotary)]
+    for key, _, about in list_keys(Machine):
+        if isinstance(about.reader, Table):
+            own.append((key, about.reader.kind, about.left_out is not None))
+    axis = ROTARY if rotary else LINEAR
+    found = _ask(ABOUT, Machine, axis, ABOUT)
+    for place, kind_of_table, is_needed in own:
+        found += _ask(place, kind_of_table, axis, is_needed=is_needed)
     return tuple({one.key: one for one in found}.values())
 
 
-def _kind_of(about: Key) -> Any:
-    return about.reader.kind if isinstance(about.reader, Table) else None
-
-
-def _ask(place: str, table: type[Any], own: str, *, rotary: bool) -> list[KeyQuestion]:
+def _ask(
+    place: str, kind: type[Any], axis: AxisUnits, table: str = "", *, is_needed: bool = True
+) -> list[KeyQuestion]:
+    """The questions of a table, and of those in it; an array is asked for its first element."""
     found = []
-    for name, _, about in list_keys(table, own):
-        reader: Reader = about.reader
-        key = f"{place}.{name}"
-        inner = reader.inner if isinstance(reader, Array) else reader
-        if isinstance(inner, Table):
-            below = f"{key}.0" if isinstance(reader, Array) else key
-            found += _ask(below, inner.kind, "", rotary=rotary)
-            continue
-        default = about.left_out if isinstance(about.left_out, bool | float | str) else None
-        axis = ROTARY if rotary else LINEAR
-        found.append(
-            KeyQuestion(
+    for name, _, about in list_keys(kind, table):
+        reader, key, is_required = about.reader, f"{place}.{name}", is_needed and about.is_required
+        if isinstance(reader, Array) and isinstance(reader.inner, Table):
+            found += _ask(f"{key}.0", reader.inner.kind, axis, is_needed=is_required)
+        elif isinstance(reader, Table):
+            found += _ask(key, reader.kind, axis, is_needed=is_required)
+        else:
+            question = KeyQuestion(
                 key=key,
                 meaning=about.meaning,
                 example=about.example,
-                default=default,
-                is_required=about.is_required,
+                default=about.default,
+                is_required=is_required,
                 allowed=reader.on(axis) if isinstance(reader, AxisRange) else None,
                 words=tuple(reader.meanings) if isinstance(reader, Word) else (),
             )
-        )
+            found.append(question)
     return found

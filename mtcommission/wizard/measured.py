@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def identify_files(
     """
     from mtcommission.identify.axes import by_axis
     from mtcommission.identify.check import check_records
-    from mtcommission.identify.document import Writing, merge_profile, write_profile
+    from mtcommission.identify.document import Writing, kind_replaced, merge_profile, write_profile
     from mtcommission.identify.entry import identified_json, identified_part
     from mtcommission.identify.gather import gather
     from mtcommission.identify.given import Given
@@ -104,6 +104,7 @@ def identify_files(
     motion = "rotary" if found.rotary else "linear"
     checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
     part = identified_part(found, checks=checks, created=date)
+    part = replace(part, warnings=[*part.warnings, *kind_replaced(before)])
     evidence = evidence_file(str(output))
     how = Writing(
         date=date,
