@@ -160,7 +160,7 @@ def test_the_cost_hangs_neither_on_the_length_of_a_move_nor_on_its_decay() -> No
     assert counts[1] <= 1.5 * counts[0]
     move = Positioning(distance=30.0, max_velocity=1.0)
     motions = set_in_motion(poles, steps_of(machine, move, np.array([1.0]), np.array([20.0])))
-    assert motions.held.shape[0] == 8
+    assert motions.modal.shape[0] == 8
 
 
 def test_where_poles_coincide_the_loop_is_stepped(monkeypatch: pytest.MonkeyPatch) -> None:

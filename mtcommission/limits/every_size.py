@@ -353,7 +353,7 @@ def _pulses(poles: LoopPoles, signal: Signal) -> tuple[float, float]:
     for loop in poles.loops:
         lifted, X = loop.lifted, loop.lifted.B[:, 2:]
         seen = signal.row @ lifted.C.reshape(poles.cycles, poles.outputs, -1)
-        for m in range(2 * poles.forced):
+        for m in range(2 * poles.recent):
             if m >= late:
                 largest = np.maximum(largest, np.abs(seen @ X).max(axis=0))
             X = lifted.A @ X

@@ -50,12 +50,12 @@ def _near_steps(
     Shape (n_setpoints, n_corners, n_parts, n_rows).
     """
     poles, first = motions.poles, motions.first
-    gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.forced)
-    begun = np.arange(poles.forced)
+    gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.recent)
+    begun = np.arange(poles.recent)
     later = np.linspace(0.0, 1.0, BETWEEN + 1)[1:]
     later = (np.maximum(gaps - 1, 0)[..., None] * later).astype(np.int64)
     ages = np.concatenate([np.broadcast_to(begun, (*gaps.shape, len(begun))), later], axis=2)
-    own = np.concatenate([begun < gaps[..., None], later >= poles.forced], axis=2)
+    own = np.concatenate([begun < gaps[..., None], later >= poles.recent], axis=2)
     setpoint, _, _ = np.nonzero(own)
     at = (first[:, :, None] + ages)[own]
     found = signals_at(motions, pieces, setpoint, at, rows, parts)
@@ -71,7 +71,7 @@ def _near_steps(
 def _far_from_steps(
     motions: Motions, pieces: Pieces, grid: Grid, rows: Array, less: int | None
 ) -> Array:
-    """Largest of what the poles alone tell of, from ``forced`` cycles after steps to their next.
+    """Largest of what the poles alone tell of, from ``recent`` cycles after steps to their next.
 
     At the instants of the grid, in any velocity cycle; shape (n_setpoints, n_corners, n_rows).
     """
@@ -82,18 +82,18 @@ def _far_from_steps(
     shapes = shapes_on(poles, grid, rows)
     steady = (rows @ poles.steady[..., : q + 1])[:, grid.part]
     steady = steady.transpose(1, 3, 0, 2).reshape(len(grid.part), q + 1, -1)
-    gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.forced + grid.cycle[-1] + 1)
+    gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.recent + grid.cycle[-1] + 1)
     is_last = np.arange(gaps.shape[1]) == gaps.shape[1] - 1
     for alike in (~is_last, is_last):  # the last one is followed far longer than the others
-        own, j = np.nonzero((gaps > poles.forced) & alike)
+        own, j = np.nonzero((gaps > poles.recent) & alike)
         if not len(own):
             continue
-        left = gaps[own, j] - poles.forced
+        left = gaps[own, j] - poles.recent
         used = int(np.searchsorted(grid.cycle, left.max()))
         cycle, part = grid.cycle[:used], grid.part[:used]
-        found = seen(motions.held[j, own], shapes[:, :, : used * R]).transpose(1, 0, 2)
+        found = seen(motions.modal[j, own], shapes[:, :, : used * R]).transpose(1, 0, 2)
         found = found.reshape(len(own), -1, used, R)
-        at, setpoint = first[own, j, None] + poles.forced + cycle, np.repeat(own, used)
+        at, setpoint = first[own, j, None] + poles.recent + cycle, np.repeat(own, used)
         sampled = np.asarray(at.ravel() * poles.dt)
         x = pieces.sample(sampled, derivatives=q + 1, setpoint=setpoint)
         x = x.reshape(q + 1, *at.shape).transpose(2, 1, 0)

@@ -46,7 +46,7 @@ TOGETHER = 500
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Grid:
-    """Velocity cycles at which free motion is looked at, from ``forced`` cycles after a step."""
+    """Velocity cycles at which free motion is looked at, from ``recent`` cycles after a step."""
 
     cycle: Cycles  # position cycles since then, shape (n_instants,)
     part: Cycles  # velocity cycle within it
@@ -82,7 +82,7 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
 
 
 def shapes_on(poles: LoopPoles, grid: Grid, rows: Array) -> Array:
-    """Return signals on a grid by Re and Im of what poles hold, rows last, see ``by_parts``."""
+    """Return signals on a grid by Re and Im of modal states, rows last, see ``by_parts``."""
     return _shapes_on(poles, grid, rows.shape, rows.tobytes())
 
 
@@ -133,10 +133,10 @@ class FreeMotion:
         Looked at densely just before their envelope enters the band, then backwards ever fewer.
         """
         poles, offset = self.motions.poles, self.offset[row, corner]
-        held, shapes = self.motions.held[-1, row, corner], poles.shapes[corner, :, 0]
+        modal, shapes = self.motions.modal[-1, row, corner], poles.shapes[corner, :, 0]
         p = np.maximum(poles.rates.real, -1e3 / poles.dt) + 1j * poles.rates.imag
         p = poles.dt * p[corner]
-        sizes, left = np.abs(held) * np.abs(shapes).max(axis=1), band - np.abs(offset).max(axis=1)
+        sizes, left = np.abs(modal) * np.abs(shapes).max(axis=1), band - np.abs(offset).max(axis=1)
         low = np.zeros(len(row))
         with np.errstate(divide="ignore", invalid="ignore"):
             high = np.log(sizes.sum(axis=1) / left) / -p.real.max(axis=1)
@@ -149,14 +149,14 @@ class FreeMotion:
         begin, each = np.ceil(high), np.arange(len(row))
         for _ in range(2):  # and once more, densely behind the last one that is outside
             age = begin[:, None] - BACKWARDS
-            state = held[:, None] * np.exp(p[:, None] * np.maximum(age, 0.0)[..., None])
+            state = modal[:, None] * np.exp(p[:, None] * np.maximum(age, 0.0)[..., None])
             e = np.abs((state @ shapes.transpose(0, 2, 1)).real + offset[:, None])
             e[age < 0.0] = 0.0
             e = e.reshape(len(e), -1)
             last = e.shape[1] - 1 - np.argmax((e > band)[:, ::-1], axis=1)
             last = np.minimum(last, e.shape[1] - 2)
             begin = age[each, (last + 1) // poles.cycles]
-        t = poles.dt * (poles.forced + age)[..., None]
+        t = poles.dt * (poles.recent + age)[..., None]
         t = (t + poles.velocity_cycle * np.arange(poles.cycles)).reshape(len(e), -1)
         here, there = e[each, last], e[each, last + 1]
         start, end = t[each, last], t[each, last + 1]
@@ -204,20 +204,20 @@ def free_motion(
     elif signal.less == 1:
         coasting = coasting - 1.0
     # From the last sample before t_e + τ on, which lies between two.
-    m = np.arange(floor((tau - T - T_v) / T + 1e-9), poles.forced)
+    m = np.arange(floor((tau - T - T_v) / T + 1e-9), poles.recent)
     setpoint = np.repeat(np.arange(len(end)), len(m))
     cycles = (end[:, None] + m).ravel()
     near = transients(motions, setpoint, cycles, rows, parts, all_steps=True)
     near = near.reshape(len(end), len(m), -1, len(parts)).transpose(2, 0, 1, 3)
     instants, part = (T * m[:, None] + T_v * parts).ravel(), np.tile(parts, len(m))
     if poles.factors.size:
-        instants = np.append(instants, T * (poles.forced + grid.cycle) + T_v * grid.part)
+        instants = np.append(instants, T * (poles.recent + grid.cycle) + T_v * grid.part)
         part = np.append(part, grid.part)
     by_corner = np.empty((len(near), len(end), len(instants)))
     known = len(m) * len(parts)
     by_corner[:, :, :known] = near.reshape(len(near), len(end), known)
     if poles.factors.size:
-        seen(motions.held[-1], shapes_on(poles, grid, rows), out=by_corner[:, :, known:])
+        seen(motions.modal[-1], shapes_on(poles, grid, rows), out=by_corner[:, :, known:])
     e = by_corner.transpose(1, 0, 2)
     if np.any(v_end):
         e += v_end[:, None, None] * coasting[:, part]

@@ -62,7 +62,7 @@ class MeanResponse:
 
     rates: Complex  # (n_corners, n_poles) [1/s]
     ages: Array  # times that meet the swings of every pole that counts, from 0 [s]
-    seen: NDArray[np.float32]  # signals at each instant by Re and Im of what poles hold,
+    seen: NDArray[np.float32]  # signals at each instant by Re and Im of modal states,
     # (n_corners, 2 n_poles, n_signals n_instants)
     signals: int
 
@@ -78,16 +78,16 @@ class MeanResponse:
         """Return exp(p t), shape (n_times, n_corners, n_poles)."""
         return np.asarray(np.exp(self.rates * np.atleast_1d(time)[:, None, None]))
 
-    def largest(self, held: Complex) -> Array:
+    def largest(self, modal: Complex) -> Array:
         """Return what is left of each signal, worst corner, shape (n_setpoints, n_signals).
 
-        ``held``: G F of each at the end of its setpoint, (n_setpoints, n_corners, n_poles).
+        ``modal``: G F of each at the end of its setpoint, (n_setpoints, n_corners, n_poles).
         """
-        both = np.concatenate([held.real, held.imag], axis=2).astype(np.float32).transpose(1, 0, 2)
-        largest = np.empty((len(held), self.signals))
+        both = np.concatenate([modal.real, modal.imag], axis=2).astype(np.float32)
+        largest = np.empty((len(modal), self.signals))
         together = max(CELLS // (len(self.seen) * self.seen.shape[2]), 1)
-        for start in range(0, len(held), together):
-            found = both[:, start : start + together] @ self.seen
+        for start in range(0, len(modal), together):
+            found = both[start : start + together].transpose(1, 0, 2) @ self.seen
             np.abs(found, out=found)
             found = found.reshape(*found.shape[:2], self.signals, -1)
             largest[start : start + together] = found.max(axis=3).max(axis=0)
@@ -96,10 +96,10 @@ class MeanResponse:
     def residual(self, steps: JerkSteps, behind: Complex) -> Array:
         """Return the same of moves, from ``jerk_steps``, with F of the filter."""
         times, jerk = steps.times, steps.steps[:, 0]
-        held = behind * (self.since(times[:, 1]) - 1.0) * (self.since(times[:, 2]) - 1.0)
+        modal = behind * (self.since(times[:, 1]) - 1.0) * (self.since(times[:, 2]) - 1.0)
         if times.shape[1] > 4:
-            held = held * (self.since(times[:, 4]) - 1.0)
-        return np.asarray(jerk[:, None] * self.largest(held))
+            modal = modal * (self.since(times[:, 4]) - 1.0)
+        return np.asarray(jerk[:, None] * self.largest(modal))
 
 
 def average_phases(poles: LoopPoles, rows: Array) -> MeanResponse:
@@ -119,10 +119,10 @@ def _average(poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes) -> Mean
     T, missing = poles.dt, np.abs(poles.factors) == 0.0
     rates = np.where(missing, GONE, poles.rates)
     early = (np.arange(PHASES) + 0.5)[:, None, None] / PHASES * T
-    # The step comes s before its first sample, ``forced`` cycles before what the poles hold.
-    held = sum(early**b / factorial(b) * poles.starts[3 - b] for b in range(4))
-    age = np.where(missing, 0.0, rates) * (early + poles.forced * T)
-    c = np.where(missing, 0.0, (held * np.exp(-age)).mean(axis=0))
+    # The step comes s before its first sample, ``recent`` cycles before the modal states.
+    begun = sum(early**b / factorial(b) * poles.starts[3 - b] for b in range(4))
+    age = np.where(missing, 0.0, rates) * (early + poles.recent * T)
+    c = np.where(missing, 0.0, (begun * np.exp(-age)).mean(axis=0))
     ages = _lay_ages(poles)
     s = poles.delay + ages
     signals = (rows @ poles.shapes[:, 0]).swapaxes(1, 2) * c[..., None]

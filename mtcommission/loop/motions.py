@@ -46,14 +46,15 @@ def output_of_states(row: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motions:
-    """Setpoints on a loop: steps in rising order, and what of them the poles hold."""
+    """Setpoints on a loop: steps in rising order, and the modal states that they leave."""
 
     poles: LoopPoles
     steps: JerkSteps
     first: Cycles  # sample at which each step is seen first, (n_setpoints, n_steps)
     basis: Array  # weights of -S_q, -S_(q-1), ... at that sample, (n_setpoints, n_steps, q + 1)
-    held: Complex  # of all steps up to each, ``forced`` cycles after its first sample,
-    # (n_steps, n_setpoints, n_corners, n_poles)
+    modal: Complex
+    """Modal states by all steps up to each, ``recent`` cycles after its first sample, (n_steps,
+    n_setpoints, n_corners, n_poles)."""
 
     @property
     def order(self) -> int:
@@ -72,11 +73,11 @@ def set_in_motion(poles: LoopPoles, steps: JerkSteps) -> Motions:
     starts = poles.starts[q::-1].reshape(q + 1, -1)  # by the power of s
     new = (basis.reshape(-1, q + 1) @ starts).reshape(*sizes.shape, *poles.factors.shape)
     faded = poles.power(np.diff(first, axis=1))
-    held = np.empty((sizes.shape[1], len(sizes), *poles.factors.shape), dtype=complex)
-    for j in range(len(held)):
-        held[j] = new[:, j] + held[j - 1] * faded[:, j - 1] if j else new[:, j]
+    modal = np.empty((sizes.shape[1], len(sizes), *poles.factors.shape), dtype=complex)
+    for j in range(len(modal)):
+        modal[j] = new[:, j] + modal[j - 1] * faded[:, j - 1] if j else new[:, j]
     own = JerkSteps(times=times, steps=sizes, order=q)
-    return Motions(poles=poles, steps=own, first=first, basis=basis, held=held)
+    return Motions(poles=poles, steps=own, first=first, basis=basis, modal=modal)
 
 
 def _basis(sizes: Array, early: Array, order: int) -> Array:
@@ -95,8 +96,8 @@ class View:
     What is seen stands in the order (n_corners, n_parts, n_rows).
     """
 
-    table: Array  # by cycles since a step and power of s, ((q + 1) forced, n_seen)
-    shapes: Array  # by Re and Im of what poles hold, (n_corners, 2 n_poles, n_parts n_rows)
+    table: Array  # by cycles since a step and power of s, ((q + 1) recent, n_seen)
+    shapes: Array  # by Re and Im of modal states, (n_corners, 2 n_poles, n_parts n_rows)
     steady: Array  # by derivative of the setpoint, (q + 1, n_seen)
 
 
@@ -113,23 +114,23 @@ def _view(
     table = rows @ poles.table[:, :, own, :, order::-1]
     steady = (rows @ poles.steady[:, own, :, : order + 1]).reshape(-1, order + 1).T
     return View(
-        table=np.moveaxis(table, -1, 1).reshape((order + 1) * poles.forced, -1),
+        table=np.moveaxis(table, -1, 1).reshape((order + 1) * poles.recent, -1),
         shapes=by_parts(rows @ poles.shapes[:, own]),
         steady=np.ascontiguousarray(steady),
     )
 
 
 def by_parts(shapes: Complex) -> Array:
-    """Return signals by pole, (n_corners, ..., n_poles), by Re and Im of what the poles hold."""
+    """Return signals by pole, (n_corners, ..., n_poles), by Re and Im of modal states."""
     flat = shapes.reshape(len(shapes), prod(shapes.shape[1:-1]), shapes.shape[-1])
     parts = np.concatenate([flat.real, -flat.imag], axis=2)
     return np.ascontiguousarray(parts.transpose(0, 2, 1))
 
 
 def seen(state: Complex, shapes: Array, *, out: Array | None = None) -> Array:
-    """Return signals of what poles hold, (n_corners, n, n_seen); ``shapes`` from ``by_parts``."""
-    held = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
-    return np.asarray(np.matmul(held, shapes, out=out))
+    """Return signals of modal states, (n_corners, n, n_seen); ``shapes`` from ``by_parts``."""
+    parts = np.concatenate([state.real, state.imag], axis=2).transpose(1, 0, 2)
+    return np.asarray(np.matmul(parts, shapes, out=out))
 
 
 def outputs_at(motions: Motions, n: Cycles, rows: Array) -> Array:
@@ -178,7 +179,7 @@ def transients(
     view = _look(poles, rows, parts, q)
     age = n[:, None] - motions.first[setpoint]
     # The steps that the table tells of, ...
-    is_near = age < poles.forced if all_steps else (age >= 0) & (age < poles.forced)
+    is_near = age < poles.recent if all_steps else (age >= 0) & (age < poles.recent)
     time, step = np.nonzero(is_near)
     since, basis = age[time, step], motions.basis[setpoint[time], step]
     to_come = np.flatnonzero(since < 0)
@@ -189,15 +190,15 @@ def transients(
     column = (q + 1) * np.maximum(since, 0)[:, None] + np.arange(q + 1)
     ends = (q + 1) * np.append(0, np.cumsum(is_near.sum(axis=1)))
     weights = csr_array(
-        (basis.ravel(), column.ravel(), ends), shape=(len(n), (q + 1) * poles.forced)
+        (basis.ravel(), column.ravel(), ends), shape=(len(n), (q + 1) * poles.recent)
     )
     found = np.asarray(weights @ view.table)
-    # ... and those that the poles hold, up to the last one.
-    told = np.sum(age >= poles.forced, axis=1)
+    # ... and those that the poles tell of, up to the last one.
+    told = np.sum(age >= poles.recent, axis=1)
     far = np.flatnonzero(told)
     if poles.factors.size and len(far):
         last = told[far] - 1
-        state = motions.held[last, setpoint[far]] * poles.power(age[far, last] - poles.forced)
+        state = motions.modal[last, setpoint[far]] * poles.power(age[far, last] - poles.recent)
         found[far] += seen(state, view.shapes).transpose(1, 0, 2).reshape(len(far), -1)
     return found.reshape(len(n), len(poles.loops), len(parts), len(rows))
 

@@ -56,11 +56,11 @@ class LoopPoles:
     """A controller on the machine in every corner, by the poles of the closed loop."""
 
     loops: tuple[SampledLoop, ...]
-    forced: int  # cycles after a step until the poles alone tell what is left of it
+    recent: int  # cycles after a step until the poles alone tell what is left of it
     factors: Complex  # λ per position cycle, one of each pair, (n_corners, n_poles)
     shapes: Complex  # outputs by pole, pairs doubled, (n_corners, cycles, n_out, n_poles)
-    starts: Complex  # states of -S_k after ``forced`` cycles, (order + 1, n_corners, n_poles)
-    table: Array  # outputs until then, (forced, n_corners, cycles, n_out, order + 1)
+    starts: Complex  # states of -S_k after ``recent`` cycles, (order + 1, n_corners, n_poles)
+    table: Array  # outputs until then, (recent, n_corners, cycles, n_out, order + 1)
     steady: Array  # by each derivative of the setpoint, (n_corners, cycles, n_out, order + 1)
     powers: tuple[Complex, Complex]  # λ^m for m < BASE, and for multiples of BASE
 
@@ -120,18 +120,18 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     n_out, cycles, own = len(first.outputs), first.controller.cycles, first.own_size
     delays = (len(first.lifted.A) - own) // 4
     slow = [_slow_part(loop.lifted.A[:own, :own]) for loop in loops]
-    forced = delays + FADING
+    recent = delays + FADING
     if any(part.condition > ILL_CONDITIONED for part in slow):
         slowest = max(
             float(np.max(np.abs(np.linalg.eigvals(loop.lifted.A[:own, :own])))) for loop in loops
         )
-        forced = delays + min(ceil(log(1e-12) / log(min(slowest, 1.0 - 1e-9))), STEPPED)
+        recent = delays + min(ceil(log(1e-12) / log(min(slowest, 1.0 - 1e-9))), STEPPED)
         slow = [part.without_any() for part in slow]
     most = max(len(part.factors) for part in slow)
     factors = np.zeros((len(loops), most), dtype=complex)
     starts = np.zeros((HIGHEST + 1, len(loops), most), dtype=complex)
     shapes = np.zeros((len(loops), cycles, n_out, most), dtype=complex)
-    table = np.empty((forced, len(loops), cycles, n_out, HIGHEST + 1))
+    table = np.empty((recent, len(loops), cycles, n_out, HIGHEST + 1))
     steady = np.empty((len(loops), cycles, n_out, HIGHEST + 1))
     for i, (loop, part) in enumerate(zip(loops, slow, strict=True)):
         count, C = len(part.factors), loop.lifted.C.reshape(cycles, n_out, -1)
@@ -139,7 +139,7 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
         factors[i, :count], steady[i] = part.factors, C @ S.T
         shapes[i, ..., :count] = C[:, :, :own] @ part.right
         X = -S.T
-        for m in range(forced):
+        for m in range(recent):
             table[m, i] = C @ X
             X = loop.lifted.A @ X
         starts[:, i, :count] = (part.left @ X[:own]).T
@@ -148,7 +148,7 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
     high: Complex = np.power(factors**BASE, each)
     return LoopPoles(
         loops=loops,
-        forced=forced,
+        recent=recent,
         factors=factors,
         shapes=shapes,
         starts=starts,
@@ -211,7 +211,7 @@ def restrict(poles: LoopPoles, corners: Sequence[int]) -> LoopPoles:
     own = list(corners)
     return LoopPoles(
         loops=tuple(poles.loops[i] for i in own),
-        forced=poles.forced,
+        recent=poles.recent,
         factors=poles.factors[own],
         shapes=poles.shapes[own],
         starts=poles.starts[:, own],

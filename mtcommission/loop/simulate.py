@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import ceil, inf, log, sqrt
+from math import ceil, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,7 +101,7 @@ def simulate_corners(
         outputs[:, part] = found.reshape(len(loops), -1, poles.outputs)
     max_force = np.max(np.abs(outputs[:, :, 2]), axis=1)
     saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
-    # A motor that follows does not saturate: it loses steps, and no motion could be shown.
+    # An open-loop axis does not saturate: it loses steps, and no motion could be shown.
     is_steppable = not loops[0].controller.follows and first * poles.cycles <= STEPPED
     stepped = np.flatnonzero(saturated & is_steppable).tolist()
     limited = _step_saturated([loops[i] for i in stepped], setpoint, drive.motion_force, band)
@@ -150,16 +150,20 @@ def _follow(
     """How many cycles from one on are followed, and where the tool can leave the band no more."""
     usual, horizon = ceil(FOLLOWED / poles.dt), ceil(HORIZON / poles.dt)
     if not poles.factors.size:
-        return min(poles.forced, horizon), np.ones(len(poles.loops), dtype=bool)
-    begun = first - motions.first[:, -1] - poles.forced
-    held = motions.held[-1, 0] * poles.power(np.maximum(begun, 0))[0]
-    sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(held)  # (n_corners, n_poles)
+        return min(poles.recent, horizon), np.ones(len(poles.loops), dtype=bool)
+    begun = first - motions.first[:, -1] - poles.recent
+    modal = motions.modal[-1, 0] * poles.power(np.maximum(begun, 0))[0]
+    sizes = np.abs(poles.shapes[:, :, 0]).max(axis=1) * np.abs(modal)  # (n_corners, n_poles)
     radii = np.maximum(np.abs(poles.factors), 1e-9)
     residual = free_motion(motions, lay_grid(poles, SAMPLES)).residual[0]
     size = np.minimum(np.maximum(residual, LEAST_SIZE * band), band)
     longest, settles = 0, np.ones(len(radii), dtype=bool)
+    # Cycles until every mode is below a share of that size; a pole outside the circle never is.
+    small = DECAYED * size[:, None]
+    decay = np.log(np.maximum(sizes / small, 1.0)) / -np.log(np.minimum(radii, 1.0 - 1e-15))
+    wanted = np.minimum(decay.max(axis=1) + 1.0, horizon).astype(int).tolist()
     for corner, (amplitude, radius) in enumerate(zip(sizes, radii, strict=True)):
-        needed = _cycles(amplitude, radius, DECAYED * size[corner], horizon)
+        needed = wanted[corner]
         settles[corner] = float(np.sum(amplitude * radius**horizon)) <= band or needed < horizon
         if needed > usual and settles[corner]:
             # No later swing is larger, and none leaves the band.
@@ -168,15 +172,6 @@ def _follow(
             needed = max(usual, min(seen or horizon, needed))
         longest = max(longest, needed if settles[corner] else usual)
     return longest, settles
-
-
-def _cycles(sizes: Array, radii: Array, amplitude: float, most: int) -> int:
-    """After how many cycles every mode is below an amplitude."""
-    needed = 0.0
-    for size, radius in zip(sizes, radii, strict=True):
-        if size > amplitude:
-            needed = max(needed, log(amplitude / size) / log(min(radius, 1.0 - 1e-15)))
-    return int(min(needed + 1, most))
 
 
 def _step_saturated(

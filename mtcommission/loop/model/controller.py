@@ -48,7 +48,7 @@ class Controller:
     sensors: tuple[str, ...]  # measured outputs of the plant: ``encoder``, perhaps ``tcp``
     state_gains: Array  # K, set force per deviation of each plant state, (n_plant,) [N per unit]
     observer: Observer  # where K gets its states from; without states if K is zero
-    follows: bool = False  # no loop at all: the motor follows its setpoint, interpolated
+    follows: bool = False  # an open-loop axis: no loop, the motor follows the interpolated setpoint
 
     @property
     def position_cycle(self) -> float:
