@@ -79,17 +79,19 @@ def step_through(
     # What is handed down by the encoder differs from machine to machine.
     handing = np.array([loop.handed_down for loop in loops])
     outputs = np.empty((len(loops), len(references), first.controller.cycles, seen))
-    whole = np.array([_rows_of_a_cycle(loop) for loop in loops])
-    size = X.shape[1]
+    whole, size = np.array([_rows_of_a_cycle(loop) for loop in loops]), X.shape[1]
+    # Pending forces of a position cycle, in what ``whole`` makes of it.
+    pending = size + seen * np.arange(1, first.controller.cycles) + FORCE
+    forces = np.append(z + 1, pending)
+    entering = np.empty((len(loops), size + references.shape[1], 1))
     for k, r in enumerate(np.tile(references[:, None], (1, len(loops), 1))):
+        entering[:, :size, 0], entering[:, size:, 0] = X, r
         # A position cycle in which nothing saturates or rubs is one product.
-        Y = (whole @ np.hstack([X, r])[:, :, None])[:, :, 0]
-        later, moved = Y[:, :size], Y[:, size:].reshape(outputs[:, k].shape)
-        forces = np.hstack([moved[:, 1:, FORCE], later[:, [z + 1]]])
-        if friction is None and np.abs(forces).max() <= force_limit:
-            outputs[:, k], X = moved, later
+        Y = (whole @ entering)[:, :, 0]
+        if friction is None and np.abs(Y[:, forces]).max() <= force_limit:
+            outputs[:, k], X = Y[:, size:].reshape(outputs[:, k].shape), Y[:, :size]
             continue
-        handed_down = (handing @ np.hstack([X, r])[:, :, None])[:, :, 0]
+        handed_down = (handing @ entering)[:, :, 0]
         for i in range(first.controller.cycles):
             Y = (rows @ X[:, :, None])[:, :, 0]
             outputs[:, k, i] = Y[:, :seen]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.free_motion import free_motion, last_crossing, lay_grid
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.motions import Motions, outputs_at, set_in_motion
+from mtcommission.loop.motions import OUTPUTS, Motions, outputs_at, set_in_motion
 from mtcommission.loop.nonlinear import step_linear, step_through
 from mtcommission.loop.poles import Cycles, LoopPoles, find_poles
 from mtcommission.machine.machine import Drive
@@ -106,15 +106,36 @@ def simulate_corners(
     stepped = np.flatnonzero(saturated & is_steppable).tolist()
     limited = _step_saturated([loops[i] for i in stepped], setpoint, drive.motion_force, band)
     instead = dict(zip(stepped, limited, strict=True))
+    linear = _watch(setpoint, poles, n)
+    longest = max((len(own) for own, _ in limited), default=0)
+    every = _watch(setpoint, poles, np.arange(longest // poles.cycles)) if longest else linear
     responses = []
     for corner, loop in enumerate(loops):
         asked, beyond = float(max_force[corner]), bool(saturated[corner])
         settles = bool(decayed[corner]) and not (beyond and not loops[0].controller.follows)
         own, settles = instead.get(corner, (outputs[corner], settles))
-        at = np.arange(len(own) // poles.cycles) if corner in instead else n
+        at = every.begin(len(own) // poles.cycles) if corner in instead else linear
         found = _judge(loop, setpoint, at, own, settles=settles, drive=drive, band=band)
         responses.append(replace(found, max_force=asked, saturated=beyond))
     return responses
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Watched:
+    """Cycles that are looked at, the same for all corners."""
+
+    n: Cycles  # position cycles
+    t: Array  # velocity cycles in them, (n, cycles) [s]
+    late: Array  # position of the delayed setpoint then, (n, cycles) [m]
+
+    def begin(self, count: int) -> _Watched:
+        return _Watched(n=self.n[:count], t=self.t[:count], late=self.late[:count])
+
+
+def _watch(setpoint: Setpoint, poles: LoopPoles, n: Cycles) -> _Watched:
+    t = np.asarray((n[:, None] * poles.cycles + np.arange(poles.cycles)) * poles.velocity_cycle)
+    late = sample_setpoint(setpoint, t.ravel() - poles.delay)[:, 0]
+    return _Watched(n=n, t=t, late=late.reshape(t.shape))
 
 
 TOGETHER = 200
@@ -201,9 +222,9 @@ def _step_saturated(
             free = step_linear(loop, X[i], sample_setpoint(setpoint, later))
             if np.max(np.abs(free[:, 2])) > limit:
                 continue
-            t = np.asarray(stop * T + np.arange(len(free)) * loop.controller.velocity_cycle)
-            late = sample_setpoint(setpoint, t - delay)[:, 0]
-            rests = abs(float(free[-1, 0] - late[-1])) <= band
+            end = stop * T + (len(free) - 1) * loop.controller.velocity_cycle
+            late = sample_setpoint(setpoint, np.array([end - delay]))[0, 0]
+            rests = abs(float(free[-1, 0] - late)) <= band
             found[i] = np.vstack([moved[i], free]), rests
         k, stop = stop, min(2 * stop, last)
     return [found.get(i, (moved[i], False)) for i in range(len(loops))]
@@ -212,7 +233,7 @@ def _step_saturated(
 def _judge(
     loop: SampledLoop,
     setpoint: Setpoint,
-    n: Cycles,
+    watched: _Watched,
     outputs: Array,
     *,
     settles: bool,
@@ -221,11 +242,9 @@ def _judge(
 ) -> LoopResponse:
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
-    cycles, T_v = loop.controller.cycles, loop.controller.velocity_cycle
-    t: Array = np.asarray((n[:, None] * cycles + np.arange(cycles)).ravel() * T_v)
-    deviation = outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0]
-    states = outputs[:, 3:]
-    signals = np.hstack([states, states @ loop.plant.C.T])
+    cycles, T_v, t = loop.controller.cycles, loop.controller.velocity_cycle, watched.t.ravel()
+    deviation, states = outputs[:, 0] - watched.late.ravel(), outputs[:, OUTPUTS:]
+    signals = (states, states @ loop.plant.C.T)
     begin = int(np.argmax(t >= until - 1e-12))
     # The judgement begins between two samples: there the tool is interpolated against the
     # setpoint that by then rests or coasts.
@@ -239,7 +258,10 @@ def _judge(
         at = np.concatenate([[until], t[begin:]])
         settling = float(last_crossing(at, judged[None], band, begin=at[:1])[1][0])
     peak, window = float(np.max(np.abs(deviation))), setpoint.duration + setpoint.move.dwell
-    shares, motor = window_shares(n, window, step=T_v, cycles=cycles).ravel(), outputs[:, -1]
+    shares, motor = (
+        window_shares(watched.n, window, step=T_v, cycles=cycles).ravel(),
+        outputs[:, -1],
+    )
     rms = rms_force(
         np.array(shares @ motor),
         np.array(shares @ motor**2),
@@ -257,7 +279,7 @@ def _judge(
         residual_deviation=float(np.max(judged)) if settles else inf,
         peak_deviation=peak,
         mode_amplitudes=_mode_amplitudes(loop, states[begin]),
-        peaks=np.max(np.abs(signals), axis=0),
+        peaks=np.concatenate([np.abs(part).max(axis=0) for part in signals]),
         max_force=float(np.max(np.abs(outputs[:, 2]))),
         rms_force=float(rms),
         saturated=False,
