@@ -7,15 +7,15 @@ from functools import cache
 from math import pi
 from pathlib import Path
 
-import control
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.analysis.analysis import mode_poles
 from mtcommission.loop.analysis.cross_check import check_by_blocks
 from mtcommission.loop.analysis.frequency import scan
-from mtcommission.loop.model.controller import filter_polynomials
+from mtcommission.loop.model.diagram import build_open_loop
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
 from mtcommission.loop.tuning.family import (
@@ -29,8 +29,6 @@ from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuning.tuned import CornerPlants, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine.control import (
-    FilterKind,
-    ForceFilter,
     StateFeedback,
     StateGain,
     TcpSensor,
@@ -39,7 +37,7 @@ from mtcommission.machine.machine import Machine, VelocityStep, moving_mass
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import Profile, axis_of, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
@@ -147,59 +145,15 @@ def test_margins_and_poles_are_those_of_python_control(machine: Machine) -> None
     assert found.pole_difference < 1e-10
 
 
-def open_loop_again(machine: Machine, plant: Plant, tuned: TunedLoop, z: complex) -> complex:
-    """L from blocks sampled by python-control: plant by zero-order hold, filters by Tustin."""
-    gains = tuned.controller
-    h, N = gains.velocity_cycle, gains.cycles
-
-    def at(system: control.StateSpace) -> complex:
-        return complex(np.squeeze(control.evalfr(system, z)))
-
-    def sampled(row: np.ndarray) -> control.StateSpace:
-        continuous = control.ss(plant.A, plant.B[:, None], row[None, :], 0)
-        return control.sample_system(continuous, h, method="zoh")
-
-    position = at(sampled(plant.row("encoder")))
-    rate = position * (1 - 1 / z) / h
-    integral = h / gains.integral_time / (z - 1)
-    zero_order_hold = sum(z**-k for k in range(N)) / N
-    model = 1.0
-    if gains.reference_model_time:
-        fade = np.exp(-h / gains.reference_model_time)
-        model = (1 - fade) / (z - fade)
-    demand = gains.velocity_gain * (1 + integral) * rate
-    demand += (
-        gains.velocity_gain
-        * (1 + integral * model)
-        * gains.position_gain
-        * z**-N
-        * zero_order_hold
-        * position
-    )
-    if gains.observer.states:
-        o = gains.observer
-        inputs = np.column_stack([o.B, o.L])
-        estimator = control.ss(
-            o.A - o.L @ o.C, inputs, gains.state_gains[None, list(o.states)], 0, h
-        )
-        measured = [1.0, *(at(sampled(plant.row(sensor))) for sensor in gains.sensors)]
-        response = np.atleast_2d(control.evalfr(estimator, z))
-        demand += complex((response @ np.array(measured))[0])
-    for item in gains.force_filters:
-        block = control.tf(*filter_polynomials(item))
-        demand *= complex(control.sample_system(block, h, method="tustin")(z))
-    return demand / z
-
-
 def test_what_is_read_off_the_grid_is_right_to_six_digits() -> None:
     """Margins and bandwidth, crossings found by roots of the blocks of python-control."""
     machine = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
     tuned, T_v = tune_loop(machine), machine.control.velocity_cycle
     plant, analysis = tuned.loops[0].plant, tuned.nominal
+    again = build_open_loop(plant, tuned.controller)
 
     def L(frequency_hz: float) -> complex:
-        z = np.exp(2j * pi * frequency_hz * T_v)
-        return open_loop_again(machine, plant, tuned, z)
+        return complex(again(np.exp(2j * pi * frequency_hz * T_v)))
 
     def closed(frequency_hz: float) -> float:
         omega = np.array([2 * pi * frequency_hz])
@@ -237,24 +191,6 @@ def test_gain_margins_are_where_the_loop_becomes_unstable(direction: float) -> N
         factor = 10 ** (direction * share * margin / 20)
         gains = replace(tuned.controller, velocity_gain=factor * tuned.controller.velocity_gain)
         assert close_loop(bench, gains).nominal.is_stable is stable
-
-
-@pytest.mark.parametrize("variant", ["plain", "two encoders", "filters", "reference model"])
-def test_open_loop_agrees_with_blocks_of_python_control(variant: str) -> None:
-    notch = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 50.0, damping=0.2)
-    changes: dict[str, dict[str, object]] = {
-        "plain": {},
-        "two encoders": {"tcp_sensor": TcpSensor.POSITION},
-        "filters": {"force_filters": (notch,)},
-        "reference model": {"reference_model_time": 5e-3},
-    }
-    machine = quiet_copy(paper_machine(), **changes[variant])
-    tuned = tune_loop(machine)
-    plant, response = tuned.loops[0].plant, tuned.responses[0]
-    for i in range(3, len(response.frequency_hz), 97):
-        z = np.exp(2j * pi * response.frequency_hz[i] * tuned.controller.velocity_cycle)
-        again = open_loop_again(machine, plant, tuned, z)
-        assert response.open_loop[i] == pytest.approx(again, rel=1e-6)
 
 
 def test_given_gains_are_used_as_given_and_poor_ones_warned() -> None:
@@ -345,15 +281,13 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) ->
     lifted = np.linalg.eigvals(tuned.loops[0].lifted.A)
     for z in own**tuned.controller.cycles:  # separation principle
         assert np.min(np.abs(lifted - z)) < 1e-6
-    without = close_loop(corner_plants(machine), replace(
-        tuned.controller, state_gains=np.zeros(plant.order)
-    )).nominal  # fmt: skip
+    cascade = replace(tuned.controller, state_gains=np.zeros(plant.order))
+    without = mode_poles(close_loop(corner_plants(machine), cascade).loops[0])
+    shown_poles = mode_poles(tuned.loops[0])
     for k, mode in enumerate(plant.modes):
-        match = np.abs(-without.poles.real / np.abs(without.poles) - without.own_damping[k])
-        start = without.poles[np.argmin(match + (without.poles.imag < 0))]
-        pole = follow_pole(machine, tuned, complex(start))
+        pole = follow_pole(machine, tuned, complex(without[k]))
         # Two visible modes mix; the less damped of both poles is shown.
-        shown, followed = tuned.nominal.own_damping[k], -pole.real / abs(pole)
+        shown, followed = -shown_poles[k].real / abs(shown_poles[k]), -pole.real / abs(pole)
         vibrations = tuned.nominal.poles[tuned.nominal.poles.imag > 0]
         assert np.min(np.abs(-vibrations.real / np.abs(vibrations) - shown)) < 1e-9
         assert shown == pytest.approx(followed, rel=1e-6) or name == "tower"

@@ -52,15 +52,6 @@ def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
 
     Source: variance of rounding q²/12 (Widrow & Kollár, Quantization Noise, 2008); the rest is
     derived here, and held to simulations that round every sample (docs/feedback-loop.md).
-
-    Examples
-    --------
-    >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> loop = tune_loop(read_shipped("modal-two-modes").machine).loops[0]
-    >>> coarse, fine = (encoder_noise(loop, resolution=q) for q in (1e-6, 1e-7))
-    >>> round(coarse.tool / fine.tool, 9), round(coarse.force / fine.force, 9)
-    (10.0, 10.0)
     """
     if resolution == 0.0:
         return EncoderNoise(tool=0.0, force=0.0)
