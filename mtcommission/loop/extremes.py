@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +14,7 @@ from mtcommission.loop.motions import (
     signals_at,
     wanted,
 )
-from mtcommission.loop.poles import LoopPoles, restrict
+from mtcommission.loop.poles import LoopPoles, once_for_rows, restrict
 from mtcommission.setpoint.pieces import Pieces
 from mtcommission.setpoint.setpoint import JerkSteps
 
@@ -79,7 +77,7 @@ def _far_from_steps(
     largest = np.zeros((len(first), len(poles.loops), R))
     if not poles.factors.size:
         return largest
-    shapes = shapes_on(poles, grid, rows)
+    shapes = shapes_on(poles, rows, grid)
     steady = (rows @ poles.steady[..., : q + 1])[:, grid.part]
     steady = steady.transpose(1, 3, 0, 2).reshape(len(grid.part), q + 1, -1)
     gaps = np.diff(first, axis=1, append=first[:, -1:] + poles.recent + grid.cycle[-1] + 1)
@@ -107,20 +105,12 @@ def _far_from_steps(
     return largest
 
 
+@once_for_rows
 def where_signals_lead(poles: LoopPoles, signals: Array) -> tuple[LoopPoles, Cycles]:
     """Return corners, and velocity cycles in a position cycle, in which signals swing furthest.
 
     Compared by moves of ``RAMPS``; a corner counts that comes within half a per cent.
     """
-    return _find_leading(poles, signals.shape, signals.tobytes())
-
-
-@lru_cache(maxsize=16)
-def _find_leading(
-    poles: LoopPoles, shape: tuple[int, ...], signal_bytes: bytes
-) -> tuple[LoopPoles, Cycles]:
-    """Once for all limits that are judged on a loop."""
-    signals = np.frombuffer(signal_bytes).reshape(shape)
     t = np.array(RAMPS)
     steps = JerkSteps(
         times=np.column_stack([np.zeros_like(t), t, 1.5 * t, 2.5 * t]),

@@ -18,7 +18,7 @@ from mtcommission.loop.motions import (
     tool_deviation,
     transients,
 )
-from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.poles import LoopPoles, once_for_rows
 from mtcommission.setpoint.pieces import INSTANT
 
 Array = NDArray[np.float64]
@@ -81,15 +81,10 @@ def lay_grid(poles: LoopPoles, samples: float) -> Grid:
     return Grid(cycle=cycle, part=part, faded=poles.power(cycle))
 
 
-def shapes_on(poles: LoopPoles, grid: Grid, rows: Array) -> Array:
+@once_for_rows
+def shapes_on(poles: LoopPoles, rows: Array, grid: Grid) -> Array:
     """Return signals on a grid by Re and Im of modal states, rows last, see ``by_parts``."""
-    return _shapes_on(poles, grid, rows.shape, rows.tobytes())
-
-
-@lru_cache(maxsize=64)
-def _shapes_on(poles: LoopPoles, grid: Grid, shape: tuple[int, ...], row_bytes: bytes) -> Array:
-    """Once for all setpoints that are looked at."""
-    seen_by_pole = (np.frombuffer(row_bytes).reshape(shape) @ poles.shapes)[:, grid.part]
+    seen_by_pole = (rows @ poles.shapes)[:, grid.part]
     return by_parts(seen_by_pole * grid.faded.transpose(1, 0, 2)[:, :, None])
 
 
@@ -217,7 +212,7 @@ def free_motion(
     known = len(m) * len(parts)
     by_corner[:, :, :known] = near.reshape(len(near), len(end), known)
     if poles.factors.size:
-        seen(motions.modal[-1], shapes_on(poles, grid, rows), out=by_corner[:, :, known:])
+        seen(motions.modal[-1], shapes_on(poles, rows, grid), out=by_corner[:, :, known:])
     e = by_corner.transpose(1, 0, 2)
     if np.any(v_end):
         e += v_end[:, None, None] * coasting[:, part]

@@ -17,7 +17,6 @@ Source: derived here; held to ``loop.free_motion`` by tests/test_mean_response.p
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import factorial, pi
 
 import numpy as np
@@ -26,7 +25,7 @@ from numpy.typing import NDArray
 from mtcommission.loop.extremes import RAMPS
 from mtcommission.loop.free_motion import swing_times
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.poles import LoopPoles, find_poles, once_for_rows
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 
@@ -102,18 +101,12 @@ class MeanResponse:
         return np.asarray(jerk[:, None] * self.largest(modal))
 
 
+@once_for_rows
 def average_phases(poles: LoopPoles, rows: Array) -> MeanResponse:
     """Return the response of a loop averaged over the phases of its position cycle.
 
     ``rows``: of signals that come to rest with the setpoint, over the outputs of a velocity cycle.
     """
-    return _average(poles, rows.shape, rows.tobytes())
-
-
-@lru_cache(maxsize=16)
-def _average(poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes) -> MeanResponse:
-    """Once for all limits that are tried on a loop."""
-    rows = np.frombuffer(row_bytes).reshape(shape)
     if not poles.factors.size:  # equal poles: a little apart they are as good here
         poles = find_poles.__wrapped__(tuple(map(_nudge, poles.loops)))
     T, missing = poles.dt, np.abs(poles.factors) == 0.0

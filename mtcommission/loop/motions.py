@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.poles import LoopPoles, once_for_rows
 from mtcommission.setpoint.pieces import INSTANT, Pieces, cut
 from mtcommission.setpoint.setpoint import JerkSteps
 
@@ -101,16 +100,9 @@ class View:
     steady: Array  # by derivative of the setpoint, (q + 1, n_seen)
 
 
-def _look(poles: LoopPoles, rows: Array, parts: Cycles, order: int) -> View:
-    return _view(poles, rows.shape, rows.tobytes(), tuple(parts.tolist()), order)
-
-
-@lru_cache(maxsize=64)
-def _view(
-    poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes, parts: tuple[int, ...], order: int
-) -> View:
-    """Once for all setpoints that are looked at."""
-    rows, own = np.frombuffer(row_bytes).reshape(shape), list(parts)
+@once_for_rows
+def _look(poles: LoopPoles, rows: Array, parts: tuple[int, ...], order: int) -> View:
+    own = list(parts)
     table = rows @ poles.table[:, :, own, :, order::-1]
     steady = (rows @ poles.steady[:, own, :, : order + 1]).reshape(-1, order + 1).T
     return View(
@@ -157,8 +149,9 @@ def signals_at(
     """Signals of some setpoints at some cycles, (n_times, n_corners, n_parts, n_rows)."""
     q, t = motions.order, np.asarray(n * motions.poles.dt)
     x = pieces.sample(t, derivatives=q + 1, setpoint=setpoint)
+    view = _look(motions.poles, rows, tuple(parts.tolist()), q)
     found = transients(motions, setpoint, n, rows, parts)
-    found += (x.T @ _look(motions.poles, rows, parts, q).steady).reshape(found.shape)
+    found += (x.T @ view.steady).reshape(found.shape)
     return found
 
 
@@ -176,7 +169,7 @@ def transients(
     ``all_steps``: beside that of all steps, those to come included, continued backwards.
     """
     poles, q = motions.poles, motions.order
-    view = _look(poles, rows, parts, q)
+    view = _look(poles, rows, tuple(parts.tolist()), q)
     age = n[:, None] - motions.first[setpoint]
     # The steps that the table tells of, ...
     is_near = age < poles.recent if all_steps else (age >= 0) & (age < poles.recent)

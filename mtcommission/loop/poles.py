@@ -22,10 +22,11 @@ Source: derived here; held to the stepped loop by tests/test_respond.py.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, wraps
 from math import ceil, factorial, hypot, log
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,3 +220,20 @@ def restrict(poles: LoopPoles, corners: Sequence[int]) -> LoopPoles:
         steady=poles.steady[own],
         powers=(poles.powers[0][:, own], poles.powers[1][:, own]),
     )
+
+
+Computed = TypeVar("Computed", bound=Callable[..., Any])
+
+
+def once_for_rows(compute: Computed) -> Computed:
+    """Keep what is computed of a loop and of rows over its outputs, for all setpoints on it."""
+
+    @lru_cache(maxsize=64)
+    def known(poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes, *more: Hashable) -> Any:
+        return compute(poles, np.frombuffer(row_bytes).reshape(shape), *more)
+
+    @wraps(compute)
+    def find(poles: LoopPoles, rows: Array, *more: Hashable) -> Any:
+        return known(poles, rows.shape, rows.tobytes(), *more)
+
+    return cast(Computed, find)
