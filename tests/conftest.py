@@ -8,10 +8,13 @@ import os
 import pytest
 from hypothesis import settings
 
-from mtcommission.cli.language import ENGLISH, choose
+from mtcommission.cli.language import LOCALE, choose
+from mtcommission.messages.languages import ENGLISH
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+for name in LOCALE:  # what is printed must not hang on who runs the tests
+    os.environ.pop(name, None)
 
 settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
 settings.register_profile("explore", deadline=None)

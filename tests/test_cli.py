@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -23,6 +24,7 @@ from mtcommission.__main__ import main as start
 from mtcommission.cli.optimum_view import describe_optimum
 from mtcommission.cli.terminal import show
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
 from mtcommission.plant.plant import Plant, build_plant
@@ -98,21 +100,83 @@ def test_a_command_loads_what_it_computes_with(
     assert not loaded & (heavy | set(left_out))
 
 
+@pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize(
     "command",
     ["", "wizard", "identify", "check", "run", "limits", "optimal", "simulate", "export", "sheet",
-     "sweep", "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
+     "verify", "sweep", "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
 )  # fmt: skip
-def test_every_help_reads_whole_on_80_columns(
-    run: Run, monkeypatch: pytest.MonkeyPatch, command: str
-) -> None:
-    """A summary that is cut with dots, or a line that wraps, hides what a command does."""
-    monkeypatch.setenv("COLUMNS", "80")
-    code, out, err = run(*command.split(), "--help")
+def test_every_help_reads_whole_on_80_columns(run: Run, command: str, language: str) -> None:
+    """A summary that is cut, a line that wraps, or one in English hides what a command does."""
+    code, out, err = run("--language", language, *command.split(), "--help")
     assert (code, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
-    assert not [line for line in out.splitlines()[1:] if line.endswith("...")]
-    assert "[[" not in out
+    english = {"Usage", "Show", "Options:", "[default:", "[required]", "Machine", "the"}
+    assert bool(english & set(out.replace("\n", " ").split(" "))) == (language == "en")
+
+
+def test_help_speaks_the_language_of_the_environment(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who works in German would have to say so at every call."""
+    monkeypatch.delenv("LC_ALL", raising=False)
+    monkeypatch.setenv("LANG", "de_DE.UTF-8")
+    _, german, _ = run("--help")
+    assert german.startswith("Aufruf: mtcommission [OPTIONEN] BEFEHL")
+    _, english, _ = run("--help", "--language", "en")
+    assert english.startswith("Usage: mtcommission [OPTIONS] COMMAND")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["rum"], "there is no such command; there are: wizard, identify, check"),
+        (["run"], "PROFILE is missing; see mtcommission run --help"),
+        (["simulate", BELT], "--acceleration is missing; see mtcommission simulate --help"),
+        (["limits", BELT, "--pge"], "there is no option --pge (there are: --page)"),
+        (["run", BELT, "again"], "more files or names than the command takes"),
+        (["optimal", BELT, "--kind", "time", "--move", "a"], "--move must be a whole number"),
+        (["run", "--no-pdf=3", BELT], "--no-pdf takes a value just where --help shows one"),
+        (["run", "--language", "de"], "PROFILE fehlt; siehe mtcommission run --help"),
+    ],
+)
+def test_a_call_that_does_not_fit_is_answered_in_one_line(
+    run: Run, arguments: list[str], said: str
+) -> None:
+    """The one who mistypes would read English about a framework."""
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith(said)
+    assert err.count("\n") == 1
+
+
+def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
+    """A distributor would have to change the program to speak to his customers."""
+    package = Path(cli.__file__).parent.parent
+    copy = tmp_path / "mtcommission"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(package.parent / "profiles", tmp_path / "profiles")
+    texts = copy / "messages" / "texts"
+    shutil.copytree(texts / "de", texts / "fr")
+    for name, german, french in (
+        ("terminal.ftl", "head-mode = Eigenform", "head-mode = Mode propre"),
+        ("help.ftl", "help-usage = Aufruf", "help-usage = Utilisation"),
+    ):
+        file = texts / "fr" / name
+        text = file.read_text(encoding="utf-8")
+        assert german in text
+        file.write_text(text.replace(german, french), encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+
+    def call(*arguments: str) -> str:
+        command = [sys.executable, "-m", "mtcommission", *arguments, "--language", "fr"]
+        done = subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        )
+        return done.stdout
+
+    assert "Mode propre" in call("check", BELT)
+    assert call("run", "--help").startswith("Utilisation: ")
 
 
 def test_help_names_the_way_from_data_sheet_to_control_and_the_exit_codes(run: Run) -> None:

@@ -25,8 +25,7 @@ from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine, Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
+from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
 from mtcommission.options.simulate import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
@@ -94,7 +93,7 @@ def build_bench(name: str, language: str = "en") -> Bench:
         disclaimer="calculated",
         sections=(),
     )
-    html = set_html(page, decimal_mark=LANGUAGES[language], panel=panel)
+    html = set_html(page, decimal_mark=decimal_mark_of(language), panel=panel)
     return Bench(machine, plant, tuned, recommended, panel, html)
 
 

@@ -16,10 +16,12 @@ import typer
 
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
-from mtcommission.cli.language import ENGLISH, choose, say, words
+from mtcommission.cli.help import SpokenCommand, SpokenGroup
+from mtcommission.cli.language import SPOKEN, LanguageOption, choose, find_language, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
+from mtcommission.cli.usage import UsageError, describe_usage
 from mtcommission.cli.verify import verify
 from mtcommission.clock import now
 from mtcommission.errors import INTERRUPTED, MtcommissionError
@@ -40,6 +42,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     epilog=EXIT_CODES,
+    cls=SpokenGroup,
 )
 for command in (
     wizard,
@@ -55,12 +58,12 @@ for command in (
     sweep,
     validate,
 ):
-    app.command()(command)
+    app.command(cls=SpokenCommand)(command)
 
-profiles = typer.Typer(help="The example machines that come with the program.")
-profiles.command("list")(list_profiles)
-profiles.command("show")(show_profile)
-profiles.command("copy")(copy_profile)
+profiles = typer.Typer(help="The example machines that come with the program.", cls=SpokenGroup)
+profiles.command("list", cls=SpokenCommand)(list_profiles)
+profiles.command("show", cls=SpokenCommand)(show_profile)
+profiles.command("copy", cls=SpokenCommand)(copy_profile)
 app.add_typer(profiles, name="profiles", no_args_is_help=True)
 
 
@@ -79,25 +82,24 @@ def main() -> NoReturn:
     if hasattr(sys.stdin, "reconfigure"):
         # Bytes of another encoding must reach the question that they answer, to be refused there.
         sys.stdin.reconfigure(errors="surrogateescape")
-    choose(ENGLISH)
+    choose(find_language(sys.argv[1:], os.environ))
     try:
         now()  # numpy reads a wrong SOURCE_DATE_EPOCH, too, but does not say what is wrong
-        app()
+        code = app(standalone_mode=False)
     except MtcommissionError as error:
         _fail(error.text(words()), error.exit_code)
-    except KeyboardInterrupt:
+    except UsageError as error:
+        is_help = type(error).__name__ == "NoArgsIsHelpError"
+        _fail(str(error) if is_help else words().say(describe_usage(error)), 2)
+    except (KeyboardInterrupt, typer.Abort):
         _fail(say("cli-interrupted"), INTERRUPTED)
-    except SystemExit as end:
-        if end.code == INTERRUPTED:  # typer has met Ctrl-C, and says nothing
-            _fail(say("cli-interrupted"), INTERRUPTED)
-        raise
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has gone: nobody to tell
     except OSError as error:
         _fail(f"{error.filename or say('cli-file-system')}: {error.strerror or error}", 2)
     except Exception as error:
         _fail(say("cli-internal-error", error=repr(error)[:LONGEST_ERROR]), 3)
-    sys.exit(0)
+    sys.exit(code if isinstance(code, int) else 0)
 
 
 def _open_closed_streams() -> None:
@@ -133,6 +135,7 @@ def start(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
     ] = False,
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Acceleration and jerk limits for machine tool axes, from the mechanical model.
 

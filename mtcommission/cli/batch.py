@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.language import say
+from mtcommission.cli.language import SPOKEN, LanguageOption, say
 from mtcommission.cli.progress import print_note, print_written, show_bar, show_stage
 from mtcommission.clock import now
 
@@ -52,6 +52,7 @@ def sweep(
         str, typer.Option("--scheduler", metavar="ADDRESS", help="Dask, e.g. tcp://host:8786.")
     ] = "",
     resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Compute many cases; write a table and a page.
 
@@ -101,6 +102,7 @@ def validate(
     output: Annotated[
         str, typer.Option("-o", "--output", metavar="DIR", help="Write validation.html there.")
     ] = "",
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Put the paper's numbers and claims beside ours.
 

@@ -24,7 +24,7 @@ from mtcommission.cli.arguments import (
     SizesOption,
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
-from mtcommission.cli.language import ENGLISH, LanguageOption, say
+from mtcommission.cli.language import SPOKEN, LanguageOption, say
 from mtcommission.cli.progress import announce_limits, print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
@@ -40,7 +40,7 @@ def run(
     profile: ProfileArgument,
     output: FolderOption = Path("commissioning"),
     f_max: ForceOption = "",
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     no_pdf: NoPdfOption = False,
     sizes: SizesOption = "",
     appendix: AppendixOption = False,
@@ -144,7 +144,7 @@ def optimal(
     jerk: Annotated[
         str, typer.Option("--jerk", metavar="J", help="Jerk limit of a motor that follows.")
     ] = "",
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:
@@ -203,7 +203,7 @@ def limits(
     profile: ProfileArgument,
     f_max: ForceOption = "",
     sizes: SizesOption = "",
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
     page: Annotated[
         str,
@@ -295,7 +295,7 @@ def simulate(
     ] = "",
     f_max: ForceOption = "",
     sizes: SizesOption = "",
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:

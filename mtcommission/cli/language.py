@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from contextvars import ContextVar
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.messages.languages import LANGUAGES
+from mtcommission.messages.languages import ENGLISH, LANGUAGES
 from mtcommission.messages.message import Message, Value
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
     from mtcommission.messages.catalogue import Catalogue
 
-ENGLISH = "en"
+LOCALE = ("LC_ALL", "LC_MESSAGES", "LANG")
+"""Variables of the environment that name a language, the first that is set counts (POSIX)."""
 
 _spoken = ContextVar("spoken", default=ENGLISH)
 _rotary = ContextVar("rotary", default=False)
@@ -23,23 +26,15 @@ _follows = ContextVar("follows", default=False)
 
 
 def choose(language: str) -> str:
-    """Speak a language from now on.
-
-    Parameters
-    ----------
-    language
-        Code, e.g. "en".
-
-    Returns
-    -------
-    str
-        The same.
+    """Speak a language from now on, or go on with the one that is spoken where "" is asked for.
 
     Raises
     ------
     InputError
-        If there is no such language.
+        There is no such language.
     """
+    if not language:
+        return _spoken.get()
     if language not in LANGUAGES:
         message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
         raise InputError([Fault(where="--language", message=message)])
@@ -49,16 +44,46 @@ def choose(language: str) -> str:
     return language
 
 
+def find_language(arguments: Sequence[str], environment: Mapping[str, str]) -> str:
+    """Return the language asked for anywhere on the command line, else that of the environment.
+
+    A language that there is not is refused where the option is read.
+
+    Examples
+    --------
+    >>> find_language(["--language", "de", "run", "--help"], {})
+    'de'
+    >>> find_language(["--help"], {"LANG": "de_DE.UTF-8"}), find_language([], {"LANG": "C.UTF-8"})
+    ('de', 'en')
+    """
+    asked = [text.removeprefix("--language=") for text in arguments if "--language=" in text]
+    asked += [after for text, after in pairwise(arguments) if text == "--language"]
+    locale = next((environment[key] for key in LOCALE if environment.get(key)), "")
+    return next((one for one in (*asked, locale[:2]) if one in LANGUAGES), ENGLISH)
+
+
+def spoken() -> str:
+    """Return the language that is spoken."""
+    return _spoken.get()
+
+
+def has_text(kind: str) -> bool:
+    """Return whether the language that is spoken has a text of a kind."""
+    return words().has(kind)
+
+
 LanguageOption = Annotated[
     str,
     typer.Option(
         "--language",
         metavar="|".join(LANGUAGES),
-        help="Language.",
+        help="Language of what is printed; default: the environment's LANG, else en.",
         callback=choose,
         is_eager=True,
     ),
 ]
+SPOKEN = ""
+"""Default of the option: the language that is spoken already."""
 
 
 def speak_of(machine: Machine) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from mtcommission.cli.compute import run
 from mtcommission.cli.inputs import read_machine
-from mtcommission.cli.language import ENGLISH, LanguageOption
+from mtcommission.cli.language import SPOKEN, LanguageOption
 from mtcommission.cli.progress import print_written
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
@@ -28,7 +28,7 @@ def wizard(
         bool, typer.Option("--yes", help="Take defaults for what is open instead of asking.")
     ] = False,
     run_after: Annotated[bool, typer.Option("--run", help="Go on to run.")] = False,
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Ask for the machine and write a commented profile."""
     from mtcommission.files import require_writable
@@ -54,7 +54,7 @@ def check(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of profiles instead.")
     ] = False,
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
@@ -80,7 +80,7 @@ def check(
     require_short_moves(machine)
 
 
-def list_profiles() -> None:
+def list_profiles(language: LanguageOption = SPOKEN) -> None:
     """List the example machines with the source of their numbers."""
     from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 
@@ -89,6 +89,7 @@ def list_profiles() -> None:
 
 def show_profile(
     name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Print an example machine."""
     from mtcommission.profile.shipped import read_shipped
@@ -99,6 +100,7 @@ def show_profile(
 def copy_profile(
     name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
     file: Annotated[str, typer.Argument(metavar="FILE", help="Default: NAME.toml here.")] = "",
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
     from mtcommission.files import write_text

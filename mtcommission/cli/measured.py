@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
 import typer
 
 from mtcommission.cli.arguments import JsonOption
-from mtcommission.cli.language import ENGLISH, LanguageOption, say, words
+from mtcommission.cli.language import SPOKEN, LanguageOption, say, words
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
@@ -79,7 +79,7 @@ def identify(
     page: Annotated[
         str, typer.Option("--page", metavar="FILE.html", help="Measured over fitted, as a page.")
     ] = "",
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
 ) -> None:
     """Measured responses to mass, delay and modes in a profile.

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
-from mtcommission.cli.language import ENGLISH, LanguageOption, words
+from mtcommission.cli.language import SPOKEN, LanguageOption, words
 from mtcommission.cli.progress import print_note, print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
@@ -28,7 +28,7 @@ def sheet(
             "--verified", metavar="VERDICT.json", help="Of verify: fills what it measured."
         ),
     ] = None,
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     no_pdf: NoPdfOption = False,
     appendix: AppendixOption = False,
 ) -> None:
@@ -77,7 +77,7 @@ def export(
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Parameter list to tick off instead.")
     ] = False,
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
 ) -> None:
     """Write the limits in a control's own words and units.
 

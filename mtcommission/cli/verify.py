@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import JsonOption, RecordArgument
-from mtcommission.cli.language import ENGLISH, LanguageOption, speak_of, words
+from mtcommission.cli.language import SPOKEN, LanguageOption, speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.clock import now
@@ -36,7 +36,7 @@ def verify(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the page.")
     ] = None,
-    language: LanguageOption = ENGLISH,
+    language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
 ) -> None:
     """Recorded moves beside the prediction: does it hold, and why not.

@@ -12,18 +12,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 from types import MappingProxyType
 
 from fluent.runtime import FluentBundle, FluentResource
 from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
 from mtcommission.messages.functions import functions_of
-from mtcommission.messages.languages import LANGUAGES
+from mtcommission.messages.languages import TEXTS
 from mtcommission.messages.message import Message, Value, printable
 from mtcommission.messages.quantities import Formatter
-
-TEXTS = Path(__file__).with_name("texts")
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=[ ]*(.*(?:\n(?:[ }].*|(?=\n)))*)", re.MULTILINE)
 """A text begins at the margin; its further lines are indented, the last may close a bracket."""
@@ -68,7 +65,7 @@ class Catalogue:
     Parameters
     ----------
     language
-        One of ``LANGUAGES``.
+        One of ``languages.LANGUAGES``.
     rotary
         Whether the axis turns: torque for force, degrees for metres.
     follows
@@ -84,7 +81,9 @@ class Catalogue:
         self, language: str = "en", *, rotary: bool = False, follows: bool = False
     ) -> None:
         self.language, self.rotary, self.follows = language, rotary, follows
-        self.format = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language], follows=follows)
+        self.format = Formatter(
+            rotary=rotary, decimal_mark=decimal_mark_of(language), follows=follows
+        )
         self._bundle, self._loaded = _texts_of(language, rotary, follows)
 
     def say(self, message: Message | str) -> str:
@@ -171,7 +170,7 @@ class Catalogue:
         source = entries_of(self.language)[kind]
         if not self.follows:
             return source
-        for word, other in ACCELERATION_FOR_FORCE[self.language]:
+        for word, other in ACCELERATION_FOR_FORCE.get(self.language, ()):
             source = word.sub(other, source)
         return source
 
@@ -196,9 +195,14 @@ def _shortened(text: str) -> str:
 @cache
 def _texts_of(language: str, rotary: bool, follows: bool) -> tuple[FluentBundle, set[str]]:
     """The texts parsed so far, and their keys; every catalogue of this kind shares them."""
-    form = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language], follows=follows)
+    form = Formatter(rotary=rotary, decimal_mark=decimal_mark_of(language), follows=follows)
     functions = functions_of(form)
     return FluentBundle([language], functions=functions, use_isolating=False), set()
+
+
+def decimal_mark_of(language: str) -> str:
+    """Return the sign before the decimals of a number in a sentence."""
+    return entries_of(language)["decimal-mark"]
 
 
 @cache

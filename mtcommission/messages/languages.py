@@ -1,9 +1,18 @@
-"""The languages that there are; each has a folder of texts."""
+"""The languages that there are: each is a folder of texts, and nothing else."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
+from pathlib import Path
 
-LANGUAGES: Mapping[str, str] = MappingProxyType({"en": ".", "de": ","})
-"""Languages there are, and their decimal marks."""
+TEXTS = Path(__file__).with_name("texts")
+"""One folder for each language, named by its code."""
+
+ENGLISH = "en"
+
+LANGUAGES: tuple[str, ...] = tuple(
+    sorted(
+        (folder.name for folder in TEXTS.iterdir() if folder.is_dir()),
+        key=lambda code: (code != ENGLISH, code),
+    )
+)
+"""Their codes, English first."""

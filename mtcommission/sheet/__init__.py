@@ -53,6 +53,7 @@ def print_html(
     InputError
         If there is no such language, or if the two records cannot be compared.
     """
+    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.content import compose, words_for
     from mtcommission.sheet.html import set_html
     from mtcommission.sheet.what_if import what_if
@@ -61,7 +62,7 @@ def print_html(
     document = compose(record, language, before=before, verified=verified, typed=typed)
     part, words = record.what_if, words_for(record.machine, language)
     panel = what_if(part, words, profile=record.profile.name) if part else None
-    return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
+    return set_html(document, decimal_mark=decimal_mark_of(language), panel=panel)
 
 
 def print_answers(
@@ -79,6 +80,7 @@ def print_answers(
     InputError
         If there is no such language.
     """
+    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.content import words_for
     from mtcommission.sheet.document import HASH_DIGITS, document
     from mtcommission.sheet.html import set_html
@@ -99,7 +101,7 @@ def print_answers(
         sections=(),
     )
     panel = what_if(part, words, profile=profile.name)
-    return set_html(page, decimal_mark=LANGUAGES[language], panel=panel)
+    return set_html(page, decimal_mark=decimal_mark_of(language), panel=panel)
 
 
 def print_pdf(
@@ -124,6 +126,7 @@ def print_pdf(
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
+    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.content import compose
     from mtcommission.sheet.pdf import set_pdf
 
@@ -131,7 +134,7 @@ def print_pdf(
     document = compose(record, language, before=before, verified=verified, typed=typed)
     if not appendix:
         document = replace(document, sections=document.pages)
-    return set_pdf(document, decimal_mark=LANGUAGES[language])
+    return set_pdf(document, decimal_mark=decimal_mark_of(language))
 
 
 def remark_on_print(record: Record) -> tuple[Message, ...]:

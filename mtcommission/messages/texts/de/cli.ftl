@@ -73,3 +73,13 @@ simulated-with-filters = Filter im { $axis ->
    *[linear] Kraftsollwert
 } darin: { $filters }.
 simulated-without-loop = Simuliert mit einem Motor, der dem Sollwert folgt: kein Regelkreis wurde abgestimmt.
+
+# Ein Aufruf, der zu den Befehlen nicht passt.
+usage-see = { $wrong }; siehe { $command } --help
+usage-missing = { $what } fehlt
+usage-no-option = die Option { $got } gibt es nicht{ $hint }
+usage-no-command = diesen Befehl gibt es nicht; es gibt: { $names }
+usage-there-are = { " " }(es gibt: { $names })
+usage-value = { $option } nimmt nur dort einen Wert, wo --help einen zeigt
+usage-number = { $option } muss eine ganze Zahl sein
+usage-too-many = mehr Dateien oder Namen, als der Befehl nimmt

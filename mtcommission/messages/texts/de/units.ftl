@@ -1,3 +1,5 @@
+decimal-mark = ,
+
 dimension-mass = eine Masse
 dimension-length = eine Länge
 dimension-angle = ein Winkel

@@ -77,3 +77,13 @@ simulated-with-filters = Filters of the set { $axis ->
    *[linear] force
 } in it: { $filters }.
 simulated-without-loop = Simulated with a motor that follows its setpoint: no loop was tuned.
+
+# A call that does not fit the commands.
+usage-see = { $wrong }; see { $command } --help
+usage-missing = { $what } is missing
+usage-no-option = there is no option { $got }{ $hint }
+usage-no-command = there is no such command; there are: { $names }
+usage-there-are = { " " }(there are: { $names })
+usage-value = { $option } takes a value just where --help shows one
+usage-number = { $option } must be a whole number
+usage-too-many = more files or names than the command takes

@@ -1,3 +1,5 @@
+decimal-mark = .
+
 # Quantities with units, as people type them.
 
 # Kinds of quantity, with their article.
