@@ -33,7 +33,7 @@ from mtcommission.optimal.transcription.transcription import transcribe_damping_
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant, driven_at_once
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.moves import optimum_entry
+from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
 from mtcommission.sweep.peaks import curve_peaks
 

@@ -163,7 +163,7 @@ def optimal(
     )
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
-    from mtcommission.record.moves import optimum_entry
+    from mtcommission.record.optima import optimum_entry
     from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file, inputs=[profile])

@@ -22,7 +22,8 @@ from mtcommission.record.files import find_checksum
 from mtcommission.record.identified import read_evidence
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
-from mtcommission.record.moves import assessment_part, comparison_entry, move_entry, optima_entry
+from mtcommission.record.moves import assessment_part, move_entry
+from mtcommission.record.optima import comparison_entry, optima_entry
 from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
 from mtcommission.record.schema.machine import PlantEntry

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.limits.commissioning_rule.rule import RuleResult as RuleOutcome
@@ -44,6 +43,9 @@ from mtcommission.study.attainable import NO_LIMITS, ModeLimits
 from mtcommission.study.loops import describe_loop
 from mtcommission.study.robustness import KeptRange, MoveSizes
 from mtcommission.study.rules import TodaysValues
+
+if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
+    from mtcommission.commission import Commissioning
 
 Array = NDArray[np.float64]
 Judged = TypeVar("Judged", bound=JudgedLimits)
