@@ -92,13 +92,15 @@ def main() -> NoReturn:
         is_help = type(error).__name__ == "NoArgsIsHelpError"
         _fail(str(error) if is_help else words().say(describe_usage(error)), 2)
     except (KeyboardInterrupt, typer.Abort):
-        _fail(say("cli-interrupted"), INTERRUPTED)
+        code = INTERRUPTED
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has gone: nobody to tell
     except OSError as error:
         _fail(f"{error.filename or say('cli-file-system')}: {error.strerror or error}", 2)
     except Exception as error:
         _fail(say("cli-internal-error", error=repr(error)[:LONGEST_ERROR]), 3)
+    if code == INTERRUPTED:  # typer has met Ctrl-C, and says nothing
+        _fail(say("cli-interrupted"), INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
 
 

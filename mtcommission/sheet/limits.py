@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from contourpy import contour_generator
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
@@ -328,6 +327,8 @@ def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ..
     ...     np.array([[0.1, 10.0], [0.1, 10.0]]), level=1.0)[0][:, 0]
     array([1., 1.])
     """
+    from contourpy import contour_generator  # only where a map is drawn
+
     if min(values.shape) < 2:
         return ()
     logarithm = np.log(np.maximum(values / level, SMALLEST))
