@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, sqrt
 
 from mtcommission.limits.choose import Choice
+from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
@@ -130,7 +131,7 @@ def _search(
     """The limits that need least of what is relaxed by a factor; None where none meet the rest."""
     for item in wanted:
         machine = item.with_bound(machine, factor * item.bound(machine))
-    row = Row(machine=machine, tuned=tuned, near=near)
+    row = Row(machine=machine, tuned=tuned, near=near, refined=1 if near else REFINED)
     seen = look(row)
     rows = [replace(row, found=seen)] if seen else []
     rows += [Row(machine=machine, tuned=tuned, limits=known)] if known else []

@@ -29,7 +29,7 @@ class Settings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudySettings:
-    """Design choices and empirical numbers of the studies: none decides about the limits."""
+    """Design choices and empirical numbers: of the loop that is used, and of the studies."""
 
     # Which loop: what a stiffer tool is worth, as a smooth price, so that a machine that is a
     # little better never gets a loop that is much slower.
