@@ -26,7 +26,12 @@ from mtcommission.study.attainable import (
     find_attainable,
     find_limits_by_mode,
 )
-from mtcommission.study.improvements import Improvement, find_improvements
+from mtcommission.study.improvements import (
+    Improvement,
+    ToolSensor,
+    find_improvements,
+    value_tool_sensor,
+)
 from mtcommission.study.loops import LoopChoice, LoopStudy, show_alternatives, study_loop
 from mtcommission.study.optimum import MoveComparison, WithinBand, compare_move, find_within_band
 from mtcommission.study.robustness import (
@@ -39,7 +44,6 @@ from mtcommission.study.robustness import (
 )
 from mtcommission.study.rules import TodaysValues, compare_shapers
 from mtcommission.study.settings import Settings
-from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
 from mtcommission.study.variations import Row, judge, serve_listed
 
 if TYPE_CHECKING:

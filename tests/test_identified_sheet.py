@@ -33,7 +33,7 @@ from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.loop import bode
 from mtcommission.sheet.responses import second_page
-from mtcommission.study.tool_sensor import value_tool_sensor
+from mtcommission.study.improvements import value_tool_sensor
 from tests.sheet_record import example_record
 from tests.test_cli import Run, run
 from tests.test_identify import table_file
