@@ -191,8 +191,10 @@ def _find_mode(
 ) -> ModeLimits:
     chosen, bound_by = choice, choice.bound_by
     if band != machine.requirements.tcp_deviation:
+        # A wider band's limits lie about the recommended ones, a tighter one's may lie anywhere.
+        near = choice.limits if band > machine.requirements.tcp_deviation else None
         machine = RESIDUAL_DEVIATION.with_bound(machine, band)
-        row = Row(machine=machine, tuned=tuned, near=choice.limits, largest_jerk=largest_jerk)
+        row = Row(machine=machine, tuned=tuned, near=near, largest_jerk=largest_jerk)
         chosen = choose(row)
         bound_by = chosen.bound_by
         if not chosen.meets_requirements and isfinite(largest_jerk):
