@@ -67,7 +67,7 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
             _settling(item.settling_time, spoken),
             _settling(item.residual_deviation, spoken, length),
             f.quantity(item.peak_deviation, length),
-            text("terminal-yes" if item.assessment.is_met else "terminal-no"),
+            text("yes" if item.assessment.is_met else "no"),
         ]
         for name, item in limits
     ]
@@ -76,7 +76,7 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
             spoken.say(check.requirement.message),
             _settling(check.value, spoken, check.unit),
             f.quantity(check.limit, check.unit),
-            text("terminal-yes" if check.is_met else "terminal-no"),
+            text("yes" if check.is_met else "no"),
         ]
         for check in best.assessment.checks
     ]

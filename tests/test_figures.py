@@ -155,9 +155,9 @@ def test_names_of_curves_keep_to_their_room_in_the_legend(language):
     for key in (
         "setpoint",
         "response",
-        "time-optimal",
+        "control-time-optimal",
         "constrained",
-        "damping-optimal",
+        "control-damping-optimal",
         "open-loop",
         "closed-velocity",
         "usage-border",

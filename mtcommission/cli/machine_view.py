@@ -37,7 +37,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
     for mode in plant.modes:
         compliance = mode.tcp_gain / mode.natural_frequency**2
         at_full = printed.quantity(abs(compliance) * machine.drive.motion_force, length)
-        seen = spoken.text("terminal-yes" if mode.measured_gain else "terminal-no")
+        seen = spoken.text("yes" if mode.measured_gain else "no")
         modes.add_row(
             mode.name,
             printed.quantity(mode.frequency_hz, "Hz"),

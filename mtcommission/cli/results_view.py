@@ -47,12 +47,12 @@ def describe_limits(machine: Machine, answer: LimitsAnswer) -> Group:
             printed.quantity(entry.settling_time, "s", missing=unsettled),
             printed.quantity(entry.residual_deviation, length),
             printed.quantity(entry.peak_deviation, length),
-            spoken.text("terminal-yes" if keeps else "terminal-no"),
+            spoken.text("yes" if keeps else "no"),
         )
     rule, item = answer.rule, best.setpoint_filter
     rows = filter_rows(item, spoken) if item else []
     return Group(
-        heading(spoken.text("terminal-limits")),
+        heading(spoken.text("limits-name")),
         Text(spoken.text("terminal-bound-by", what=said(best.bound_by))),
         *(Text(f"{name}: {value}") for name, value in rows),
         table,

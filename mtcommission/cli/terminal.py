@@ -33,7 +33,7 @@ def show(content: RenderableType) -> None:
 
 def warn(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
     """Return a line for each warning."""
-    lines = [spoken.text("terminal-warning", warning=spoken.say(line)) for line in warnings]
+    lines = [spoken.text("warning", warning=spoken.say(line)) for line in warnings]
     return [Text(line, style="yellow") for line in lines]
 
 

@@ -53,7 +53,7 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     Message('export-not-settled')
     """
     if not isfinite(value):
-        return Message("export-not-settled")
+        return Message("not-settled")
     if in_degrees and unit.split("/")[0] == "rad":
         size, shown = DEGREE, unit.replace("rad", "deg", 1)
     else:

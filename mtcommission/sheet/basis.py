@@ -79,7 +79,7 @@ def holds_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
     text, error = words.text, record.robustness
     rows = [
         (text("basis-sizes"), _sizes(record, words)),
-        (text("basis-frequencies"), _spread(record, "frequency", error.frequency_error, words)),
+        (text("frequencies"), _spread(record, "frequency", error.frequency_error, words)),
         (text("basis-damping"), _spread(record, "damping", error.damping_error, words)),
     ]
     low, high = (
@@ -99,7 +99,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
         for name in ("band", "force")
     }
     said = _marked(record, "requirements.reserve", text("reserve-kept", **reserve), words)
-    rows = [(text("basis-control"), _control(record, words)), (text("basis-reserve"), said)]
+    rows = [(text("control"), _control(record, words)), (text("basis-reserve"), said)]
     if loop.encoder_noise is not None:
         steps = text(
             "encoder-steps",
@@ -119,7 +119,7 @@ def data_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
         return ((text("basis-data"), text("measured-nothing", source=source)), *assumed)
     modes = ", ".join(mode.name for mode in part.modes)
     measured = text("measured-modes", modes=modes, date=part.created[:10])
-    return ((text("basis-data"), source), (text("basis-measured"), measured), *assumed)
+    return ((text("basis-data"), source), (text("measured"), measured), *assumed)
 
 
 def assumed_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:

@@ -115,7 +115,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
     if settled:
         found.append(table(words, "fed-forward-caption", columns, settled, move=move))
     if lost:
-        found.append(Paragraph(text=words.text("fed-forward-lost", told=said)))
+        found.append(Paragraph(text=words.text("fed-forward-lost", machines=said)))
     return tuple(found)
 
 

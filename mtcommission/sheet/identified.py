@@ -102,7 +102,7 @@ def result_table(part: IdentifiedPart, words: Catalogue) -> Table:
     """Return mass, delay, band, misfit and spreads."""
     columns = (
         Quantity("", lambda fact: fact[0], width=1.2),
-        Quantity("identify-head-value", lambda fact: fact[1], ""),
+        Quantity("value", lambda fact: fact[1], ""),
         Quantity("identify-head-why", lambda fact: fact[2], width=2.4),
     )
     return table(words, "identify-caption-result", columns, facts(part, words))

@@ -425,13 +425,23 @@ def _symbols(record: Record, words: Catalogue) -> Table:
         "x": "–",
         "i": "–",
     }
-    own = {"T_p": text("position-cycle"), "T_v": text("velocity-cycle")}
-    own |= {name: words.name(name) for name in ("Kv", "Kp", "Tn")}
-    keys = {"ω": "omega", "ζ": "zeta"}
+    said = {
+        "a": "acceleration",
+        "j": "jerk",
+        "t_j": "jerk-time",
+        "T_p": "name-position-cycle",
+        "T_v": "name-velocity-cycle",
+        "f": "frequency",
+        "ζ": "damping-ratio",
+        "ω": "rule-symbol-omega",
+    }
+    named = {"band": "tcp_deviation", "T": "force_lag", "s": "frequency_spread"}
+    named |= {name: name for name in ("Kv", "Kp", "Tn")}
 
     def meaning(letter: str) -> str:
-        key = keys.get(letter, letter.replace("_", "-"))
-        return own.get(letter) or text(f"rule-symbol-{key}")
+        if letter in named:
+            return words.name(named[letter])
+        return text(said.get(letter) or f"rule-symbol-{letter.replace('_', '-')}")
 
     return Table(
         caption=text("rule-symbols-caption", modes="; ".join(mode.name for mode in modes)),

@@ -29,7 +29,7 @@ def machine_data(record: Record, words: Catalogue) -> Section:
         (text("axis-row"), machine.axis),
         (text("motion-row"), text("rotary" if words.rotary else "linear")),
         (text("source"), _numbered(machine.source, numbers)),
-        (text("moving-mass"), show(plant.moving_mass, words, "kg")),
+        (text("name-moving-mass"), show(plant.moving_mass, words, "kg")),
         (text("controllability"), rank),
     )
     data = [item for item in record.data if not item.key.startswith(REQUIRED)]
@@ -99,7 +99,7 @@ def _modes(record: Record, words: Catalogue) -> Table:
         Quantity("mode", "name", width=1.4),
         Quantity("frequency", "frequency_hz", "Hz"),
         Quantity("damping-ratio", "damping_ratio", "%"),
-        Quantity("tcp-gain", share, "1/kg"),
-        Quantity("measured-gain", "measured_gain", "1/kg"),
+        Quantity("name-tcp-gain", share, "1/kg"),
+        Quantity("name-measured-gain", "measured_gain", "1/kg"),
     )
     return table(words, "modes-caption", columns, record.plant.modes)

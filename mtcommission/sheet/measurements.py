@@ -88,7 +88,7 @@ def fourth_page(
 
 def _table(rows: list[Measurement], verified: Verified | None, words: Catalogue) -> Table:
     filled = [(*row[:3], *_measured(row, verified, words)) for row in rows]
-    last = "measured-by" if verified is None else "verdict-column"
+    last = "measured-by" if verified is None else "verdict"
     heads = {"measurement": 2.4, "calculated": 1.1, "permitted": 1.1, "measured": 1.1}
     heads |= {"difference": 1.1, last: 1.1}
     columns = (
@@ -127,7 +127,7 @@ def _structure(record: Record, words: Catalogue) -> list[Measurement]:
     rows = []
     if not record.machine.follows:
         weighed = show(mass, words, "kg")
-        rows = [Measurement(text("moving-mass"), weighed, DASH, "mass", mass, unit)]
+        rows = [Measurement(text("name-moving-mass"), weighed, DASH, "mass", mass, unit)]
 
     def permitted(kind: str) -> str:
         spread = find_number(record, f"requirements.{kind}_spread")

@@ -139,7 +139,7 @@ def _improvements(record: Record, words: Catalogue) -> tuple[Block, ...]:
         return None if item.share is None else words.format.signed_percent(-item.share)
 
     columns = (
-        Quantity("improvement", "change", width=2.6),
+        Quantity("change", "change", width=2.6),
         SETTLING,
         Quantity("improvement-saved", "saved", "s"),
         Quantity("improvement-share", share, "%"),
@@ -182,9 +182,9 @@ def motions(record: Record, words: Catalogue) -> Section:
 def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, OptimumEntry]]:
     """Return the optima that there are, with name and line style."""
     found = (
-        (words.text("time-optimal"), OTHER, optima.time),
+        (words.text("control-time-optimal"), OTHER, optima.time),
         (words.text("constrained"), THIRD, optima.constrained),
-        (words.text("damping-optimal"), FOURTH, optima.damping),
+        (words.text("control-damping-optimal"), FOURTH, optima.damping),
     )
     return [(name, style, item) for name, style, item in found if item is not None]
 
@@ -307,7 +307,7 @@ def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
     """Acceleration, deviation and force of a move with the optimum, for a page."""
     text, move, optima = words.text, record.moves[number - 1], record.optima[number - 1]
     force, acceleration, *_, deviation = _signals(record, number, words)
-    rest = text("constrained" if optima.constrained else "time-optimal")
+    rest = text("constrained" if optima.constrained else "control-time-optimal")
     own = {text("setpoint"), text("response"), rest}
 
     def only(panel: Signals) -> Signals:

@@ -75,29 +75,27 @@ def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:
     )
     ends = zip(("low", "high"), (error.factor[0], error.factor[-1]), strict=True)
     tried = {name: words.format.signed_percent(factor - 1.0) for name, factor in ends}
+    none_settles = Paragraph(text=text("no-error-curves", **tried), tone=Tone.NOTE)
     if not residual.y.size:
-        return (Paragraph(text=text("no-error-curves", **tried), tone=Tone.NOTE),)
+        return (none_settles,)
     limits = () if permitted is None else (permitted,)
     panels = [Signals(name=text("residual"), unit="m", curves=[residual], limits=limits)]
     if settling.y.size:
         panels.append(Signals(name=text("settling-time"), unit="s", curves=[settling]))
-    shown = "frequency-error" if settling.y.size else "residual-error"
     plot = line_plot(
         words,
         "frequency-error",
         panels,
         x=(text("frequency-error"), ""),
-        caption=text(f"{shown}-caption"),
+        caption=text("frequency-error-caption"),
         alt=text(
-            f"{shown}-alt",
+            "frequency-error-alt",
             least=show(float(residual.y.min()), words, "m"),
             most=show(float(residual.y.max()), words, "m"),
             band=show(permitted, words, "m"),
         ),
     )
-    if settling.y.size:
-        return (plot,)
-    return (plot, Paragraph(text=text("no-settling-curve", **tried), tone=Tone.NOTE))
+    return (plot,) if settling.y.size else (plot, none_settles)
 
 
 def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:

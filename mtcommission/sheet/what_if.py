@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import pi
+from types import MappingProxyType
 from typing import Any
 
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE
@@ -60,6 +61,42 @@ TEXTS = (
     "response", "response-caption", "sizes", "sizes-caption", "slider", "take", "tried", "values",
 )  # fmt: skip
 
+SHARED: Mapping[str, str] = MappingProxyType(
+    {
+        "row-acceleration": "acceleration",
+        "row-jerk": "jerk",
+        "row-jerk-time": "jerk-time",
+        "row-filter": "setpoint-filter",
+        "row-settling": "settling-time",
+        "row-residual": "residual",
+        "row-peak": "peak-deviation",
+        "row-force": "max-force",
+        "row-verdict": "verdict",
+        "margin-gain": "gain-margin",
+        "margin-phase": "phase-margin",
+        "margin-peak": "sensitivity-peak",
+        "field-acceleration": "acceleration",
+        "field-jerk": "jerk",
+        "field-time": "filter-of-length",
+        "field-payload": "payload",
+        "size": "what-if-field-size",
+        "acceleration": "acceleration",
+        "filter": "setpoint-filter",
+        "in-unit": "in-unit",
+        "jerk-time": "jerk-time",
+        "met": "met",
+        "move": "move-head",
+        "move-number": "move",
+        "moving-average": "sinumerik-moving-average",
+        "quantity": "quantity",
+        "residual": "residual",
+        "time": "time",
+        "unlimited": "unlimited",
+        "unsettled": "not-settled",
+    }
+)
+"""Keys of texts that the sheet has, too."""
+
 
 Pair = tuple[str, str]
 """Key in the script, and what is said."""
@@ -103,25 +140,23 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     ``profile``: name of the profile's file, for the command line.
     """
     filters = _filters(part, words)
-    names = {"today": words.text("what-if-today"), "recommended": words.text("what-if-recommended")}
+    names = {"today": words.text("today"), "recommended": words.text("recommended")}
     units = _units(part, words)
     known = [_known(item, filters) for item in part.limits]
     today = "yes" if any(item.name == "today" for item in part.limits) else "no"
     return Panel(
-        texts={key.replace("-", "_"): words.text(f"what-if-{key}", today=today) for key in TEXTS},
+        texts={key.replace("-", "_"): _say(key, words, today=today) for key in TEXTS},
         moves=tuple(
             words.text("what-if-move-named", number=number, size=_size(move, words))
             for number, move in enumerate(part.moves, start=1)
         ),
         columns=tuple(names[item.name] for item in part.limits),
         margin_columns=tuple(
-            words.text(f"what-if-margins-{key}") for key in ("now", "tried", "worst", "worst-tried")
+            _say(f"margins-{key}", words) for key in ("now", "tried", "worst", "worst-tried")
         ),
         filters=tuple((key, item["name"]) for key, item in filters.items()),
-        rows=tuple((key, words.text(f"what-if-row-{key}")) for key in ROWS if _has(part, key)),
-        margin_rows=tuple(
-            (key, words.text(f"what-if-margin-{key}")) for key in ("gain", "phase", "peak")
-        ),
+        rows=tuple((key, _say(f"row-{key}", words)) for key in ROWS if _has(part, key)),
+        margin_rows=tuple((key, _say(f"margin-{key}", words)) for key in ("gain", "phase", "peak")),
         fields=_fields(part, words, units),
         follows=part.loop.follows,
         data={
@@ -144,9 +179,13 @@ def _has(part: WhatIfPart, row: str) -> bool:
     return part.jerk != "none" or row not in ("jerk", "jerk-time")
 
 
+def _say(key: str, words: Catalogue, **values: str) -> str:
+    return words.text(SHARED.get(key, f"what-if-{key}"), **values)
+
+
 def _template(key: str, words: Catalogue) -> str:
     """A text with its places left open."""
-    return words.text(f"what-if-{key}", **{place: f"{{{place}}}" for place in PLACES})
+    return _say(key, words, **{place: f"{{{place}}}" for place in PLACES})
 
 
 def _size(move: dict[str, float], words: Catalogue) -> str:
@@ -159,7 +198,7 @@ def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     """The filters to choose among: none, an average of any length, and those that are known."""
     found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
     if part.averages:
-        name = words.text("what-if-moving-average")
+        name = words.text("sinumerik-moving-average")
         found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}
     for item in part.limits:
         given = item.setpoint_filter
@@ -246,7 +285,7 @@ def _fields(
         scale = units[unit]
         return Field(
             key=key,
-            label=words.text(f"what-if-field-{key.replace('_', '-')}"),
+            label=_say(f"field-{key.replace('_', '-')}", words),
             unit=scale["unit"],
             size=scale["size"],
             low=low,

@@ -223,7 +223,7 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
     panels = [
         _panel(
             words, "verify-plot-acceleration", "rad/s^2" if rotary else "m/s^2",
-            [("verify-line-setpoint", x, motion.sample(t)[:, 2], 1)],
+            [("setpoint", x, motion.sample(t)[:, 2], 1)],
         )
     ]  # fmt: skip
     band = found.rebuilt.machine.requirements.tcp_deviation

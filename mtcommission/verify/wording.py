@@ -96,7 +96,7 @@ def limit_rows(limits: NewLimits, words: Catalogue) -> list[tuple[str, str, str]
             form.quantity(one.acceleration, unit.acceleration.si),
             form.quantity(one.jerk, unit.jerk.si),
             form.quantity(one.settling_time, "s", missing=words.text("not-settled")),
-            words.text("terminal-yes" if one.met else "terminal-no"),
+            words.text("yes" if one.met else "no"),
         ]
 
     heads = [

@@ -66,7 +66,6 @@ export-missed = { $name } { $value }, erlaubt { $limit }
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
 export-mode-missed = keine Grenzwerte für die Bearbeitungsart { $mode }
 export-value = { PLAIN($value, digits: 4) } { $unit }
-export-not-settled = nicht eingeschwungen
 export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }
 export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
 export-least-vibration = KEINE BESCHLEUNIGUNG ERFÜLLT HIER DIE ANFORDERUNGEN: von den erprobten Werten lässt dieser, { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung, { $shaper ->

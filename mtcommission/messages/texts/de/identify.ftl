@@ -135,7 +135,6 @@ identify-band-from-to = { FREQUENCY($low) } bis { FREQUENCY($high) }
 identify-spread-frequency = Streuung der Frequenzen
 identify-spread-damping = Streuung der Dämpfung
 identify-misfit = Abweichung im Verhältnis zum Rauschen
-identify-head-value = Wert
 identify-head-why = Warum
 identify-head-mode = Eigenform
 identify-head-frequency = Frequenz

@@ -68,7 +68,7 @@ values-bound-by = Begrenzt durch: { $bound }
 assumed-binds = Das Begrenzende beruht auf einem angenommenen Wert ({ $keys })
 another-gives = . { $change }: { $given }.
 another-unknown = : ihn angeben.
-obstacle = Im Weg steht: { $obstacle }
+obstacle = Begrenzende Anforderung: { $obstacle }
 what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigster Fall).
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
@@ -78,15 +78,12 @@ now-no-result = kein Ergebnis (siehe Warnung)
 holds-caption = Wofür sie gelten
 basis-caption = Worauf das beruht (angenommen: weder angegeben noch gemessen)
 basis-data = Maschinendaten
-basis-measured = Gemessen
 basis-assumed = Angenommen
 measured-modes = { $modes }; am { $date }, Intervalle im Anhang
 measured-nothing = { $source }; an dieser Maschine wurde nichts gemessen
 assumed-more = { $names } und { $count } weitere
 payload-from-to = { $low } bis { $high }
 basis = Was
-basis-control = Steuerung
-basis-frequencies = Frequenzen
 basis-damping = Dämpfungsgrade
 basis-reserve = Reserve
 basis-sizes = Größen der Bewegung
@@ -145,16 +142,10 @@ motion-row = Bewegungsart
 linear = linear
 rotary = rotatorisch
 rigid-caption = Starre Achse
-moving-mass = { $axis ->
-    [rotary] Bewegtes Trägheitsmoment
-   *[linear] Bewegte Masse
-}
 controllability = Steuerbarkeit: Rang der Kalman-Matrix
 of-states = { $rank } von { $count } Zuständen
 modes-caption = Eigenformen der Struktur (ohne Regelung)
 mode = Eigenform
-tcp-gain = Verstärkung am Werkzeug
-measured-gain = Verstärkung am Lagegeber
 of-mode = { $name } der Eigenform { $mode }
 peak-bound = { $name }, größter Betrag
 requirements-heading = Bewegungen und Anforderungen
@@ -183,10 +174,6 @@ rule-valid = Gültig für: { $range }
 rule-result = Von Hand: a = { $acceleration }, j = { $jerk } ({ $chosen }; a begrenzt durch: { $bound }), vorhergesagte Restabweichung { $residual }, auch bei jeder kleineren Bewegung. Die Suche braucht keine Regel; diese dient zur Kontrolle mit dem Taschenrechner.
 rule-steps-caption = Die Regel, Schritt für Schritt
 rule-symbols-caption = Formelzeichen der Regel (Index i: eine Eigenform; Werte je Eigenform: { $modes })
-rule-symbol-a = Beschleunigung nach der Regel
-rule-symbol-j = Ruck nach der Regel
-rule-symbol-t-j = Ruckzeit nach der Regel, a/j
-rule-symbol-band = Zulässige TCP-Abweichung
 rule-symbol-F = { $axis ->
     [rotary] Für die Bewegung verfügbares Drehmoment
    *[linear] Für die Bewegung verfügbare Kraft
@@ -204,18 +191,11 @@ rule-symbol-m-ff = { $axis ->
     [rotary] Trägheitsmoment in der Vorsteuerung
    *[linear] Masse in der Vorsteuerung
 }
-rule-symbol-T = { $axis ->
-    [rotary] Zeitkonstante des Momentenregelkreises
-   *[linear] Zeitkonstante des Kraftregelkreises
-}
-rule-symbol-f = Eigenfrequenz
 rule-symbol-omega = Eigenkreisfrequenz
-rule-symbol-zeta = Dämpfungsgrad einer Eigenform
 rule-symbol-g = Anteil einer Eigenform am Werkzeug, allein oder gegen den Lagegeber; der größere
 rule-symbol-c = Anteil einer Eigenform am Lagegeber
 rule-symbol-T-F = Länge der gleitenden Mittelung
 rule-symbol-n = Beschleunigungsrampen: 2 beim Geschwindigkeitssprung, 4 beim Positionieren
-rule-symbol-s = Streuung der Frequenzen
 rule-symbol-R = Schwingung nach einer Mittelung, bezogen auf die nach einem einzelnen Anstoß
 rule-symbol-x = Länge der Mittelung in Perioden einer Eigenform, f T_F
 rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
@@ -258,7 +238,6 @@ change = Änderung
 changed = geändert
 unchanged = gleich
 not-stated = nicht angegeben
-state-feedback-used = Zustandsrückführung
 
 ## Motion
 
@@ -294,9 +273,7 @@ motion-alt = { $axis ->
    *[linear] Verläufe über der Zeit: { $signals }. Sollkraft der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
 }
 motion-note = Alle Diagramme einer Bewegung haben dieselbe Zeitachse. Optima enden bei t_f in exakter Ruhe; ihre Beschleunigung und die der Antwort ist F/m. Der Sollwert ist gezeigt wie vorgegeben; die Abweichung zählt gegen den um { $delay } verzögerten Sollwert.
-time-optimal = zeitoptimal
 constrained = zeitoptimal, beschränkt
-damping-optimal = dämpfungsoptimal
 setpoint = Sollwert
 response = Antwort des Regelkreises
 deviation = TCP-Abweichung
@@ -321,7 +298,7 @@ peak-of = Höchstwert { $name }
 heat = Wärme
 work = Arbeit
 fed-forward-caption = { $move }: die optimale Steuerung selbst als Vorsteuerung, an der Nennmaschine und an einer etwas anderen
-fed-forward-lost = Maschinen (Ecken von Zuladung und Streuung), auf denen sie nicht einschwingt: { $told }.
+fed-forward-lost = Maschinen (Ecken von Zuladung und Streuung), auf denen sie nicht einschwingt: { $machines }.
 saturated-share = { $axis ->
     [rotary] Zeitanteil ohne Momentenreserve
    *[linear] Zeitanteil ohne Kraftreserve
@@ -361,7 +338,6 @@ worst-corner = Ungünstigster Eckfall
 gain-margin = Amplitudenreserve
 gain-margin-up = Verstärkung darf steigen um
 gain-margin-down = Verstärkung darf fallen um
-bandwidth-short = Bandbreite
 stiffness-short = Kleinste dynamische Steifigkeit
 loop-corners-caption = Der Regelkreis in jedem Eckfall von Zuladung und Streuung
 disturbance-caption = { $axis ->
@@ -392,14 +368,13 @@ wanted-force = { $axis ->
 phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
+bandwidth-short = Bandbreite
 reference-delay = Sollwertverzögerung τ
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
 sensor-encoder = Lagegeber
 sensor-tcp = Sensor am TCP
 observed = Beobachtete Zustände: { $names }.
-position-cycle = Lagereglertakt
-velocity-cycle = Geschwindigkeitsreglertakt
 trade-off-caption = Steifigkeit gegen Einschwingzeit: { $shown } von { $tried } versuchten Regelkreisen, jeder mit seinen besten Grenzwerten, ungünstigster Fall
 loop = Regelkreis
 cascade = Kaskade
@@ -426,10 +401,6 @@ dampings = Dämpfungen
 max-force = { $axis ->
     [rotary] Größtes Sollmoment
    *[linear] Größte Sollkraft
-}
-rms-force = { $axis ->
-    [rotary] Effektivmoment
-   *[linear] Effektivkraft
 }
 saturated = Gesättigt
 
@@ -467,12 +438,9 @@ kept-between = Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle An
 at-least = mind. { $value }
 kept-nowhere = Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für einen Frequenzfehler bleibt nichts übrig.
 frequency-error = Fehler aller Eigenfrequenzen in %
-frequency-error-caption = Restabweichung und Einschwingzeit über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
-frequency-error-alt = Zwei Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
-residual-error-caption = Restabweichung über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
-residual-error-alt = Eine Kurve über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
-no-settling-curve = Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von { $low } bis { $high } ein; eine Kurve der Einschwingzeit gibt es daher nicht.
-no-error-curves = Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von { $low } bis { $high } ein; Kurven von Restabweichung und Einschwingzeit gibt es daher nicht.
+frequency-error-caption = Über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
+frequency-error-alt = Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
+no-error-curves = Bei keinem Fehler der Eigenfrequenzen von { $low } bis { $high } schwingt die Achse ein.
 nothing-drawn = Das Profil nennt weder eine Streuung von Frequenz oder Dämpfung noch einen Bereich der Zuladung; daher wurden keine Maschinen ausgelost.
 drawn = { $samples } aus der angegebenen Streuung ausgeloste Maschinen (Zuladung, Frequenzen und Dämpfung je gleichverteilt und unabhängig; Startwert { $seed }): { $met } halten alle Anforderungen ein, { $band } das Band.
 machines = Ausgeloste Maschinen
@@ -592,16 +560,15 @@ compared-with-other-motion = die Achse ist { $got ->
    *[linear] linear
 } sein wie die des Blattes, das gedruckt wird
 
-## What would bring more
+## Potential improvements
 
-improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigster Eckfall, mit einer Änderung
-# $loop: none where the motor follows its setpoint
+improvements-caption = Mögliche Verbesserungen: langsamste Bewegung, ungünstigster Eckfall, je eine Änderung
+# $loop: none on an open-loop axis
 improvements-note = Alles gerechnet: { $loop ->
     [none] Grenzwerte für jede gewählt.
    *[other] Kp neu eingestellt (Kv und Tn im alten Verhältnis), Grenzwerte für jede gewählt.
 } Änderungen addieren sich nicht.
 improvements-none = Weniger oder nichts bringen: { $changes }.
-improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
-no-position-loop = kein Lageregler: der Motor folgt dem Sollwert; simuliert alle { $position_cycle }
+no-position-loop = gesteuerte Achse ohne Lageregler; simuliert alle { $position_cycle }

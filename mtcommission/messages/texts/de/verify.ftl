@@ -112,7 +112,6 @@ verify-plot-force = { $axis ->
    *[linear] Kraft
 } / { $unit }
 verify-plot-difference = gemessen weniger vorhergesagt / { $unit }
-verify-line-setpoint = Sollwert
 verify-line-measured = gemessen
 verify-line-low = vorhergesagt, tiefste Ecke
 verify-line-high = vorhergesagt, höchste Ecke
@@ -156,7 +155,6 @@ verify-renewed-derived = aus Frequenzen und Masse einer aufgezeichneten Bewegung
 verify-renewed-head = Verfeinert durch mtcommission verify am { $date }; ± sind zwei Standardfehler.
 
 # On the sheet
-verdict-column = Urteil
 measure-verdict = Aufgezeichnete Bewegungen, verify: { $verdict }.
 verdict-of-other-form = ist kein Urteil von mtcommission verify
 verdict-of-other-record = gehört zu einem anderen Protokoll; verify mit diesem ausführen

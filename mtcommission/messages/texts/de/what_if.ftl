@@ -1,4 +1,4 @@
-# Der Teil der Seite, der antwortet. Was in Klammern steht, setzt das Skript ein.
+# Die interaktive Seite. Was in Klammern steht, setzt das Skript ein.
 
 what-if-title = Werte zum Probieren
 what-if-skip = Zu den Werten springen
@@ -8,17 +8,12 @@ what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Rege
     [yes] Die heutigen Werte und die Empfehlung stehen
    *[no] Die Empfehlung steht
 } für dieselbe Bewegung daneben.
-what-if-no-script = Werte zu probieren braucht JavaScript. Ohne beantwortet der Befehl simulate dieselben Fragen.
+what-if-no-script = Werte zu probieren braucht JavaScript. Ohne hilft der Befehl simulate.
 what-if-slider = Schieber
-what-if-move = Bewegung
 # $number: of the move; $size: with its unit
 what-if-move-named = Bewegung { $number }: { $size }
-what-if-filter = Sollwertfilter
 what-if-load = Laden
 what-if-values = Werte nebeneinander
-what-if-quantity = Größe
-what-if-today = Heute
-what-if-recommended = Empfohlen
 what-if-tried = Probiert
 what-if-take = Diese nehmen
 what-if-taken = Kopiert.
@@ -43,56 +38,26 @@ what-if-margins-now = Jetzt, nominal
 what-if-margins-tried = Probiert, nominal
 what-if-margins-worst = Jetzt, schlechteste Ecke
 what-if-margins-worst-tried = Probiert, schlechteste Ecke
-what-if-margin-gain = Amplitudenreserve
-what-if-margin-phase = Phasenreserve
-what-if-margin-peak = Spitze der Empfindlichkeit
 what-if-notch-note = Die Bandsperre tritt an die Stelle der ersten im Kreis, wenn er eine hat. Sie ändert hier die Reserven, nicht die Antwort oben: Dafür die Zeile in [control] des Profils schreiben und neu rechnen.
 what-if-no-notch = Keine Bandsperre: Tiefe 0 dB.
 what-if-unstable = instabil
-what-if-unlimited = unbegrenzt
-what-if-field-acceleration = Beschleunigung
-what-if-field-jerk = Ruck
-what-if-field-time = Filterlänge
 what-if-field-size = Größe der Bewegung
-what-if-field-payload = Zuladung
 what-if-field-error = Frequenzfehler
 what-if-field-notch-frequency = Frequenz der Bandsperre
 what-if-field-notch-width = Breite der Bandsperre (Dämpfung des Nenners)
 what-if-field-notch-depth = Tiefe der Bandsperre
-what-if-row-acceleration = Beschleunigung
-what-if-row-jerk = Ruck
-what-if-row-jerk-time = Ruckzeit
-what-if-row-filter = Sollwertfilter
 what-if-row-duration = Dauer des Sollwerts
-what-if-row-settling = Einschwingzeit
-what-if-row-residual = Restabweichung
-what-if-row-peak = Größte Abweichung
-what-if-row-force = { $axis ->
-    [rotary] Größtes Sollmoment
-   *[linear] Größte Sollkraft
-}
-what-if-row-verdict = Urteil
-what-if-time = Zeit
-what-if-size = Größe der Bewegung
 what-if-deviation = Abweichung
 what-if-ramp = Die Ruckzeit ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: gerechnet mit einer Rampe von { $value }, wie beim Befehl simulate.
-what-if-residual = Restabweichung
-what-if-acceleration = Beschleunigung
-what-if-jerk-time = Ruckzeit
 what-if-frequency-hz = Frequenz in Hz
 what-if-open-loop-db = Offener Kreis in dB
 what-if-open-loop-deg = Phase in Grad
-what-if-in-unit = { $name } in { $unit }
 what-if-none = –
 what-if-no-filter = keiner
-what-if-moving-average = gleitender Mittelwert
-what-if-unsettled = nicht eingeschwungen
-what-if-met = erfüllt
 what-if-missed = nicht erfüllt
 what-if-nominal = nominale Maschine
 what-if-frequencies = Frequenzen × { $factor }
 what-if-damping = Dämpfung × { $factor }
-what-if-move-number = Bewegung { $number }
 what-if-all-corners = (schlechteste von allen { $count } Maschinen)
 what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschinen)
 what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.

@@ -71,7 +71,6 @@ export-missed = { $name } { $value }, allowed { $limit }
 export-margins-lost = too little margin, { $margins }
 export-mode-missed = no limits for machining mode { $mode }
 export-value = { PLAIN($value, digits: 4) } { $unit }
-export-not-settled = not settled
 export-no-limits-within = no limits keep the tool within the band of machining mode { $mode }, { $band }
 export-no-limits-but = no limits keep the tool within the band of machining mode { $mode }, { $band } ({ $attainable } could be met)
 export-least-vibration = NO ACCELERATION MEETS THE REQUIREMENTS HERE: the value is the one of those tried, { PLAIN($share, digits: 3, unit: "%") } % of the recommendation, that leaves least vibration { $shaper ->

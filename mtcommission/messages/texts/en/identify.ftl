@@ -135,7 +135,6 @@ identify-band-from-to = { FREQUENCY($low) } to { FREQUENCY($high) }
 identify-spread-frequency = Spread of frequencies
 identify-spread-damping = Spread of damping
 identify-misfit = Misfit, in units of the noise
-identify-head-value = Value
 identify-head-why = Why
 identify-head-mode = Mode
 identify-head-frequency = Frequency

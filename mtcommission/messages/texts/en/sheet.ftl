@@ -68,7 +68,7 @@ values-bound-by = Bound by: { $bound }
 assumed-binds = What binds rests on an assumed value ({ $keys })
 another-gives = . { $change }: { $given }.
 another-unknown = : state it.
-obstacle = What stands in the way: { $obstacle }
+obstacle = Limiting requirement: { $obstacle }
 what-they-give = Settles after { $settling }, residual deviation { $residual } (worst move, worst corner).
 today = Today
 now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
@@ -78,15 +78,12 @@ now-no-result = no result (see the warning)
 holds-caption = For what they hold
 basis-caption = What this rests on (assumed: neither stated nor measured)
 basis-data = Machine data
-basis-measured = Measured
 basis-assumed = Assumed
 measured-modes = { $modes }; on { $date }, intervals in the appendix
 measured-nothing = { $source }; nothing was measured on this machine
 assumed-more = { $names } and { $count } more
 payload-from-to = { $low } to { $high }
 basis = What
-basis-control = Control
-basis-frequencies = Frequencies
 basis-damping = Damping ratios
 basis-reserve = Reserve
 basis-sizes = Sizes of move
@@ -145,16 +142,10 @@ motion-row = Motion
 linear = linear
 rotary = rotary
 rigid-caption = Rigid axis
-moving-mass = { $axis ->
-    [rotary] Moving moment of inertia
-   *[linear] Moving mass
-}
 controllability = Controllability: rank of the Kalman matrix
 of-states = { $rank } of { $count } states
 modes-caption = Modes of the structure (control off)
 mode = Mode
-tcp-gain = Gain at the tool
-measured-gain = Gain at the encoder
 of-mode = { $name } of mode { $mode }
 peak-bound = { $name }, largest magnitude
 requirements-heading = Moves and requirements
@@ -183,10 +174,6 @@ rule-valid = Valid for: { $range }
 rule-result = By hand: a = { $acceleration }, j = { $jerk } ({ $chosen }; a bound by: { $bound }), predicted residual deviation { $residual }, for every smaller move, too. The search needs no rule; this is to check it with a calculator.
 rule-steps-caption = The rule, step by step
 rule-symbols-caption = Symbols of the rule (index i: a mode; values by mode: { $modes })
-rule-symbol-a = Acceleration by the rule
-rule-symbol-j = Jerk by the rule
-rule-symbol-t-j = Jerk time by the rule, a/j
-rule-symbol-band = Permitted TCP deviation
 rule-symbol-F = { $axis ->
     [rotary] Torque left for motion
    *[linear] Force left for motion
@@ -201,18 +188,11 @@ rule-symbol-m-ff = { $axis ->
     [rotary] Moment of inertia in the feed-forward
    *[linear] Mass in the feed-forward
 }
-rule-symbol-T = { $axis ->
-    [rotary] Time constant of the torque loop
-   *[linear] Time constant of the force loop
-}
-rule-symbol-f = Natural frequency of a mode
 rule-symbol-omega = Natural angular frequency of a mode
-rule-symbol-zeta = Damping ratio of a mode
 rule-symbol-g = Share of a mode at the tool, by itself or beside the encoder; the larger one
 rule-symbol-c = Share of a mode at the encoder
 rule-symbol-T-F = Length of the moving average
 rule-symbol-n = Ramps of acceleration: 2 in a velocity step, 4 in positioning
-rule-symbol-s = Frequency spread
 rule-symbol-R = Vibration after an average over that of a single push
 rule-symbol-x = Length of the average in periods of a mode, f T_F
 rule-symbol-i = Imaginary unit (as an index: number of the mode)
@@ -255,7 +235,6 @@ change = Change
 changed = changed
 unchanged = same
 not-stated = not stated
-state-feedback-used = State feedback
 
 ## Motion
 
@@ -291,9 +270,7 @@ motion-alt = { $axis ->
    *[linear] Curves over time of { $signals }. Set force of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
 }
 motion-note = All plots of a move share the time axis. Optima end in exact rest at t_f; the acceleration shown for them and for the response is F/m. The setpoint is shown as commanded; the deviation is counted from the setpoint delayed by { $delay }.
-time-optimal = time-optimal
 constrained = time-optimal, bounded
-damping-optimal = damping-optimal
 setpoint = setpoint
 response = loop response
 deviation = TCP deviation
@@ -318,7 +295,7 @@ peak-of = Peak of { $name }
 heat = Heat
 work = Work
 fed-forward-caption = { $move }: the optimal control itself fed forward, on the machine and on one that is a little different
-fed-forward-lost = Machines (corners of payload and spread) on which it does not settle: { $told }.
+fed-forward-lost = Machines (corners of payload and spread) on which it does not settle: { $machines }.
 saturated-share = { $axis ->
     [rotary] Time without torque left
    *[linear] Time without force left
@@ -358,7 +335,6 @@ worst-corner = Worst corner
 gain-margin = Gain margin
 gain-margin-up = Gain may rise by
 gain-margin-down = Gain may fall by
-bandwidth-short = Bandwidth
 stiffness-short = Least dynamic stiffness
 loop-corners-caption = The loop in every corner of payload and spread
 disturbance-caption = { $axis ->
@@ -389,14 +365,13 @@ wanted-force = { $axis ->
 phase-margin = Phase margin
 sensitivity-peak = Sensitivity peak
 bandwidth = Bandwidth of the velocity loop (−3 dB)
+bandwidth-short = Bandwidth
 reference-delay = Reference delay τ
 no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
 sensor-encoder = encoder
 sensor-tcp = tcp
 observed = Observed states: { $names }.
-position-cycle = Position cycle
-velocity-cycle = Velocity cycle
 trade-off-caption = Stiffness against settling time: { $shown } of { $tried } loops tried, each with its best limits, worst case
 loop = Loop
 cascade = cascade
@@ -423,10 +398,6 @@ dampings = Damping
 max-force = { $axis ->
     [rotary] Largest set torque
    *[linear] Largest set force
-}
-rms-force = { $axis ->
-    [rotary] RMS torque
-   *[linear] RMS force
 }
 saturated = Saturated
 
@@ -464,12 +435,9 @@ kept-between = With all eigenfrequencies off by a common factor, every requireme
 at-least = at least { $value }
 kept-nowhere = The requirements are not kept even with the eigenfrequencies of the profile, so there is no frequency error to allow.
 frequency-error = Error of all eigenfrequencies in %
-frequency-error-caption = Residual deviation and settling time over the error of the eigenfrequencies, worst payload and damping
-frequency-error-alt = Two curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
-residual-error-caption = Residual deviation over the error of the eigenfrequencies, worst payload and damping
-residual-error-alt = A curve over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
-no-settling-curve = The axis settles with none of the errors of the eigenfrequencies that were tried, { $low } to { $high }; so there is no curve of the settling time.
-no-error-curves = The axis settles with none of the errors of the eigenfrequencies that were tried, { $low } to { $high }; so there are no curves of residual deviation and settling time.
+frequency-error-caption = Over the error of the eigenfrequencies, worst payload and damping
+frequency-error-alt = Curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
+no-error-curves = With no error of the eigenfrequencies from { $low } to { $high } does the axis settle.
 nothing-drawn = The profile states no spread of frequency or damping and no range of payload, so no machines were drawn at random.
 drawn = { $samples } machines drawn from the stated spread (payload, frequencies and damping each uniform and independent; seed { $seed }): { $met } keep every requirement, { $band } the band.
 machines = Machines drawn
@@ -583,16 +551,15 @@ signature-field-4 = Remarks
 # $got, $wanted: linear or rotary
 compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed
 
-## What would bring more
+## Potential improvements
 
-improvements-caption = What would bring more: slowest move, worst corner, with one thing changed
-# $loop: none where the motor follows its setpoint
+improvements-caption = Potential improvements: slowest move, worst corner, one thing changed at a time
+# $loop: none on an open-loop axis
 improvements-note = Each computed: { $loop ->
     [none] limits chosen for each.
    *[other] loop tuned again (same ratios of Kv and Tn to Kp), limits chosen for each.
 } Changes do not add up.
 improvements-none = Less or nothing is gained by: { $changes }.
-improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
-no-position-loop = no position loop: the motor follows its setpoint; simulated every { $position_cycle }
+no-position-loop = open-loop axis, no position loop; simulated every { $position_cycle }

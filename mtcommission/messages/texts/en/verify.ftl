@@ -112,7 +112,6 @@ verify-plot-force = { $axis ->
    *[linear] force
 } / { $unit }
 verify-plot-difference = measured less predicted / { $unit }
-verify-line-setpoint = setpoint
 verify-line-measured = measured
 verify-line-low = predicted, lowest corner
 verify-line-high = predicted, highest corner
@@ -156,7 +155,6 @@ verify-renewed-derived = from the frequencies and the mass of a recorded move
 verify-renewed-head = Refined by mtcommission verify on { $date }; ± are two standard errors.
 
 # On the sheet
-verdict-column = Verdict
 measure-verdict = Recorded moves, verify: { $verdict }.
 verdict-of-other-form = is no verdict of mtcommission verify
 verdict-of-other-record = is about another record; run verify with this one

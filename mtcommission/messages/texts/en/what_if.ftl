@@ -1,4 +1,4 @@
-# The part of the page that answers back. The script fills in what stands in braces.
+# The interactive page. The script fills in what stands in braces.
 
 what-if-title = Values to try
 what-if-skip = Skip to the values
@@ -8,17 +8,12 @@ what-if-intro = Slide or type: the page runs the sampled loop of this record aga
     [yes] Today's values and the recommendation stay
    *[no] The recommendation stays
 } beside what you try, for the same move.
-what-if-no-script = Trying values needs JavaScript. Without it, the command simulate answers the same questions.
+what-if-no-script = Trying values needs JavaScript. Without it, use the command simulate.
 what-if-slider = slider
-what-if-move = Move
 # $number: of the move; $size: with its unit
 what-if-move-named = Move { $number }: { $size }
-what-if-filter = Setpoint filter
 what-if-load = Load
 what-if-values = Values side by side
-what-if-quantity = Quantity
-what-if-today = Today
-what-if-recommended = Recommended
 what-if-tried = Tried
 what-if-take = Take these
 what-if-taken = Copied.
@@ -43,56 +38,26 @@ what-if-margins-now = Now, nominal
 what-if-margins-tried = Tried, nominal
 what-if-margins-worst = Now, worst corner
 what-if-margins-worst-tried = Tried, worst corner
-what-if-margin-gain = Gain margin
-what-if-margin-phase = Phase margin
-what-if-margin-peak = Sensitivity peak
 what-if-notch-note = The notch takes the place of the first notch in the loop, if it has one. It changes the margins here, not the response above: for that, write the line into [control] of the profile and run again.
 what-if-no-notch = No notch: depth 0 dB.
 what-if-unstable = unstable
-what-if-unlimited = unlimited
-what-if-field-acceleration = Acceleration
-what-if-field-jerk = Jerk
-what-if-field-time = Filter length
 what-if-field-size = Size of the move
-what-if-field-payload = Payload
 what-if-field-error = Frequency error
 what-if-field-notch-frequency = Notch frequency
 what-if-field-notch-width = Notch width (damping of the denominator)
 what-if-field-notch-depth = Notch depth
-what-if-row-acceleration = Acceleration
-what-if-row-jerk = Jerk
-what-if-row-jerk-time = Jerk time
-what-if-row-filter = Setpoint filter
 what-if-row-duration = Duration of the setpoint
-what-if-row-settling = Settling time
-what-if-row-residual = Residual deviation
-what-if-row-peak = Peak deviation
-what-if-row-force = { $axis ->
-    [rotary] Largest set torque
-   *[linear] Largest set force
-}
-what-if-row-verdict = Verdict
-what-if-time = Time
-what-if-size = Size of the move
 what-if-deviation = Deviation
 what-if-ramp = The jerk time is shorter than the position cycle, in which a control sends its setpoint: computed with a ramp of { $value }, as the command simulate does.
-what-if-residual = Residual deviation
-what-if-acceleration = Acceleration
-what-if-jerk-time = Jerk time
 what-if-frequency-hz = Frequency in Hz
 what-if-open-loop-db = Open loop in dB
 what-if-open-loop-deg = Phase in degrees
-what-if-in-unit = { $name } in { $unit }
 what-if-none = –
 what-if-no-filter = none
-what-if-moving-average = moving average
-what-if-unsettled = not settled
-what-if-met = met
 what-if-missed = not met
 what-if-nominal = nominal machine
 what-if-frequencies = frequencies × { $factor }
 what-if-damping = damping × { $factor }
-what-if-move-number = Move { $number }
 what-if-all-corners = (worst of all { $count } machines)
 what-if-worst-so-far = (worst { $count } of { $all } machines so far)
 what-if-all-met = All requirements met by this move on all { $count } machines.
