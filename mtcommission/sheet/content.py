@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from mtcommission.messages.catalogue import Catalogue
@@ -10,10 +11,10 @@ from mtcommission.record.schema.machine import MachineEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.differences import differences
-from mtcommission.sheet.document import HASH_DIGITS, Document, document
+from mtcommission.sheet.document import HASH_DIGITS, Block, Document, Section, document
 from mtcommission.sheet.evidence import certificates, comparisons, versions
 from mtcommission.sheet.identified import identified
-from mtcommission.sheet.limits import landscape, limits_section, rule, rules
+from mtcommission.sheet.limits import landscape, limits_by_mode, rule, rules
 from mtcommission.sheet.loop import loop_details, third_page
 from mtcommission.sheet.machine import machine_data, requirements
 from mtcommission.sheet.measurements import fourth_page
@@ -23,6 +24,25 @@ from mtcommission.sheet.verdict import first_page, type_in
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
+
+
+APPENDIX: tuple[tuple[str, str, Callable[[Record, Catalogue], Iterable[Block]]], ...] = (
+    ("limits", "limits", limits_by_mode),
+    ("machine", "machine", machine_data),
+    ("identified", "identified", identified),
+    ("requirements", "requirements", requirements),
+    ("motions", "motion", motions),
+    ("sizes", "sizes", move_sizes),
+    ("robustness", "robustness", robustness),
+    ("loop-details", "loop-details", loop_details),
+    ("rules", "rules", rules),
+    ("rule", "rule", rule),
+    ("landscape", "landscape", landscape),
+    ("comparisons", "comparison", comparisons),
+    ("certificates", "evidence", certificates),
+    ("versions", "versions", versions),
+)
+"""The evidence behind the pages: key, heading and blocks of each section."""
 
 
 def words_for(machine: MachineEntry, language: str) -> Catalogue:
@@ -50,6 +70,27 @@ def compose(
     """
     words, profile = words_for(record.machine, language), record.profile
     typed = type_in(record) if typed is None else typed
+    follows = record.machine.follows
+    loop = "robustness" if follows else "loop"
+    pages: list[tuple[str, str, Iterable[Block]]] = [
+        ("verdict", "verdict", first_page(record, typed, words)),
+        ("responses", "responses", second_page(record, words)),
+        (loop, loop, third_page(record, words)),
+        ("measurements", "measure", fourth_page(record, typed, words, verified)),
+    ]
+    if before is not None:
+        pages.append(("differences", "differences", differences(before, record, words)))
+    appendix = [(key, head, evidence(record, words)) for key, head, evidence in APPENDIX]
+    sections = [
+        Section(
+            key=f"{key}-details" if key == "robustness" and follows and is_appendix else key,
+            heading=words.text(f"{head}-heading"),
+            blocks=tuple(blocks),
+            is_appendix=is_appendix,
+        )
+        for is_appendix, parts in ((False, pages), (True, appendix))
+        for key, head, blocks in parts
+    ]
     return document(
         words,
         script_note="script-note",
@@ -59,26 +100,5 @@ def compose(
         identity=words.text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
         created=record.created,
         disclaimer=words.text("disclaimer"),
-        sections=(
-            first_page(record, typed, words),
-            second_page(record, words),
-            third_page(record, words),
-            fourth_page(record, typed, words, verified),
-            *(() if before is None else (differences(before, record, words),)),
-            # The evidence: data, assumptions, studies, certificates, settings, profile.
-            limits_section(record, words),
-            machine_data(record, words),
-            *identified(record, words),
-            requirements(record, words),
-            motions(record, words),
-            *move_sizes(record, words),
-            robustness(record, words),
-            loop_details(record, words),
-            rules(record, words),
-            rule(record, words),
-            landscape(record, words),
-            comparisons(record, words),
-            certificates(record, words),
-            versions(record, words),
-        ),
+        sections=tuple(section for section in sections if section.blocks),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from mtcommission.errors import Fault, InputError
@@ -12,7 +12,7 @@ from mtcommission.record.schema.loop import Margins
 from mtcommission.record.schema.machine import Datum
 from mtcommission.record.schema.record import Record
 from mtcommission.sheet.basis import datum, datum_name
-from mtcommission.sheet.document import Block, Paragraph, Section, Table, Tone
+from mtcommission.sheet.document import Block, Paragraph, Table, note
 from mtcommission.sheet.tables import (
     ACCELERATION,
     BANDWIDTH,
@@ -45,8 +45,8 @@ class Change(NamedTuple):
     is_changed: bool
 
 
-def differences(before: Record, after: Record, words: Catalogue) -> Section:
-    """Return what changed from one record to another, the one whose sheet is printed.
+def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield what changed from one record to another, the one whose sheet is printed.
 
     Raises
     ------
@@ -57,31 +57,27 @@ def differences(before: Record, after: Record, words: Catalogue) -> Section:
     if motions[0] != motions[1]:
         message = Message("compared-with-other-motion", got=motions[0], wanted=motions[1])
         raise InputError([Fault(where="--compare", message=message)])
-    text, profile = words.text, before.profile
-    inputs = [change for change in _inputs(before, after, words) if change.is_changed]
-    sources = text(
-        "compared-with",
-        machine=before.machine.name,
-        axis_name=before.machine.axis,
-        created=before.created,
-        name=profile.name,
-        hash=profile.sha256,
+    profile = before.profile
+    yield note(
+        words.text(
+            "compared-with",
+            machine=before.machine.name,
+            axis_name=before.machine.axis,
+            created=before.created,
+            name=profile.name,
+            hash=profile.sha256,
+        )
     )
-    blocks: list[Block] = [Paragraph(text=sources, tone=Tone.NOTE)]
-    if inputs:
-        blocks.append(_table("changed-inputs", inputs, words))
+    if inputs := [change for change in _inputs(before, after, words) if change.is_changed]:
+        yield _table("changed-inputs", inputs, words)
     else:
-        blocks.append(Paragraph(text=text("no-changed-inputs")))
+        yield Paragraph(text=words.text("no-changed-inputs"))
     limits = [ACCELERATION, Quantity("jerk", "jerk", "m/s^3"), JERK_TIME]
     limits.append(Quantity("bound-by-column", "bound_by"))
     recommended = before.limits.recommended, after.limits.recommended
-    blocks += [
-        _table("changed-limits", _of(limits, recommended, words), words),
-        _table("changed-result", _result(before, after, words), words),
-        _table("changed-loop", _loop(before, after, words), words),
-    ]
-    heading = text("differences-heading")
-    return Section(key="differences", heading=heading, blocks=tuple(blocks))
+    yield _table("changed-limits", _of(limits, recommended, words), words)
+    yield _table("changed-result", _result(before, after, words), words)
+    yield _table("changed-loop", _loop(before, after, words), words)
 
 
 def _table(caption: str, changes: Iterable[Change], words: Catalogue) -> Table:

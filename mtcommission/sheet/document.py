@@ -37,6 +37,11 @@ class Paragraph:
     tone: Tone = Tone.PLAIN
 
 
+def note(text: str) -> Paragraph:
+    """Return a remark in small letters."""
+    return Paragraph(text=text, tone=Tone.NOTE)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bullets:
     """A list of sentences."""

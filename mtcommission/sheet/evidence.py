@@ -1,12 +1,11 @@
-"""Appendix: the ways of doing a move, certificates, settings, and the versions that computed."""
+"""Appendix: the ways of doing a move, certificates, and the versions that computed."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import pairwise
-from types import MappingProxyType
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -20,63 +19,46 @@ from mtcommission.sheet.document import (
     Bullets,
     Paragraph,
     Preformatted,
-    Section,
     Subheading,
     Table,
     Tone,
+    note,
 )
 from mtcommission.sheet.responses import flexible_rates, named_optima
 from mtcommission.sheet.tables import (
     CORNER,
-    DASH,
     MAX_FORCE,
     PEAK,
     RESIDUAL,
     SETTLING,
     Quantity,
     member,
-    name_and_numbers,
     pairs,
     show,
     table,
 )
 from mtcommission.sheet.verdict import move_title
 
-SETTING_UNITS: Mapping[str, str] = MappingProxyType(
-    {
-        "gain_margin_db": "dB",
-        "phase_margin_deg": "°",
-        "reserve_deg": "°",
-        "position_noise": "m",
-        "longest_integral_time": "s",
-    }
-)
-"""SI units of the settings that have one; the others are counts or ratios, as their names say."""
 
-
-def comparisons(record: Record, words: Catalogue) -> Section:
-    """Return for each move what the ways of doing it cost and reach, and the optima fed forward."""
+def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield for each move what the ways of doing it cost and reach, and the optima fed forward."""
     text = words.text
-    blocks: list[Block] = [Paragraph(text=text("comparison-note"), tone=Tone.NOTE)]
+    yield note(text("comparison-note"))
     both = zip(record.moves, record.comparisons, strict=True)
     for number, (move, entry) in enumerate(both, start=1):
         short = text("move", number=number)
-        blocks += [
-            Subheading(text=move_title(move.move, number, words)),
-            _controls(record, entry.controls, short, words),
-            *_said(text("claims"), entry.claims, words),
-            *_fed_forward(entry.fed_forward, short, words),
-            *_said(text("why-not"), entry.why_not_the_optimum, words),
-        ]
-    heading = text("comparison-heading")
-    return Section(key="comparisons", heading=heading, blocks=tuple(blocks), is_appendix=True)
+        yield Subheading(text=move_title(move.move, number, words))
+        yield _controls(record, entry.controls, short, words)
+        yield from _said(text("claims"), entry.claims, words)
+        yield from _fed_forward(entry.fed_forward, short, words)
+        yield from _said(text("why-not"), entry.why_not_the_optimum, words)
 
 
-def _said(lead: str, sentences: list[Words], words: Catalogue) -> tuple[Block, ...]:
+def _said(lead: str, sentences: list[Words], words: Catalogue) -> Iterator[Block]:
     """Sentences of the record behind the words that lead to them."""
-    if not sentences:
-        return ()
-    return Paragraph(text=lead), Bullets(items=tuple(map(words.say, sentences)))
+    if sentences:
+        yield Paragraph(text=lead)
+        yield Bullets(items=tuple(map(words.say, sentences)))
 
 
 def _controls(record: Record, controls: list[ComparedEntry], move: str, words: Catalogue) -> Table:
@@ -100,7 +82,7 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, words: C
     return table(words, "controls-caption", columns, controls, move=move)
 
 
-def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) -> tuple[Block, ...]:
+def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) -> Iterator[Block]:
     """The machines on which a control settles; those on which none does as a sentence."""
     settled = [entry for entry in entries if entry.settling_time is not None]
     lost = Counter(words.say(entry.control) for entry in entries if entry.settling_time is None)
@@ -111,39 +93,24 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
         *(SETTLING, RESIDUAL, PEAK),
         Quantity("saturated-share", "saturated_share", "%"),
     )
-    found: list[Block] = []
     if settled:
-        found.append(table(words, "fed-forward-caption", columns, settled, move=move))
+        yield table(words, "fed-forward-caption", columns, settled, move=move)
     if lost:
-        found.append(Paragraph(text=words.text("fed-forward-lost", machines=said)))
-    return tuple(found)
+        yield Paragraph(text=words.text("fed-forward-lost", machines=said))
 
 
-def certificates(record: Record, words: Catalogue) -> Section:
-    """Return certificates, assumptions, warnings and numerical settings."""
+def certificates(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield certificates, assumptions and warnings."""
     text = words.text
-    tables = [
-        pairs(
-            words,
-            text("certificate-caption", move=move_title(optima.move, number, words), what=name),
-            _certificate(optimum, words),
-        )
-        for number, optima in enumerate(record.optima, start=1)
-        for name, _, optimum in named_optima(optima, words)
-    ]
-    return Section(
-        key="certificates",
-        heading=text("evidence-heading"),
-        blocks=(
-            Subheading(text=text("assumptions")),
-            _sentences(record.assumptions, Tone.PLAIN, words),
-            Subheading(text=text("warnings")),
-            _sentences(record.warnings, Tone.WARNING, words),
-            *tables,
-            *_settings(record, words),
-        ),
-        is_appendix=True,
-    )
+    yield Subheading(text=text("assumptions"))
+    yield _sentences(record.assumptions, Tone.PLAIN, words)
+    yield Subheading(text=text("warnings"))
+    yield _sentences(record.warnings, Tone.WARNING, words)
+    for number, optima in enumerate(record.optima, start=1):
+        move = move_title(optima.move, number, words)
+        for name, _, optimum in named_optima(optima, words):
+            caption = text("certificate-caption", move=move, what=name)
+            yield pairs(words, caption, _certificate(optimum, words))
 
 
 def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
@@ -193,60 +160,11 @@ def _evidence(
     return show(value, words, "s" if key.startswith("t_f") else "")
 
 
-def _settings(record: Record, words: Catalogue) -> Iterable[Table]:
-    """A table for each kind of settings; groups that share settings stand beside each other."""
-    groups: dict[str, dict[str, float | str]] = {}
-    for key, value in record.settings.items():
-        kind, _, name = key.rpartition(".")
-        groups.setdefault(kind, {})[name] = value
-    alike: list[list[str]] = []
-    for own, group in groups.items():
-        with_some = (others for others in alike if set(group) & set(groups[others[0]]))
-        found = next(with_some, None)
-        if found is None:
-            alike.append([own])
-        else:
-            found.append(own)
-    for names in alike:
-        heads = [words.known(f"settings-{name}", name or words.text("value")) for name in names]
-        keys = dict.fromkeys(key for name in names for key in groups[name])
-        rows = (
-            (
-                words.known(f"setting-{key.replace('_', '-')}", key),
-                *(_setting(key, groups[name].get(key), words) for name in names),
-            )
-            for key in keys
-        )
-        yield Table(
-            caption=words.text("settings-caption", names=", ".join(heads)),
-            columns=name_and_numbers(words.text("setting"), heads, width=1.6),
-            rows=tuple(rows),
-        )
-
-
-def _setting(key: str, value: float | str | None, words: Catalogue) -> str:
-    """One number, or several that the record separates by commas; words as they are."""
-    unit = SETTING_UNITS.get(key, "")
-    if not isinstance(value, str):
-        return words.format.quantity(value, unit, missing=DASH)
-    try:
-        return "; ".join(words.format.quantity(float(part), unit) for part in value.split(","))
-    except ValueError:
-        return value
-
-
-def versions(record: Record, words: Catalogue) -> Section:
-    """Return program, libraries, hash and text of the profile."""
+def versions(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield program, libraries, hash and text of the profile."""
     text, tool, profile = words.text, record.tool, record.profile
     rows = [(tool.name, tool.version), *tool.libraries.items(), (text("created"), record.created)]
-    return Section(
-        key="versions",
-        heading=text("versions-heading"),
-        blocks=(
-            pairs(words, text("versions-caption"), rows, first="program"),
-            Paragraph(text=f"{text('hash-row')}:"),
-            Paragraph(text=profile.sha256, tone=Tone.CODE),
-            Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text),
-        ),
-        is_appendix=True,
-    )
+    yield pairs(words, text("versions-caption"), rows, first="program")
+    yield Paragraph(text=f"{text('hash-row')}:")
+    yield Paragraph(text=profile.sha256, tone=Tone.CODE)
+    yield Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text)

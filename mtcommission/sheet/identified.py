@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from mtcommission.sheet.document import (
     Column,
     LinePlot,
     Paragraph,
-    Section,
     Table,
     Tone,
+    note,
 )
 from mtcommission.sheet.limits import is_of_calibration
 from mtcommission.sheet.plots import MAIN, SETPOINT, THIRD, Array, Curve, Signals, line_plot
@@ -252,27 +252,24 @@ def axis_of(words: Catalogue) -> AxisUnits:
     return ROTARY if words.rotary else LINEAR
 
 
-def identified(record: Record, words: Catalogue) -> tuple[Section, ...]:
-    """Return what was measured beside what the profile says now; nothing where nothing was."""
+def identified(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield what was measured beside what the profile says now; nothing where nothing was."""
     part = record.identified
     if part is None:
-        return ()
-    inside = {mode.name: mode for mode in record.plant.modes}
-    gone = changes(part, record, words)
-    blocks: tuple[Block, ...] = (
-        Paragraph(text=words.text("identified-note", date=part.created[:10]), tone=Tone.NOTE),
-        result_table(part, words),
-        *mode_tables(part, words, inside=inside),
-        *([Bullets(items=gone, tone=Tone.WARNING)] if gone else []),
-        *([_tool_sensor(part.tool_sensor, words)] if part.tool_sensor else []),
-        *_beside_klipper(part, record, words),
-        *plots(part, words),
-        *remarks(part, words),
-        *([check_table(part, words)] if part.checks else []),
-        file_table(part, words),
-    )
-    heading = words.text("identified-heading")
-    return (Section(key="identified", heading=heading, blocks=blocks, is_appendix=True),)
+        return
+    yield note(words.text("identified-note", date=part.created[:10]))
+    yield result_table(part, words)
+    yield from mode_tables(part, words, inside={mode.name: mode for mode in record.plant.modes})
+    if gone := changes(part, record, words):
+        yield Bullets(items=gone, tone=Tone.WARNING)
+    if part.tool_sensor:
+        yield _tool_sensor(part.tool_sensor, words)
+    yield from _beside_klipper(part, record, words)
+    yield from plots(part, words)
+    yield from remarks(part, words)
+    if part.checks:
+        yield check_table(part, words)
+    yield file_table(part, words)
 
 
 def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str, ...]:
@@ -307,10 +304,10 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
     return tuple(found)
 
 
-def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[Block, ...]:
+def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> Iterator[Block]:
     """What calibrate_shaper would choose, by its own measures; then simulated, beside ours."""
     if not part.proposals:
-        return ()
+        return
     text, f, ours = words.text, words.format, record.limits.recommended
 
     def head(name: str) -> str:
@@ -352,10 +349,8 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> t
         *(_of_limits(quantity) for quantity in (ACCELERATION, SETTLING, RESIDUAL)),
         Quantity("meets", met),
     )
-    return (
-        table(words, "identified-klipper-caption", chosen, part.proposals),
-        table(words, "identified-klipper-simulated", columns, simulated),
-    )
+    yield table(words, "identified-klipper-caption", chosen, part.proposals)
+    yield table(words, "identified-klipper-simulated", columns, simulated)
 
 
 def _of_limits(quantity: Quantity) -> Quantity:
@@ -373,4 +368,4 @@ def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:
     else:
         freed = {"now": now, "least": least, "freed": now - least}
         said = words.text("identified-tool-frees", **named, **freed)
-    return Paragraph(text=said, tone=Tone.NOTE)
+    return note(said)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,9 @@ from mtcommission.sheet.document import (
     Mark,
     Paragraph,
     PointPlot,
-    Section,
     Table,
     Tone,
+    note,
 )
 from mtcommission.sheet.plots import MAIN, OTHER, label
 from mtcommission.sheet.tables import (
@@ -106,8 +106,8 @@ def is_of_calibration(item: Alternative) -> bool:
     return isinstance(item.name, Message) and item.name.kind == "shaper-of-calibration"
 
 
-def other_limits(record: Record, words: Catalogue) -> tuple[Block, ...]:
-    """Return today's and other limits that serve, with what they give; the others by number."""
+def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield today's and other limits that serve, with what they give; the others by number."""
     text, part = words.text, record.limits
     others = [*part.alternatives, *part.rules]
     serving = [item for item in others if item.meets_requirements or is_of_calibration(item)]
@@ -131,7 +131,7 @@ def other_limits(record: Record, words: Catalogue) -> tuple[Block, ...]:
         return wide(quantity, quantity.width, value=lambda it: quantity.of(it[1]), missing=missing)
 
     judged = wide(met, met.width, value=lambda it: meets(it[1]))
-    found = table(
+    yield table(
         words,
         "alternatives-caption",
         (name, *map(known, numbers), judged),
@@ -139,20 +139,19 @@ def other_limits(record: Record, words: Catalogue) -> tuple[Block, ...]:
         strong=lambda it: it[1] is part.recommended,
     )
     missed = len(others) - len(serving)
-    note = Paragraph(text=text("limits-missed", count=missed), tone=Tone.NOTE)
-    return (found, note) if missed else (found,)
+    if missed:
+        yield note(text("limits-missed", count=missed))
 
 
-def limits_section(record: Record, words: Catalogue) -> Section:
-    """Return the limits by machining mode, and what could be met instead."""
-    blocks = (_machining_modes(record, words), *_attainable(record, words))
-    heading = words.text("limits-heading")
-    return Section(key="limits", heading=heading, blocks=blocks, is_appendix=True)
+def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the limits by machining mode, and what could be met instead."""
+    yield _machining_modes(record, words)
+    if record.limits.attainable:
+        yield _attainable(record, words)
 
 
-def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
-    """What could be met where a requirement stands in the way; nothing if none does."""
-    items = record.limits.attainable
+def _attainable(record: Record, words: Catalogue) -> Table:
+    """What could be met where a requirement stands in the way."""
     columns = (
         Quantity("check", lambda it: capitalised(say_limiting(it, words)), width=1.6),
         Quantity("permitted", "limit", lambda it: it.unit),
@@ -160,7 +159,7 @@ def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
         ACCELERATION,
         jerk_column(record, words, width=1.0),
     )
-    return (table(words, "attainable-caption", columns, items),) if items else ()
+    return table(words, "attainable-caption", columns, record.limits.attainable)
 
 
 def _machining_modes(record: Record, words: Catalogue) -> Table:
@@ -194,8 +193,8 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
     return table(words, "machining-caption", columns, record.limits.modes)
 
 
-def rules(record: Record, words: Catalogue) -> Section:
-    """Return the rules of thumb that meet all requirements as a table, all of them as a plot."""
+def rules(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the rules of thumb that meet all requirements as a table, all of them as a plot."""
     text, part = words.text, record.limits
     every = [*part.alternatives, *part.rules]
 
@@ -210,17 +209,16 @@ def rules(record: Record, words: Catalogue) -> Section:
         Quantity("source", "source", width=2.3),
         *limits_columns(record, words),
     )
-    blocks: list[Block] = [table(words, "rules-caption", columns, good)] if good else []
+    if good:
+        yield table(words, "rules-caption", columns, good)
     if missed:
-        blocks.append(Paragraph(text=text("rules-missed", names=missed)))
-    blocks += _comparison(record, words)
+        yield Paragraph(text=text("rules-missed", names=missed))
+    yield from _comparison(record, words)
     if left_out:
-        blocks.append(Paragraph(text=text("unsettled-rules", names=left_out), tone=Tone.NOTE))
-    heading = text("rules-heading")
-    return Section(key="rules", heading=heading, blocks=tuple(blocks), is_appendix=True)
+        yield note(text("unsettled-rules", names=left_out))
 
 
-def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
+def _comparison(record: Record, words: Catalogue) -> Iterator[PointPlot]:
     """Settling time against residual; nothing if no point has both."""
     text, f, part, permitted = words.text, words.format, record.limits, find_band(record)
     recommended = part.recommended
@@ -232,10 +230,10 @@ def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
     found = ((name, it.settling_time, it.residual_deviation, style) for name, it, style in named)
     points = [(name, t, e, style) for name, t, e, style in found if t and e]
     if not points or permitted is None:
-        return ()
+        return
     t_scale = f.scale(max(t for _, t, _, _ in points), "s")
     e_scale = f.scale(permitted, motion_unit("m", rotary=words.rotary))
-    plot = PointPlot(
+    yield PointPlot(
         key="comparison",
         caption=text("compare-caption"),
         alt=text(
@@ -253,11 +251,10 @@ def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
             label=text("band", band=show(permitted, words, "m")), y=permitted / e_scale.size
         ),
     )
-    return (plot,)
 
 
-def landscape(record: Record, words: Catalogue) -> Section:
-    """Return the map of settling times with the chosen point."""
+def landscape(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the map of settling times with the chosen point."""
     text, f, part = words.text, words.format, record.limits.landscape
     chosen, values = record.limits.recommended, _grid(part.settling_time)
     known = values[np.isfinite(values)]
@@ -266,7 +263,7 @@ def landscape(record: Record, words: Catalogue) -> Section:
     a_scale = f.scale_for([a], motion_unit("m/s^2", rotary=words.rotary))
     t_scale, value_scale = f.scale_for([t], "s"), f.scale_for([known], "s")
     caption = text("landscape-caption")
-    heat_map = HeatMap(
+    yield HeatMap(
         key="landscape",
         caption=caption if known.size == values.size else text("hatched", caption=caption),
         alt=text(
@@ -292,8 +289,6 @@ def landscape(record: Record, words: Catalogue) -> Section:
         ),
         contours=_borders(record, t_scale.size, a_scale.size, words),
     )
-    heading = text("landscape-heading")
-    return Section(key="landscape", heading=heading, blocks=(heat_map,), is_appendix=True)
 
 
 def _grid(rows: list[list[float | None]]) -> Array:
@@ -336,8 +331,8 @@ def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ..
     return tuple(np.asarray(line, dtype=np.float64) for line in lines)
 
 
-def rule(record: Record, words: Catalogue) -> Section:
-    """Return the commissioning rule in words and formulas, its symbols, and the steps by hand."""
+def rule(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the commissioning rule in words and formulas, its symbols, and the steps by hand."""
     text, part = words.text, record.limits.rule
     result = text(
         "rule-result",
@@ -352,27 +347,17 @@ def rule(record: Record, words: Catalogue) -> Section:
         Quantity("rule-how", lambda it: _formula(it.formula, words), width=2.4),
         Quantity("value", "value", lambda it: "" if it.unit == "1" else it.unit),
     )
-    return Section(
-        key="rule",
-        heading=text("rule-heading"),
-        blocks=(
-            Paragraph(text=words.say(part.text)),
-            Paragraph(text=result),
-            *(
-                Formula(
-                    text=item.text.replace(".", words.format.decimal_mark),
-                    aside=words.say(item.aside) if item.aside else "",
-                )
-                for item in part.formula
-            ),
-            Paragraph(text=words.say(part.advice)),
-            _symbols(record, words),
-            table(words, "rule-steps-caption", steps, part.steps),
-            Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
-            *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part.warnings),
-        ),
-        is_appendix=True,
-    )
+    yield Paragraph(text=words.say(part.text))
+    yield Paragraph(text=result)
+    for item in part.formula:
+        aside = words.say(item.aside) if item.aside else ""
+        yield Formula(text=item.text.replace(".", words.format.decimal_mark), aside=aside)
+    yield Paragraph(text=words.say(part.advice))
+    yield _symbols(record, words)
+    yield table(words, "rule-steps-caption", steps, part.steps)
+    yield note(text("rule-valid", range=words.say(part.valid_for)))
+    for line in part.warnings:
+        yield Paragraph(text=words.say(line), tone=Tone.WARNING)
 
 
 def _formula(formula: Words, words: Catalogue) -> Words | Formula:

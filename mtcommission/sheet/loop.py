@@ -6,7 +6,7 @@ has.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import inf, pi
 
 import numpy as np
@@ -31,10 +31,9 @@ from mtcommission.sheet.document import (
     Bullets,
     LinePlot,
     Paragraph,
-    Section,
     Subheading,
     Table,
-    Tone,
+    note,
 )
 from mtcommission.sheet.identified import changes, short_name
 from mtcommission.sheet.plots import (
@@ -86,48 +85,41 @@ FUNCTIONS = (
 """What one control has and another lacks; the rest differs by name only."""
 
 
-def third_page(record: Record, words: Catalogue) -> Section:
-    """Return the frequency response with margins, filters and measured points, and stiffness.
+def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the frequency response with margins, filters and measured points, and stiffness.
 
-    Where the motor follows there is no loop: what counts is how far the frequency may be off.
+    An open-loop axis has none: what counts is how far the frequency may be off.
     """
     text, loop = words.text, record.loop
-    why: tuple[Block, ...] = ()
+    if loop.worst_corner is None:  # the remarks say so
+        yield _said(loop.remarks, words)
+    else:
+        yield note(_sensors(record, words))
+        yield bode(record, words)
+        yield _margins(loop, loop.worst_corner, words)
+        yield _disturbance(record, words)
     if loop.reasons:
-        why = (Paragraph(text=text("loop-why")), _said(loop.reasons, words))
-    if loop.worst_corner is None:  # the motor follows: the remarks say so
-        blocks = (_said(loop.remarks, words), *why, *held_range(record, words))
-        heading = text("robustness-heading")
-        return Section(key="robustness", heading=heading, blocks=blocks)
-    blocks = (
-        Paragraph(text=_sensors(record, words), tone=Tone.NOTE),
-        bode(record, words),
-        _margins(loop, loop.worst_corner, words),
-        _disturbance(record, words),
-        *why,
-    )
-    return Section(key="loop", heading=text("loop-heading"), blocks=blocks)
+        yield Paragraph(text=text("loop-why"))
+        yield _said(loop.reasons, words)
+    if loop.worst_corner is None:
+        yield from held_range(record, words)
 
 
-def loop_details(record: Record, words: Catalogue) -> Section:
-    """Return structure, loops that were tried, corners, delays, and what the control has."""
+def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield structure, loops that were tried, corners, delays, and what the control has."""
     text, loop = words.text, record.loop
-    blocks: list[Block] = []
     if loop.worst_corner is not None:
-        blocks = [
-            structure(record, words),
-            *_cross_check(loop, words),
-            *_trade_off(record, words),
-            *_variants(record, words),
-            *_corners(record, words),
-            _delays(record, words),
-            *_jerk_feedforward(record, words),
-        ]
+        yield structure(record, words)
+        yield from _cross_check(loop, words)
+        yield from _trade_off(record, words)
+        yield from _variants(record, words)
+        yield from _corners(record, words)
+        yield _delays(record, words)
+        yield from _jerk_feedforward(record, words)
     if loop.remarks:
-        blocks += [Subheading(text=text("remarks")), _said(loop.remarks, words)]
-    blocks += _control_has(record, words)
-    heading = text("loop-details-heading")
-    return Section(key="loop-details", heading=heading, blocks=tuple(blocks), is_appendix=True)
+        yield Subheading(text=text("remarks"))
+        yield _said(loop.remarks, words)
+    yield from _control_has(record, words)
 
 
 def _said(lines: Sequence[Message | str], words: Catalogue) -> Bullets:
@@ -329,29 +321,28 @@ def _disturbance(record: Record, words: Catalogue) -> LinePlot:
     )
 
 
-def _cross_check(part: LoopPart, words: Catalogue) -> tuple[Block, ...]:
+def _cross_check(part: LoopPart, words: Catalogue) -> Iterator[Block]:
     """What python-control says of the same blocks."""
-    found = part.cross_check
-    if found is None:
-        return ()
-    sentence = words.text(
-        "loop-cross-check",
-        gain=GAIN_MARGIN.show(found, words),
-        phase=PHASE_MARGIN.show(found, words),
-        poles=words.format.number(found.pole_difference, digits=1),
-    )
-    return (Paragraph(text=sentence, tone=Tone.NOTE),)
+    if found := part.cross_check:
+        yield note(
+            words.text(
+                "loop-cross-check",
+                gain=GAIN_MARGIN.show(found, words),
+                phase=PHASE_MARGIN.show(found, words),
+                poles=words.format.number(found.pole_difference, digits=1),
+            )
+        )
 
 
-def _trade_off(record: Record, words: Catalogue) -> tuple[Table, ...]:
+def _trade_off(record: Record, words: Catalogue) -> Iterator[Table]:
     """The loops that no other one beats in both stiffness and settling."""
     tried = record.loop.candidates
     shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
     if len(shown) < 2:
-        return ()
+        return
     name = Quantity("loop", lambda item: _candidate_name(item, words), width=1.5)
     good = (SETTLING, STIFFNESS, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY)
-    found = table(
+    yield table(
         words,
         "trade-off-caption",
         (name, *PATH_GAINS, *good),
@@ -360,7 +351,6 @@ def _trade_off(record: Record, words: Catalogue) -> tuple[Table, ...]:
         shown=len(shown),
         tried=len(tried),
     )
-    return (found,)
 
 
 def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
@@ -385,11 +375,11 @@ def _used(
     return words.text("variant-used", name=name) if item.used else name
 
 
-def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
+def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
     """The loops that were compared side by side; nothing if there was no choice."""
     variants = record.loop.variants
     if len(variants) < 2:
-        return ()
+        return
     rows = (
         *(GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY, BANDWIDTH, _stiffness(words)),
         *(
@@ -399,14 +389,15 @@ def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
         *(SETTLING, RESIDUAL, MAX_FORCE),
     )
     heads = [_used(words.say(item.name), item, words) for item in variants]
-    return (beside(words, "variants-caption", rows, heads, variants),)
+    yield beside(words, "variants-caption", rows, heads, variants)
 
 
-def _corners(record: Record, words: Catalogue) -> tuple[Table, ...]:
+def _corners(record: Record, words: Catalogue) -> Iterator[Table]:
     corners = record.loop.corners
     bandwidth = wide(BANDWIDTH, 1.0, name="bandwidth-short")
     columns = (*CORNER, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY, bandwidth, STIFFNESS)
-    return (table(words, "loop-corners-caption", columns, corners),) if len(corners) > 1 else ()
+    if len(corners) > 1:
+        yield table(words, "loop-corners-caption", columns, corners)
 
 
 def _delays(record: Record, words: Catalogue) -> Table:
@@ -419,7 +410,7 @@ def _delays(record: Record, words: Catalogue) -> Table:
     return table(words, "delays-caption", (path, *times), record.loop.delays)
 
 
-def _jerk_feedforward(record: Record, words: Catalogue) -> tuple[Table, ...]:
+def _jerk_feedforward(record: Record, words: Catalogue) -> Iterator[Table]:
     entries = record.loop.jerk_feedforward
 
     def weight(item: JerkFeedforwardEntry) -> str:
@@ -432,13 +423,12 @@ def _jerk_feedforward(record: Record, words: Catalogue) -> tuple[Table, ...]:
         SETTLING,
         RESIDUAL,
     )
-    found = table(
-        words, "jerk-feedforward-caption", columns, entries, strong=lambda item: item.used
-    )
-    return (found,) if entries else ()
+    if entries:
+        caption = "jerk-feedforward-caption"
+        yield table(words, caption, columns, entries, strong=lambda item: item.used)
 
 
-def _control_has(record: Record, words: Catalogue) -> list[Block]:
+def _control_has(record: Record, words: Catalogue) -> Iterator[Block]:
     """What the control has, its names for it, and sources with numbers.
 
     A kind that is no product has no names: then it is one sentence.
@@ -461,7 +451,8 @@ def _control_has(record: Record, words: Catalogue) -> list[Block]:
     said = text("control-functions", has=has)
     if lacks:
         said = text("control-functions-and-lacks", has=has, lacks=lacks)
-    blocks: list[Block] = [Subheading(text=text("control-heading")), Paragraph(text=said)]
+    yield Subheading(text=text("control-heading"))
+    yield Paragraph(text=said)
     named = [item for item in features if item.parameters]
     sources = list(dict.fromkeys(source for item in named for source in sources_of(item)))
     cited = {source: f"[{number}]" for number, source in enumerate(sources, start=1)}
@@ -472,8 +463,7 @@ def _control_has(record: Record, words: Catalogue) -> list[Block]:
     )
     if named:
         control = control_name(record.loop.kind, words)
-        blocks.append(table(words, "control-caption", columns, named, control=control))
+        yield table(words, "control-caption", columns, named, control=control)
     if cited:
         listed = "; ".join(f"{number} {source}" for source, number in cited.items())
-        blocks.append(Paragraph(text=listed, tone=Tone.NOTE))
-    return blocks
+        yield note(listed)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema.machine import Datum, ModeEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import Words
 from mtcommission.sheet.basis import datum, datum_name
-from mtcommission.sheet.document import Paragraph, Section, Table, Tone
+from mtcommission.sheet.document import Block, Table, note
 from mtcommission.sheet.tables import Quantity, pairs, show, table
 
 REQUIRED = ("requirements.", "moves")
@@ -19,8 +19,8 @@ LONGEST_SOURCE = 28
 """Letters of a source that fits into its column; a longer one stands once, with a number."""
 
 
-def machine_data(record: Record, words: Catalogue) -> Section:
-    """Return the machine's data with their sources, and its modes."""
+def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the machine's data with their sources, and its modes."""
     text, machine, plant = words.text, record.machine, record.plant
     numbers = _numbers(record)
     rank = text("of-states", rank=plant.controllability_rank, count=len(plant.states))
@@ -33,32 +33,18 @@ def machine_data(record: Record, words: Catalogue) -> Section:
         (text("controllability"), rank),
     )
     data = [item for item in record.data if not item.key.startswith(REQUIRED)]
-    return Section(
-        key="machine",
-        heading=text("machine-heading"),
-        blocks=(
-            pairs(words, text("rigid-caption"), rows, width=2.0),
-            _data(record, "data-caption", data, words),
-            *(
-                Paragraph(text=_numbered(source, numbers), tone=Tone.NOTE)
-                for source in numbers
-                if source != machine.source
-            ),
-            _modes(record, words),
-        ),
-        is_appendix=True,
-    )
+    yield pairs(words, text("rigid-caption"), rows, width=2.0)
+    yield _data(record, "data-caption", data, words)
+    for source in numbers:
+        if source != machine.source:
+            yield note(_numbered(source, numbers))
+    yield _modes(record, words)
 
 
-def requirements(record: Record, words: Catalogue) -> Section:
-    """Return the moves and what is required of them."""
+def requirements(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the moves and what is required of them."""
     data = [item for item in record.data if item.key.startswith(REQUIRED)]
-    return Section(
-        key="requirements",
-        heading=words.text("requirements-heading"),
-        blocks=(_data(record, "requirements-caption", data, words),),
-        is_appendix=True,
-    )
+    yield _data(record, "requirements-caption", data, words)
 
 
 def _numbers(record: Record) -> dict[str, str]:

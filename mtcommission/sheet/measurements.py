@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -18,10 +19,10 @@ from mtcommission.sheet.document import (
     Bullets,
     Form,
     Paragraph,
-    Section,
     Subheading,
     Table,
     Tone,
+    note,
 )
 from mtcommission.sheet.tables import (
     BANDWIDTH,
@@ -60,8 +61,8 @@ class Measurement(NamedTuple):
 
 def fourth_page(
     record: Record, typed: Export | Message, words: Catalogue, verified: Verified | None
-) -> Section:
-    """Return the measurements that confirm the record, with what was measured if it is known."""
+) -> Iterator[Block]:
+    """Yield the measurements that confirm the record, with what was measured if it is known."""
     text, follows = words.text, record.machine.follows
     rows = [*_structure(record, words), *([] if follows else _loop(record, words))]
     titles = []
@@ -69,21 +70,16 @@ def fourth_page(
         rows += _motion(record, move, number, words)
         titles.append(move_title(move.move, number, words))
     how = tuple(map(text, HOW_FOLLOWED if follows else HOW))
-    blocks: list[Block] = [
-        Paragraph(text=text("measure-note", moves="; ".join(titles)), tone=Tone.NOTE),
-        Bullets(items=how, tone=Tone.NOTE),
-        _table(rows, verified, words),
-    ]
+    yield note(text("measure-note", moves="; ".join(titles)))
+    yield Bullets(items=how, tone=Tone.NOTE)
+    yield _table(rows, verified, words)
     if verified:
         said = text(f"verify-verdict-{verified.verdict.replace(' ', '-')}")
         tone = Tone.PLAIN if verified.verdict == "holds" else Tone.WARNING
-        blocks.append(Paragraph(text=text("measure-verdict", verdict=said), tone=tone))
-    blocks += [
-        Form(fields=(text("measure-field-1"), text("measure-field-2"))),
-        Subheading(text=text("signature-heading")),
-        *signature(record, typed, words),
-    ]
-    return Section(key="measurements", heading=text("measure-heading"), blocks=tuple(blocks))
+        yield Paragraph(text=text("measure-verdict", verdict=said), tone=tone)
+    yield Form(fields=(text("measure-field-1"), text("measure-field-2")))
+    yield Subheading(text=text("signature-heading"))
+    yield from signature(record, typed, words)
 
 
 def _table(rows: list[Measurement], verified: Verified | None, words: Catalogue) -> Table:

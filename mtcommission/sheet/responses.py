@@ -5,7 +5,7 @@ The appendix has every move with all its signals, and the limits on smaller and 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -17,15 +17,7 @@ from mtcommission.record.schema.optima import OptimaEntry, OptimumEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import Series, Words
 from mtcommission.sheet.basis import find_band
-from mtcommission.sheet.document import (
-    Block,
-    LinePlot,
-    Paragraph,
-    Section,
-    Subheading,
-    Table,
-    Tone,
-)
+from mtcommission.sheet.document import Block, LinePlot, Paragraph, Subheading, Table, note
 from mtcommission.sheet.limits import jerk_column, other_limits
 from mtcommission.sheet.plots import (
     FOURTH,
@@ -65,22 +57,16 @@ WAYS: dict[Words, int] = {
 """Line style of the ways of choosing limits."""
 
 
-def second_page(record: Record, words: Catalogue) -> Section:
-    """Return the slowest move, all moves beside their optima, sizes, other limits, what helps."""
+def second_page(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the slowest move, all moves beside their optima, sizes, other limits, what helps."""
     number = slowest_move(record)
-    return Section(
-        key="responses",
-        heading=words.text("responses-heading"),
-        blocks=(
-            _yardsticks(record, words),
-            Paragraph(text=words.text("yardstick-note"), tone=Tone.NOTE),
-            *_missing_yardsticks(record, words),
-            _response_plot(record, number, words),
-            *_size_plot(record, number, words),
-            *other_limits(record, words),
-            *_improvements(record, words),
-        ),
-    )
+    yield _yardsticks(record, words)
+    yield note(words.text("yardstick-note"))
+    yield from _missing_yardsticks(record, words)
+    yield _response_plot(record, number, words)
+    yield from _size_plot(record, number, words)
+    yield from other_limits(record, words)
+    yield from _improvements(record, words)
 
 
 def _yardsticks(record: Record, words: Catalogue) -> Table:
@@ -115,7 +101,7 @@ def _yardsticks(record: Record, words: Catalogue) -> Table:
     return table(words, "yardstick-caption", columns, items)
 
 
-def _missing_yardsticks(record: Record, words: Catalogue) -> tuple[Block, ...]:
+def _missing_yardsticks(record: Record, words: Catalogue) -> Iterator[Block]:
     """Why a least time within the band is a dash; nothing where none is."""
     reasons = [
         f"{words.text('move', number=number)}: {words.say(remark)}"
@@ -123,14 +109,15 @@ def _missing_yardsticks(record: Record, words: Catalogue) -> tuple[Block, ...]:
         for remark in optima.remarks
         if optima.band is None and isinstance(remark, Message) and remark.kind in NO_BAND
     ]
-    return (Paragraph(text=" ".join(reasons), tone=Tone.NOTE),) if reasons else ()
+    if reasons:
+        yield note(" ".join(reasons))
 
 
-def _improvements(record: Record, words: Catalogue) -> tuple[Block, ...]:
+def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
     """The changes, the one that brings most first; nothing where none was looked at."""
     text, found = words.text, record.limits.would_bring
     if not found:
-        return ()
+        return
     gains = [item for item in found if item.settling_time is not None or not item.outcome]
     gains = [item for item in gains if item.saved is None or item.saved > 0.0][:MOST_CHANGES]
     rest = [words.say(item.change) for item in found if item not in gains]
@@ -148,35 +135,25 @@ def _improvements(record: Record, words: Catalogue) -> tuple[Block, ...]:
     said = text("improvements-note", loop="none" if record.machine.follows else "tuned")
     if rest:
         said = f"{said} {text('improvements-none', changes=', '.join(rest))}"
-    note = Paragraph(text=said, tone=Tone.NOTE)
-    return (table(words, "improvements-caption", columns, gains), note) if gains else (note,)
+    if gains:
+        yield table(words, "improvements-caption", columns, gains)
+    yield note(said)
 
 
-def motions(record: Record, words: Catalogue) -> Section:
-    """Return plots and tables of each move."""
+def motions(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield plots and tables of each move."""
     text = words.text
-    delay = words.format.quantity(record.loop.reference_delay, "s")
-    blocks: list[Block] = [Paragraph(text=text("motion-note", delay=delay), tone=Tone.NOTE)]
+    yield note(text("motion-note", delay=show(record.loop.reference_delay, words, "s")))
+    amplitude = (Quantity("mode", lambda it: it[0]), Quantity("amplitude", lambda it: it[1], "m"))
     for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
-        short = text("move", number=number)
-        blocks += [
-            Subheading(text=move_title(move.move, number, words)),
-            Paragraph(text=reference_sentence(record, number, words)),
-            table(
-                words,
-                "amplitudes-caption",
-                (Quantity("mode", lambda it: it[0]), Quantity("amplitude", lambda it: it[1], "m")),
-                move.response.mode_amplitudes.items(),
-                move=short,
-            ),
-            *_segments(move, short, words),
-            *_motion_plots(record, number, short, words),
-            _peaks(record, optima, move, short, words),
-            *(Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima.remarks),
-        ]
-    return Section(
-        key="motions", heading=text("motion-heading"), blocks=tuple(blocks), is_appendix=True
-    )
+        short, amplitudes = text("move", number=number), move.response.mode_amplitudes
+        yield Subheading(text=move_title(move.move, number, words))
+        yield Paragraph(text=reference_sentence(record, number, words))
+        yield table(words, "amplitudes-caption", amplitude, amplitudes.items(), move=short)
+        yield from _segments(move, short, words)
+        yield from _motion_plots(record, number, short, words)
+        yield _peaks(record, optima, move, short, words)
+        yield from (note(words.say(remark)) for remark in optima.remarks)
 
 
 def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, OptimumEntry]]:
@@ -189,7 +166,7 @@ def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, 
     return [(name, style, item) for name, style, item in found if item is not None]
 
 
-def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...]:
+def _segments(move: MoveEntry, title: str, words: Catalogue) -> Iterator[Block]:
     setpoint = move.setpoint
     columns = (
         Quantity("segment", lambda it: str(it[0])),
@@ -197,13 +174,11 @@ def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...
         Quantity("jerk", lambda it: it[1].jerk, "m/s^3"),
     )
     segments = enumerate(setpoint.segments, start=1)
-    found = table(words, "setpoint-caption", columns, segments, move=title)
-    if not setpoint.setpoint_filter:
-        return (found,)
-    longer = show(setpoint.setpoint_filter.duration, words, "s")
-    said = say_filter(setpoint.setpoint_filter, words)
-    note = words.text("setpoint-behind-filter", filter=said, time=longer)
-    return (found, Paragraph(text=note, tone=Tone.NOTE))
+    yield table(words, "setpoint-caption", columns, segments, move=title)
+    if setpoint.setpoint_filter:
+        longer = show(setpoint.setpoint_filter.duration, words, "s")
+        said = say_filter(setpoint.setpoint_filter, words)
+        yield note(words.text("setpoint-behind-filter", filter=said, time=longer))
 
 
 def _peaks(
@@ -330,22 +305,16 @@ def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
     )
 
 
-def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
-    """Return from which size on limits hold, move by move; nothing where nothing was tried."""
-    text = words.text
-    if not record.limits.move_sizes:
-        return ()
-    shown_before = slowest_move(record)
-    blocks: list[Block] = [Paragraph(text=text("sizes-note"), tone=Tone.NOTE)]
+def move_sizes(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield from which size on limits hold, move by move; nothing where nothing was tried."""
+    if record.limits.move_sizes:
+        yield note(words.text("sizes-note"))
     for number, move in enumerate(record.moves, start=1):
         if ways := _ways(record, number):
-            title = text("move", number=number)
-            blocks.append(Subheading(text=move_title(move.move, number, words)))
-            blocks.append(_sizes(record, ways, title, words))
-            if number != shown_before:
-                blocks += _size_plot(record, number, words)
-    heading = text("sizes-heading")
-    return (Section(key="sizes", heading=heading, blocks=tuple(blocks), is_appendix=True),)
+            yield Subheading(text=move_title(move.move, number, words))
+            yield _sizes(record, ways, words.text("move", number=number), words)
+            if number != slowest_move(record):  # that one stands on page 2
+                yield from _size_plot(record, number, words)
 
 
 def _ways(record: Record, number: int) -> list[MoveSizesEntry]:
@@ -374,11 +343,11 @@ def _sizes(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalo
     return table(words, "sizes-caption", columns, ways, move=title)
 
 
-def _size_plot(record: Record, number: int, words: Catalogue) -> tuple[LinePlot, ...]:
+def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePlot]:
     """The residual deviation over the size of a move; nothing where none was tried."""
     text, ways, permitted = words.text, _ways(record, number), find_band(record)
     if not ways:
-        return ()
+        return
     is_step = "velocity_step" in ways[0].move
     curves = [
         Curve(words.say(one.way), one.size, one.residual_deviation, WAYS.get(one.way, SETPOINT))
@@ -386,7 +355,7 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> tuple[LinePlot,
     ]
     limits = () if permitted is None else (permitted,)
     residual = Signals(name=text("residual"), unit="m", curves=curves, limits=limits)
-    plot = line_plot(
+    yield line_plot(
         words,
         f"sizes-{number}",
         [residual],
@@ -399,4 +368,3 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> tuple[LinePlot,
         ),
         is_log=True,
     )
-    return (plot,)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from mtcommission.record.schema.moves import MoveEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.robustness import DistributionEntry, MonteCarloEntry, Quantile
 from mtcommission.sheet.basis import find_band, kept_sentence
-from mtcommission.sheet.document import Block, LinePlot, Paragraph, Section, Table, Tone
+from mtcommission.sheet.document import Block, LinePlot, Paragraph, Table, note
 from mtcommission.sheet.plots import Curve, Signals, line_plot
 from mtcommission.sheet.tables import (
     CORNER,
@@ -28,28 +28,22 @@ from mtcommission.sheet.tables import (
 from mtcommission.sheet.verdict import move_title
 
 
-def robustness(record: Record, words: Catalogue) -> Section:
-    """Return corners, frequency error and drawn machines."""
-    text, drawn = words.text, record.robustness.monte_carlo
-    found: tuple[Block, ...] = (Paragraph(text=text("nothing-drawn"), tone=Tone.NOTE),)
-    if drawn is not None:
-        found = _drawn(drawn, words)
-    follows = record.machine.follows
-    return Section(
-        key="robustness-details" if follows else "robustness",
-        heading=text("robustness-heading"),
-        blocks=(*(() if follows else held_range(record, words)), *found),
-        is_appendix=True,
-    )
+def robustness(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield corners, frequency error and drawn machines."""
+    if not record.machine.follows:  # else they stand on page 3
+        yield from held_range(record, words)
+    if record.robustness.monte_carlo is None:
+        yield note(words.text("nothing-drawn"))
+    else:
+        yield from _drawn(record.robustness.monte_carlo, words)
 
 
-def held_range(record: Record, words: Catalogue) -> tuple[Block, ...]:
-    """Return what comes about in every corner, and over the error of all frequencies."""
-    return (
-        *(_corners(move, number, words) for number, move in enumerate(record.moves, start=1)),
-        Paragraph(text=kept_sentence(record, words)),
-        *_frequency_error(record, words),
-    )
+def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield what comes about in every corner, and over the error of all frequencies."""
+    for number, move in enumerate(record.moves, start=1):
+        yield _corners(move, number, words)
+    yield Paragraph(text=kept_sentence(record, words))
+    yield from _frequency_error(record, words)
 
 
 def _corners(move: MoveEntry, number: int, words: Catalogue) -> Table:
@@ -65,7 +59,7 @@ def _corners(move: MoveEntry, number: int, words: Catalogue) -> Table:
     )
 
 
-def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:
+def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
     """The curves over the frequency error; where one has no point, why it is missing."""
     text, error, permitted = words.text, record.robustness.frequency_error, find_band(record)
     x = 100.0 * (np.array(error.factor) - 1.0)
@@ -75,27 +69,25 @@ def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:
     )
     ends = zip(("low", "high"), (error.factor[0], error.factor[-1]), strict=True)
     tried = {name: words.format.signed_percent(factor - 1.0) for name, factor in ends}
-    none_settles = Paragraph(text=text("no-error-curves", **tried), tone=Tone.NOTE)
-    if not residual.y.size:
-        return (none_settles,)
     limits = () if permitted is None else (permitted,)
-    panels = [Signals(name=text("residual"), unit="m", curves=[residual], limits=limits)]
-    if settling.y.size:
-        panels.append(Signals(name=text("settling-time"), unit="s", curves=[settling]))
-    plot = line_plot(
-        words,
-        "frequency-error",
-        panels,
-        x=(text("frequency-error"), ""),
-        caption=text("frequency-error-caption"),
-        alt=text(
-            "frequency-error-alt",
-            least=show(float(residual.y.min()), words, "m"),
-            most=show(float(residual.y.max()), words, "m"),
-            band=show(permitted, words, "m"),
-        ),
-    )
-    return (plot,) if settling.y.size else (plot, none_settles)
+    panels = [Signals(text("residual"), "m", [residual], limits)]
+    panels.append(Signals(text("settling-time"), "s", [settling]))
+    if residual.y.size:
+        yield line_plot(
+            words,
+            "frequency-error",
+            [panel for panel in panels if panel.curves[0].y.size],
+            x=(text("frequency-error"), ""),
+            caption=text("frequency-error-caption"),
+            alt=text(
+                "frequency-error-alt",
+                least=show(float(residual.y.min()), words, "m"),
+                most=show(float(residual.y.max()), words, "m"),
+                band=show(permitted, words, "m"),
+            ),
+        )
+    if not settling.y.size:
+        yield note(text("no-error-curves", **tried))
 
 
 def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
@@ -110,7 +102,7 @@ def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
     )
 
 
-def _drawn(drawn: MonteCarloEntry, words: Catalogue) -> tuple[Block, ...]:
+def _drawn(drawn: MonteCarloEntry, words: Catalogue) -> Iterator[Block]:
     """What was drawn, the distribution, and the worst machines."""
     text, settling, residual = words.text, drawn.settling_time, drawn.residual_deviation
     ends = {0.0: text("least"), 1.0: text("largest")}
@@ -130,13 +122,11 @@ def _drawn(drawn: MonteCarloEntry, words: Catalogue) -> tuple[Block, ...]:
         *(_of_machine(quantity) for quantity in (*CORNER, SETTLING, RESIDUAL)),
     )
     both = zip(settling.quantiles, residual.quantiles, strict=True)
-    return (
-        Paragraph(text=drawn_sentence(drawn, words)),
-        table(words, "quantiles-caption", quantiles, both),
-        *_histogram("settling_time", text("settling-time"), settling, words),
-        *_histogram("residual_deviation", text("residual"), residual, words),
-        table(words, "extremes-caption", extremes, named.items()),
-    )
+    yield Paragraph(text=drawn_sentence(drawn, words))
+    yield table(words, "quantiles-caption", quantiles, both)
+    yield from _histogram("settling_time", text("settling-time"), settling, words)
+    yield from _histogram("residual_deviation", text("residual"), residual, words)
+    yield table(words, "extremes-caption", extremes, named.items())
 
 
 def _of_machine(quantity: Quantity) -> Quantity:
@@ -146,7 +136,7 @@ def _of_machine(quantity: Quantity) -> Quantity:
 
 def _histogram(
     key: str, name: str, values: DistributionEntry, words: Catalogue
-) -> Iterable[LinePlot]:
+) -> Iterator[LinePlot]:
     """How many machines lie where; nothing where all are alike or none settles."""
     text, unit, edges = words.text, values.unit, np.array(values.histogram.edges)
     if edges.size < 3:

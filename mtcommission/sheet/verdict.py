@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
@@ -24,9 +25,9 @@ from mtcommission.sheet.document import (
     Form,
     Headline,
     Paragraph,
-    Section,
     Table,
     Tone,
+    note,
 )
 from mtcommission.sheet.tables import (
     RESIDUAL,
@@ -74,24 +75,18 @@ def type_in(record: Record) -> Export | Message:
         return error.message
 
 
-def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Section:
-    """Return verdict, what to enter, for what it holds, on what it rests."""
+def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Iterator[Block]:
+    """Yield verdict, what to enter, for what it holds, on what it rests."""
     text = words.text
     holds = holds_rows(record, words)
     basis = (*basis_rows(record, words), *data_rows(record, words))
-    return Section(
-        key="verdict",
-        heading=text("verdict-heading"),
-        blocks=(
-            headline_as_typed(record, typed, words),
-            *_warnings(record, words),
-            _entries(record, typed, words),
-            _checks(record, words),
-            Paragraph(text=_judged_during(record, words), tone=Tone.NOTE),
-            pairs(words, text("holds-caption"), holds, first="basis", width=5.0),
-            pairs(words, text("basis-caption"), basis, first="basis", width=5.0),
-        ),
-    )
+    yield headline_as_typed(record, typed, words)
+    yield from _warnings(record, words)
+    yield _entries(record, typed, words)
+    yield _checks(record, words)
+    yield note(_judged_during(record, words))
+    yield pairs(words, text("holds-caption"), holds, first="basis", width=5.0)
+    yield pairs(words, text("basis-caption"), basis, first="basis", width=5.0)
 
 
 def headline(record: Record, words: Catalogue) -> Headline:

@@ -11,7 +11,7 @@ const whatIf = (() => {
   const SIZES = 64, LEAST = 0.01;
   const CELLS = 22;
   const say = (key, values = {}) => Object.entries(values).reduce((text, [name, value]) => text.replaceAll(`{${name}}`, value), words[key]);
-  const withUnit = (value, unit) => value === null ? words.none : Number.isFinite(value) ? `${show(value / units[unit].size)} ${units[unit].unit}` : words.unsettled;
+  const withUnit = (value, unit) => value === null ? words.none : Number.isFinite(value) ? `${show(value / units[unit].size)} ${units[unit].unit}` : words.not_settled;
 
   // ---- what is tried ----
 
@@ -281,7 +281,7 @@ const whatIf = (() => {
     const every = model.requirements.every_size;
     const missed = scanned.rows.flatMap((rows, number) => rows.filter((row, i) => (every || i === 0) && !keeps(row)).map(row => ({...row, number})));
     const count = scanned.rows.reduce((sum, rows) => sum + (every ? rows.length : 1), 0);
-    const named = (number, size) => (model.moves.length > 1 ? `${say("move_number", {number: number + 1})}: ` : "") + sizeText(number, size);
+    const named = (number, size) => (model.moves.length > 1 ? `${say("move", {number: number + 1})}: ` : "") + sizeText(number, size);
     if (missed.length) {
       const worst = missed.reduce((one, other) => (other.residual ?? Infinity) > (one.residual ?? Infinity) ? other : one);
       id("sizes-verdict").textContent = `✗ ${say("sizes_missed", {missed: missed.length, count, size: named(worst.number, worst.size), value: withUnit(worst.residual, "deviation")})}`;
@@ -296,7 +296,7 @@ const whatIf = (() => {
     const size = units.deviation.size, band = model.requirements.tcp_deviation / size;
     const values = rows.filter(row => Number.isFinite(row.residual) && row.residual !== null);
     const most = Math.max(1.3 * band, ...values.map(row => Math.min(row.residual / size, 8 * band)));
-    const {svg, x, y, inside} = canvas("sizes", [LEAST * largest, 1.05 * largest], [0, 1.05 * most], [inUnit(words.size, sizeUnit(state.move)), inUnit(words.residual, "deviation")], {xLog: true});
+    const {svg, x, y, inside} = canvas("sizes", [LEAST * largest, 1.05 * largest], [0, 1.05 * most], [inUnit(words.field_size, sizeUnit(state.move)), inUnit(words.residual, "deviation")], {xLog: true});
     add(inside, "path", {class: "border", d: `M${x.from} ${y.at(band)}H${x.to}`});
     const d = values.map((row, i) => `${i ? "L" : "M"}${x.at(row.size / unit.size).toFixed(1)} ${y.at(row.residual / size).toFixed(1)}`).join("");
     add(inside, "path", {class: "curve s4", d});

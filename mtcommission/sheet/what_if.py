@@ -1,4 +1,4 @@
-"""The part of the page that answers back: what can be moved, from where to where, in which units.
+"""The interactive page: what can be moved, from where to where, in which units.
 
 It computes nothing: engine.js runs the loop, what_if.js shows what comes of it.
 """
@@ -36,11 +36,11 @@ NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
 """Width of a notch [-] and its depth [dB]."""
 
 WORDS = (
-    "acceleration", "all-corners", "all-met", "damping", "deviation", "frequencies", "frequency-hz",
-    "in-unit", "jerk-time", "landscape-none", "landscape-range", "met", "missed", "missed-check",
-    "move-number", "moving-average", "no-filter", "no-notch", "nominal", "none", "open-loop-db",
-    "open-loop-deg", "out-of-range", "ramp", "residual", "saturated", "saturated-short", "size",
-    "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unsettled",
+    "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size", "frequencies",
+    "frequency-hz", "in-unit", "jerk-time", "landscape-none", "landscape-range", "met", "missed",
+    "missed-check", "move", "moving-average", "no-filter", "no-notch", "nominal", "none",
+    "not-settled", "open-loop-db", "open-loop-deg", "out-of-range", "ramp", "residual", "saturated",
+    "saturated-short", "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited",
     "unstable", "worst-so-far",
 )  # fmt: skip
 """That the script says, with the places that it fills in."""
@@ -50,52 +50,32 @@ PLACES = (
     "place", "size", "unit", "value",
 )  # fmt: skip
 
-ROWS = (
-    "acceleration", "jerk", "jerk-time", "filter", "duration", "settling", "residual", "peak",
-    "force", "verdict",
-)  # fmt: skip
+ROWS: Mapping[str, str] = MappingProxyType({
+    "acceleration": "acceleration", "jerk": "jerk", "jerk-time": "jerk-time",
+    "filter": "setpoint-filter", "duration": "what-if-duration", "settling": "settling-time",
+    "residual": "residual", "peak": "peak-deviation", "force": "max-force", "verdict": "verdict",
+})  # fmt: skip
+MARGINS: Mapping[str, str] = MappingProxyType(
+    {"gain": "gain-margin", "phase": "phase-margin", "peak": "sensitivity-peak"}
+)
+"""What the tables of the page show, and what it is called."""
 
-TEXTS = (
-    "bode", "bode-caption", "command", "filter", "heading", "intro", "landscape",
-    "landscape-caption", "load", "margins", "move", "no-script", "notch-note", "phase", "quantity",
-    "response", "response-caption", "sizes", "sizes-caption", "slider", "take", "tried", "values",
-)  # fmt: skip
-
-SHARED: Mapping[str, str] = MappingProxyType(
+FIELDS: Mapping[str, str] = MappingProxyType(
     {
-        "row-acceleration": "acceleration",
-        "row-jerk": "jerk",
-        "row-jerk-time": "jerk-time",
-        "row-filter": "setpoint-filter",
-        "row-settling": "settling-time",
-        "row-residual": "residual",
-        "row-peak": "peak-deviation",
-        "row-force": "max-force",
-        "row-verdict": "verdict",
-        "margin-gain": "gain-margin",
-        "margin-phase": "phase-margin",
-        "margin-peak": "sensitivity-peak",
-        "field-acceleration": "acceleration",
-        "field-jerk": "jerk",
-        "field-time": "filter-of-length",
-        "field-payload": "payload",
-        "size": "what-if-field-size",
         "acceleration": "acceleration",
-        "filter": "setpoint-filter",
-        "in-unit": "in-unit",
-        "jerk-time": "jerk-time",
-        "met": "met",
-        "move": "move-head",
-        "move-number": "move",
-        "moving-average": "sinumerik-moving-average",
-        "quantity": "quantity",
-        "residual": "residual",
-        "time": "time",
-        "unlimited": "unlimited",
-        "unsettled": "not-settled",
+        "jerk": "jerk",
+        "time": "filter-of-length",
+        "payload": "payload",
     }
 )
-"""Keys of texts that the sheet has, too."""
+"""What is moved and has a name on the sheet, too."""
+
+TEXTS = (
+    "bode", "bode-caption", "command", "heading", "intro", "landscape", "landscape-caption", "load",
+    "margins", "move-head", "no-script", "notch-note", "phase", "quantity", "response",
+    "response-caption", "setpoint-filter", "sizes", "sizes-caption", "slider", "take", "tried",
+    "values",
+)  # fmt: skip
 
 
 Pair = tuple[str, str]
@@ -155,8 +135,8 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             _say(f"margins-{key}", words) for key in ("now", "tried", "worst", "worst-tried")
         ),
         filters=tuple((key, item["name"]) for key, item in filters.items()),
-        rows=tuple((key, _say(f"row-{key}", words)) for key in ROWS if _has(part, key)),
-        margin_rows=tuple((key, _say(f"margin-{key}", words)) for key in ("gain", "phase", "peak")),
+        rows=tuple((key, words.text(name)) for key, name in ROWS.items() if _has(part, key)),
+        margin_rows=tuple((key, words.text(name)) for key, name in MARGINS.items()),
         fields=_fields(part, words, units),
         follows=part.loop.follows,
         data={
@@ -180,7 +160,10 @@ def _has(part: WhatIfPart, row: str) -> bool:
 
 
 def _say(key: str, words: Catalogue, **values: str) -> str:
-    return words.text(SHARED.get(key, f"what-if-{key}"), **values)
+    """A text of the page, or of the sheet where it has none of its own."""
+    return words.text(
+        key if words.has(key) and not words.has(f"what-if-{key}") else f"what-if-{key}", **values
+    )
 
 
 def _template(key: str, words: Catalogue) -> str:
@@ -198,7 +181,7 @@ def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     """The filters to choose among: none, an average of any length, and those that are known."""
     found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
     if part.averages:
-        name = words.text("sinumerik-moving-average")
+        name = words.text("what-if-moving-average")
         found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}
     for item in part.limits:
         given = item.setpoint_filter
@@ -285,7 +268,7 @@ def _fields(
         scale = units[unit]
         return Field(
             key=key,
-            label=_say(f"field-{key.replace('_', '-')}", words),
+            label=words.text(FIELDS.get(key) or f"what-if-field-{key.replace('_', '-')}"),
             unit=scale["unit"],
             size=scale["size"],
             low=low,
