@@ -4,7 +4,7 @@ what-if-title = Werte zum Probieren
 what-if-skip = Zu den Werten springen
 cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
-what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Protokolls neu, in jeder Ecke, wie der Befehl simulate. { $today ->
+what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jeder Ecke, wie der Befehl simulate. { $today ->
     [yes] Die heutigen Werte und die Empfehlung stehen
    *[no] Die Empfehlung steht
 } für dieselbe Bewegung daneben.
