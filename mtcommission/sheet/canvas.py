@@ -146,30 +146,14 @@ class Axis:
     is_log: bool = False
 
     def at(self, values: Array | float) -> Array:
-        """Return the places of values [pt].
-
-        Examples
-        --------
-        >>> float(Axis(low=0.0, high=2.0, begin=10.0, end=20.0).at(1.0))
-        15.0
-        >>> float(Axis(low=1.0, high=100.0, begin=0.0, end=20.0, is_log=True).at(10.0))
-        10.0
-        """
+        """Return the places of values [pt]."""
         low, high, x = self.low, self.high, np.asarray(values, dtype=np.float64)
         if self.is_log:
             low, high, x = np.log(low), np.log(high), np.log(x)
         return np.asarray(self.begin + (x - low) / (high - low) * (self.end - self.begin))
 
     def ticks(self, *, most: int = TICKS) -> list[float]:
-        """Return values for the ticks, about ``most`` at most.
-
-        Examples
-        --------
-        >>> Axis(low=-0.3, high=10.4, begin=0.0, end=1.0).ticks()
-        [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
-        >>> Axis(low=0.1, high=100.0, begin=0.0, end=1.0, is_log=True).ticks()
-        [0.1, 1.0, 10.0, 100.0]
-        """
+        """Return values for the ticks, about ``most`` at most."""
         if self.is_log:
             is_short = self.high < DECADES * self.low
             powers = range(floor(log10(self.low)), ceil(log10(self.high)) + 1)
@@ -191,13 +175,6 @@ def span(parts: Iterable[Array], *, is_log: bool, room: float = 0.06) -> tuple[f
     """Return the ends of an axis on which all values that are finite are seen.
 
     ``room`` is the space beyond them, as a share of what they span.
-
-    Examples
-    --------
-    >>> span([np.array([0.0, 10.0])], is_log=False, room=0.1)
-    (-1.0, 11.0)
-    >>> span([np.array([3.0])], is_log=False)
-    (0.0, 6.0)
     """
     values = np.concatenate([np.zeros(0), *map(np.ravel, parts)])
     values = values[np.isfinite(values)]
@@ -221,12 +198,6 @@ def place_labels(points: Array, sizes: Array, *, width: float, height: float, ga
 
     Each takes the first place of ``RINGS`` by ``DIRECTIONS`` that covers neither a point, half as
     wide as ``gap``, nor a name before it; where there is none, the one that covers least.
-
-    Examples
-    --------
-    >>> place_labels(np.array([[50.0, 50.0]]), np.array([[8.0, 6.0]]),
-    ...     width=100.0, height=100.0, gap=3.0).round(1)
-    array([[58., 50.]])
     """
     # To the right first, then alternately up and down.
     turns = np.array([(k + 1) // 2 * (-1) ** k for k in range(DIRECTIONS)])

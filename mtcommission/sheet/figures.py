@@ -228,13 +228,7 @@ def _grey(share: float) -> str:
 
 
 def edges(values: Array) -> Array:
-    """Return the edges of the cells about some values, shape (n + 1,).
-
-    Examples
-    --------
-    >>> edges(np.array([1.0, 2.0, 4.0]))
-    array([0.5, 1.5, 3. , 5. ])
-    """
+    """Return the edges of the cells about some values, shape (n + 1,)."""
     if values.size == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = (values[:-1] + values[1:]) / 2
@@ -284,13 +278,7 @@ def _draw_limit(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
 
 
 def legend_rows(entries: list[Entry]) -> list[list[Entry]]:
-    """Return the rows of a legend, each with as many entries as fit.
-
-    Examples
-    --------
-    >>> [len(row) for row in legend_rows([Entry("x" * 60, 0), Entry("y" * 60, 1)])]
-    [1, 1]
-    """
+    """Return the rows of a legend, each with as many entries as fit."""
     room = WIDTH - LEFT - RIGHT + SPACE
     rows: list[list[Entry]] = []
     for entry in entries:

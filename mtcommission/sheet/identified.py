@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -228,17 +229,17 @@ def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
         panels.append(panel("coherence", measured(one.coherence)))
     if one.missed is not None:
         panels.append(panel("misfit", measured(one.missed), limits=(2.0,)))
-    about = {} if one.misfit is None else {"misfit": one.misfit}
-    what, file = "plot" if about else "spectrum", short_name(one.name)
+    about: dict[str, Any] = {} if one.misfit is None else {"misfit": one.misfit}
     return line_plot(
         words,
         key,
         panels,
         x=(say("identify-plot-frequency"), ""),
-        caption=say(f"identify-{what}-caption", file=file),
-        alt=say(f"identify-{what}-alt", file=file, **about),
+        text="identify-plot" if about else "identify-spectrum",
         is_log=True,
         link="fits",
+        file=short_name(one.name),
+        **about,
     )
 
 

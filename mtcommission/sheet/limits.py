@@ -315,12 +315,6 @@ def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ..
 
     Between the points of the grid the logarithm of the value is taken as linear: residuals span
     decades. Values are not negative, nan where unknown.
-
-    Examples
-    --------
-    >>> trace(np.array([0.0, 2.0]), np.array([0.0, 1.0]),
-    ...     np.array([[0.1, 10.0], [0.1, 10.0]]), level=1.0)[0][:, 0]
-    array([1., 1.])
     """
     from contourpy import contour_generator  # only where a map is drawn
 

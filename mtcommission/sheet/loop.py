@@ -175,14 +175,10 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
             Signals(text("phase"), "", phases, [-180.0], "−180°"),
         ],
         x=(text("in-unit", name=text("frequency"), unit="Hz"), ""),
-        caption=text("bode-caption"),
-        alt=text(
-            "bode-alt",
-            gain=GAIN_MARGIN.show(part, words),
-            phase=PHASE_MARGIN.show(part, words),
-            bandwidth=BANDWIDTH.show(part, words),
-        ),
         is_log=True,
+        gain=GAIN_MARGIN.show(part, words),
+        phase=PHASE_MARGIN.show(part, words),
+        bandwidth=BANDWIDTH.show(part, words),
     )
 
 
@@ -316,8 +312,7 @@ def _disturbance(record: Record, words: Catalogue) -> LinePlot:
         "disturbance",
         [Signals(name=text("deflection"), unit=unit, curves=curves)],
         x=(text("time"), "s"),
-        caption=text("disturbance-caption"),
-        alt=text("disturbance-alt", largest=largest),
+        largest=largest,
     )
 
 

@@ -110,13 +110,7 @@ def _data(
 
 
 def find_boxes(texts: Iterable[str]) -> str:
-    """Return the characters of the user's texts that the sheet's font prints as boxes, each once.
-
-    Examples
-    --------
-    >>> find_boxes(["Fräse ζ", "机床 机"])
-    '机床'
-    """
+    """Return what the sheet's font lacks of the user's texts, and prints as boxes; each once."""
     foreign = dict.fromkeys(sign for text in texts for sign in text if sign > LATIN)
     if not foreign:
         return ""  # most sheets; the font takes a while to read

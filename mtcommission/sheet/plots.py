@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Value
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 
@@ -56,20 +57,25 @@ def line_plot(
     panels: Iterable[Signals],
     *,
     x: tuple[str, str],
-    caption: str,
-    alt: str,
+    text: str = "",
+    alt: str = "",
     is_log: bool = False,
     link: str = "",
+    **values: Value,
 ) -> LinePlot:
-    """Return panels over one axis, ``x`` its name and SI unit; captions are spoken already."""
+    """Return panels over one axis, ``x`` its name and SI unit.
+
+    Caption and description are the texts ``<text>-caption`` and ``<alt>-alt`` with their values;
+    both are called as the plot where nothing else is said.
+    """
     panels = tuple(panels)
     name, unit = x
     along = [curve.x for panel in panels for curve in panel.curves]
     scale = words.format.scale_for(along, motion_unit(unit, rotary=words.rotary))
     return LinePlot(
         key=key,
-        caption=caption,
-        alt=alt,
+        caption=words.text(f"{text or key}-caption", **values),
+        alt=words.text(f"{alt or text or key}-alt", **values),
         x_label=label(words, name, scale.unit),
         x_is_log=is_log,
         link=link or key,
@@ -106,13 +112,6 @@ def thin_out(x: Array, y: Array) -> tuple[Array, Array]:
     """Return a curve with at most ``MOST_POINTS`` points but with every peak kept.
 
     Of each bucket of neighbours stay the least and the largest.
-
-    Examples
-    --------
-    >>> x = np.arange(10000.0)
-    >>> y = np.where(x == 4321.0, 1.0, 0.0)
-    >>> len(thin_out(x, y)[0]) <= MOST_POINTS, thin_out(x, y)[1].max()
-    (True, np.float64(1.0))
     """
     if x.size <= MOST_POINTS:
         return x, y

@@ -264,15 +264,14 @@ def _motion_plots(
             f"{key}-{number}",
             part,
             x=(words.text("time"), "s"),
-            caption=words.text(f"{key}-caption", move=title),
-            alt=words.text(
-                "motion-alt",
-                signals=", ".join(panel.name for panel in part),
-                force=show(response.max_force, words, units["F"]),
-                peak=show(response.peak_deviation, words, units["tcp"]),
-                settling=SETTLING.show(response, words),
-            ),
+            text=key,
+            alt="motion",
             link=f"move-{number}",
+            move=title,
+            signals=", ".join(panel.name for panel in part),
+            force=show(response.max_force, words, units["F"]),
+            peak=show(response.peak_deviation, words, units["tcp"]),
+            settling=SETTLING.show(response, words),
         )
 
     return plot("drive", panels[:3]), plot("vibration", panels[3:])
@@ -294,14 +293,11 @@ def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
         "responses",
         map(only, (acceleration, deviation, force)),
         x=(text("time"), "s"),
-        caption=text("responses-caption", move=move_title(move.move, number, words)),
-        alt=text(
-            "responses-alt",
-            peak=PEAK.show(move.response, words),
-            settling=SETTLING.show(move.response, words),
-            force=MAX_FORCE.show(move.response, words),
-        ),
         link=f"move-{number}",
+        move=move_title(move.move, number, words),
+        peak=PEAK.show(move.response, words),
+        settling=SETTLING.show(move.response, words),
+        force=MAX_FORCE.show(move.response, words),
     )
 
 
@@ -360,11 +356,9 @@ def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePl
         f"sizes-{number}",
         [residual],
         x=(words.name("velocity_step" if is_step else "distance"), "m/s" if is_step else "m"),
-        caption=text("sizes-plot-caption", move=text("move", number=number)),
-        alt=text(
-            "sizes-plot-alt",
-            ways=", ".join(curve.label for curve in curves),
-            band=show(permitted, words, "m"),
-        ),
+        text="sizes-plot",
         is_log=True,
+        move=text("move", number=number),
+        ways=", ".join(curve.label for curve in curves),
+        band=show(permitted, words, "m"),
     )

@@ -78,13 +78,9 @@ def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
             "frequency-error",
             [panel for panel in panels if panel.curves[0].y.size],
             x=(text("frequency-error"), ""),
-            caption=text("frequency-error-caption"),
-            alt=text(
-                "frequency-error-alt",
-                least=show(float(residual.y.min()), words, "m"),
-                most=show(float(residual.y.max()), words, "m"),
-                band=show(permitted, words, "m"),
-            ),
+            least=show(float(residual.y.min()), words, "m"),
+            most=show(float(residual.y.max()), words, "m"),
+            band=show(permitted, words, "m"),
         )
     if not settling.y.size:
         yield note(text("no-error-curves", **tried))
@@ -152,12 +148,10 @@ def _histogram(
         f"histogram-{key}",
         [machines],
         x=(name, unit),
-        caption=text("histogram-caption", name=name),
-        alt=text(
-            "histogram-alt",
-            low=show(edges[0], words, unit),
-            high=show(edges[-1], words, unit),
-            most=words.format.number(counts[fullest]),
-            place=show((edges[fullest] + edges[fullest + 1]) / 2, words, unit),
-        ),
+        text="histogram",
+        name=name,
+        low=show(edges[0], words, unit),
+        high=show(edges[-1], words, unit),
+        most=words.format.number(counts[fullest]),
+        place=show((edges[fullest] + edges[fullest + 1]) / 2, words, unit),
     )

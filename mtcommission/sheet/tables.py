@@ -166,13 +166,7 @@ def pairs(
 
 
 def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[Column, ...]:
-    """Return a column of names and, behind it, columns of numbers.
-
-    Examples
-    --------
-    >>> [column.is_number for column in name_and_numbers("rule", ["a", "j"], width=1.4)]
-    [False, True, True]
-    """
+    """Return a column of names and, behind it, columns of numbers."""
     numbers = (Column(head=head, is_number=True) for head in heads)
     return (Column(head=name, width=width), *numbers)
 
@@ -191,13 +185,7 @@ def say_requirement(name: str, words: Catalogue) -> str:
 
 
 def say_filter(item: SetpointFilterEntry | None, words: Catalogue) -> str:
-    """Return a setpoint filter with its numbers; None is "none".
-
-    Examples
-    --------
-    >>> say_filter(None, Catalogue())
-    'none'
-    """
+    """Return a setpoint filter with its numbers; None is "none"."""
     (_, kind), *numbers = filter_rows(item, words)
     return " ".join([kind, *([", ".join(value for _, value in numbers)] if numbers else [])])
 

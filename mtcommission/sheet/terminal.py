@@ -161,13 +161,7 @@ def further_sentences(record: Record, words: Catalogue) -> list[str]:
 
 
 def draw_dots(y: Array) -> list[str]:
-    """Return a curve, two values for each character, as rows of braille characters.
-
-    Examples
-    --------
-    >>> draw_dots(np.array([0.0, 0.0, 1.0, 1.0]))[-1]
-    '⣀⠀'
-    """
+    """Return a curve, two values for each character, as rows of braille characters."""
     low, high = min(0.0, float(y.min())), max(0.0, float(y.max()))
     height = 4 * ROWS - 1
     level = np.rint((y - low) / ((high - low) or 1.0) * height).astype(int)
@@ -196,13 +190,7 @@ def _small_plot(record: Record, words: Catalogue, *, is_ascii: bool) -> list[str
 
 
 def draw_ascii(y: Array) -> list[str]:
-    """Return a curve, a value for each character, as one row for each sign that it has.
-
-    Examples
-    --------
-    >>> draw_ascii(np.array([0.0, 0.5, 1.0, 0.0, -1.0]))
-    ['+  =#  ', '-     #']
-    """
+    """Return a curve, a value for each character, as one row for each sign that it has."""
     largest = float(np.max(np.abs(y))) or 1.0
     rows = []
     for sign, part in (("+", np.maximum(y, 0.0)), ("-", np.maximum(-y, 0.0))):

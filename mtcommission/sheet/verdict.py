@@ -244,15 +244,7 @@ def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
 
 
 def say_limiting(item: AttainableEntry, words: Catalogue) -> str:
-    """Return the requirement that stands in the way, and those that must give way with it.
-
-    Examples
-    --------
-    >>> item = AttainableEntry(requirement="settling time", limit=0.02, value=0.09, unit="s",
-    ...     acceleration=1.8, jerk=64.0, together_with=["peak v_s"])
-    >>> say_limiting(item, Catalogue())
-    'settling time, together with peak v_s'
-    """
+    """Return the requirement that stands in the way, and those that must give way with it."""
     said = say_requirement(item.requirement, words)
     others = [read_requirement(name).message for name in item.together_with]
     if not others:
