@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,13 @@ from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema.limits import Alternative, LimitsEntry, ModeLimitsEntry
 from mtcommission.record.schema.loop import LoopPart
 from mtcommission.record.schema.machine import ModeEntry
+from mtcommission.record.schema.moves import MoveEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import Words
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
     Border,
-    Column,
     Contour,
     Formula,
     HeatMap,
@@ -40,7 +41,6 @@ from mtcommission.sheet.tables import (
     Quantity,
     capitalised,
     show,
-    show_all,
     table,
     wide,
 )
@@ -360,78 +360,64 @@ def _formula(formula: Words, words: Catalogue) -> Words | Formula:
     return Formula(text=formula.replace(".", words.format.decimal_mark))
 
 
+def _share(mode: ModeEntry) -> float:
+    return max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
+
+
+def _velocity(entry: MoveEntry) -> float | None:
+    return entry.move.get("velocity_step", entry.move.get("max_velocity"))
+
+
+def _distance(entry: MoveEntry) -> float | None:
+    return entry.move.get("distance")
+
+
+SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
+    ("a", "acceleration", lambda r: r.limits.rule.acceleration, "m/s^2"),
+    ("j", "jerk", lambda r: r.limits.rule.jerk, "m/s^3"),
+    ("t_j", "jerk-time", lambda r: r.limits.rule.jerk_time, "s"),
+    ("T_F", "rule-symbol-T-F", lambda r: r.limits.rule.average, "s"),
+    ("n", "rule-symbol-n", lambda _: None, ""),
+    ("band", "name-tcp-deviation", find_band, "m"),
+    ("F", "rule-symbol-F", lambda r: r.optima[0].time.f_max, "N"),
+    ("v", "rule-symbol-v", lambda r: list(map(_velocity, r.moves)), "m/s"),
+    ("L", "rule-symbol-L", lambda r: list(filter(None, map(_distance, r.moves))), "m"),
+    ("m", "rule-symbol-m", lambda r: r.plant.moving_mass, "kg"),
+    ("m_ff", "rule-symbol-m-ff", lambda r: r.loop.feedforward.mass, "kg"),
+    ("T", "name-force-lag", lambda r: find_number(r, "drive.force_lag"), "s"),
+    ("T_p", "name-position-cycle", lambda r: r.loop.position_cycle, "s"),
+    ("T_v", "name-velocity-cycle", lambda r: r.loop.velocity_cycle, "s"),
+    ("Kv", "name-Kv", lambda r: r.loop.Kv, "1/s"),
+    ("Kp", "name-Kp", lambda r: r.loop.Kp, "N s/m"),
+    ("Tn", "name-Tn", lambda r: r.loop.Tn, "s"),
+    ("f", "frequency", lambda r: [mode.frequency_hz for mode in r.plant.modes], "Hz"),
+    ("ω", "rule-symbol-omega", lambda _: "2 π f", ""),
+    ("s", "name-frequency-spread", lambda r: find_number(r, "requirements.frequency_spread"), "%"),
+    ("ζ", "damping-ratio", lambda r: [mode.damping_ratio for mode in r.plant.modes], "%"),
+    ("g", "rule-symbol-g", lambda r: list(map(_share, r.plant.modes)), "1/kg"),
+    ("c", "rule-symbol-c", lambda r: [mode.measured_gain for mode in r.plant.modes], "1/kg"),
+    ("R", "rule-symbol-R", lambda _: None, ""),
+    ("x", "rule-symbol-x", lambda _: None, ""),
+    ("i", "rule-symbol-i", lambda _: None, ""),
+)
+"""Letters of the rule: what each means, its value (a list: by mode or move) and its unit."""
+
+
 def _symbols(record: Record, words: Catalogue) -> Table:
     """What each letter of the rule means, with its value on this axis."""
-    text, part, loop, modes = words.text, record.limits.rule, record.loop, record.plant.modes
-    moves = [entry.move for entry in record.moves]
-    velocities = [move.get("velocity_step", move.get("max_velocity")) for move in moves]
-    distances = [move["distance"] for move in moves if "distance" in move]
+    values = {letter: value(record) for letter, _, value, _ in SYMBOLS}
 
-    def share(mode: ModeEntry) -> float:
-        return max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
+    def shown(item: tuple[str, str, object, str]) -> str:
+        value = values[item[0]]
+        if isinstance(value, list):
+            return "; ".join(show(one, words, item[3]) for one in value)
+        return show(value, words, item[3])
 
-    def one(value: float | None, unit: str) -> str:
-        return show(value, words, unit)
-
-    def every(values: Iterable[float | None], unit: str) -> str:
-        return show_all(values, words, unit)
-
-    values = {
-        "a": one(part.acceleration, "m/s^2"),
-        "j": one(part.jerk, "m/s^3"),
-        "t_j": one(part.jerk_time, "s"),
-        "T_F": one(part.average, "s"),
-        "n": "–",
-        "band": one(find_band(record), "m"),
-        "F": one(record.optima[0].time.f_max, "N"),
-        "v": every(velocities, "m/s"),
-        "L": every(distances, "m"),
-        "m": one(record.plant.moving_mass, "kg"),
-        "m_ff": one(loop.feedforward.mass, "kg"),
-        "T": one(find_number(record, "drive.force_lag"), "s"),
-        "T_p": one(loop.position_cycle, "s"),
-        "T_v": one(loop.velocity_cycle, "s"),
-        "Kv": one(loop.Kv, "1/s"),
-        "Kp": one(loop.Kp, "N s/m"),
-        "Tn": one(loop.Tn, "s"),
-        "f": every((mode.frequency_hz for mode in modes), "Hz"),
-        "ω": "2 π f",
-        "s": one(find_number(record, "requirements.frequency_spread"), "%"),
-        "ζ": every((mode.damping_ratio for mode in modes), "%"),
-        "g": every(map(share, modes), "1/kg"),
-        "c": every((mode.measured_gain for mode in modes), "1/kg"),
-        "R": "–",
-        "x": "–",
-        "i": "–",
-    }
-    said = {
-        "a": "acceleration",
-        "j": "jerk",
-        "t_j": "jerk-time",
-        "T_p": "name-position-cycle",
-        "T_v": "name-velocity-cycle",
-        "f": "frequency",
-        "ζ": "damping-ratio",
-        "ω": "rule-symbol-omega",
-    }
-    named = {"band": "tcp_deviation", "T": "force_lag", "s": "frequency_spread"}
-    named |= {name: name for name in ("Kv", "Kp", "Tn")}
-
-    def meaning(letter: str) -> str:
-        if letter in named:
-            return words.name(named[letter])
-        return text(said.get(letter) or f"rule-symbol-{letter.replace('_', '-')}")
-
-    return Table(
-        caption=text("rule-symbols-caption", modes="; ".join(mode.name for mode in modes)),
-        columns=(
-            Column(head=text("symbol"), width=0.6),
-            Column(head=text("meaning"), width=2.6),
-            Column(head=text("value"), width=1.6, is_number=True),
-        ),
-        rows=tuple(
-            (Formula(text=letter), meaning(letter), value)
-            for letter, value in values.items()
-            if value
-        ),
+    columns = (
+        Quantity("symbol", lambda item: Formula(text=item[0]), width=0.6),
+        Quantity("meaning", lambda item: words.text(item[1]), width=2.6),
+        Quantity("value", shown, "", width=1.6),
     )
+    known = [item for item in SYMBOLS if values[item[0]] != []]
+    modes = "; ".join(mode.name for mode in record.plant.modes)
+    return table(words, "rule-symbols-caption", columns, known, modes=modes)

@@ -96,11 +96,6 @@ def show(
     return words.format.axis(round(value, 1) if unit in TENTHS else value, unit, digits=digits)
 
 
-def show_all(values: Iterable[float | None], words: Catalogue, unit: str) -> str:
-    """Return several values of one quantity in a cell."""
-    return "; ".join(show(value, words, unit) for value in values)
-
-
 def member(key: str, mapping: str = "") -> Callable[[Any], object]:
     """Return what finds an entry of an item, or of a mapping that the item has; None without it."""
     return lambda item: (attrgetter(mapping)(item) if mapping else item).get(key)
