@@ -28,7 +28,7 @@ from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntr
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.document import Table
+from mtcommission.sheet.document import Section, Table
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.loop import bode
@@ -92,9 +92,10 @@ def _record(part: IdentifiedPart, **plant) -> Record:
 
 def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     """Its section on paper."""
-    sections = identified(_record(part, **plant), Catalogue(language))
+    blocks = tuple(identified(_record(part, **plant), Catalogue(language)))
+    section = Section(key="identified", heading="Measured", blocks=blocks)
     document = compose(to_entry(example_record(), Record))
-    return set_html(replace(document, sections=sections), decimal_mark=".")
+    return set_html(replace(document, sections=(section,)), decimal_mark=".")
 
 
 def test_the_file_beside_the_profile_carries_points_states_and_advice(profile: Path) -> None:
@@ -249,7 +250,7 @@ def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
     words = Catalogue()
     tables = [
         block
-        for block in second_page(replace(record, limits=limits), words).blocks
+        for block in second_page(replace(record, limits=limits), words)
         if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
     ]
     rows = {row[0]: row[-1] for row in tables[0].rows}

@@ -50,7 +50,7 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     >>> Catalogue("de").say(show_value(4.848e-5, "rad", in_degrees=True))
     '0,002778 deg'
     >>> show_value(float("inf"), "s", in_degrees=False)
-    Message('export-not-settled')
+    Message('not-settled')
     """
     if not isfinite(value):
         return Message("not-settled")

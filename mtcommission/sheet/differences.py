@@ -145,7 +145,7 @@ def _result(before: Record, after: Record, words: Catalogue) -> list[Change]:
     rows = _of([Quantity("verdict-met", "met")], (before.assessment, after.assessment), words)
     recommended = before.limits.recommended, after.limits.recommended
     rows += _of([SETTLING, RESIDUAL, PEAK], recommended, words)
-    optimal = Quantity(f"{text('time-optimal')}, {text('final-time')}", "time.t_f", "s")
+    optimal = Quantity(f"{text('control-time-optimal')}, {text('final-time')}", "time.t_f", "s")
     nominal = [
         wide(one, 1.0, name=f"{one.head(words)}, {text('nominal')}")
         for one in (SETTLING, MAX_FORCE)
