@@ -73,7 +73,7 @@ def print_answers(
     created: str,
     language: str = "en",
 ) -> str:
-    """Return a page that answers for other limits, moves and machines, and shows nothing else.
+    """Return the interactive page alone: other limits, moves and machines can be tried.
 
     Raises
     ------

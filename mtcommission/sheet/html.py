@@ -23,7 +23,7 @@ DIGITS = 5
 """Significant digits of plotted values; finer than a pixel, a third of the bytes."""
 
 SCRIPTS = ("page.js", "engine.js", "what_if.js")
-"""Of a page; the first one draws plots, the others answer back."""
+"""Of a page; the first one draws plots, the others are of its interactive part."""
 
 LETTER = 7.2
 """Mean width of a letter in the names of points [px]."""
@@ -33,7 +33,7 @@ FRAME = (820.0, 340.0)
 
 
 def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = None) -> str:
-    """Return a document as a page; ``panel`` answers back, behind the first section.
+    """Return a document as a page; ``panel`` is its interactive part, behind the first section.
 
     All text is escaped; the content security policy admits only the page's own script and style,
     by their hashes, and no connection. The decimal mark is for the values under the cursor.

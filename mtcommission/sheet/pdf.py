@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import typst
-from fontTools.ttLib import TTFont
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
@@ -114,6 +113,8 @@ def find_boxes(texts: Iterable[str]) -> str:
     foreign = dict.fromkeys(sign for text in texts for sign in text if sign > LATIN)
     if not foreign:
         return ""  # most sheets; the font takes a while to read
+    from fontTools.ttLib import TTFont
+
     with TTFont(_font_folder() / FONT, lazy=True) as font:
         known = font.getBestCmap()
     return "".join(sign for sign in foreign if ord(sign) not in known)

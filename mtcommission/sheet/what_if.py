@@ -115,7 +115,7 @@ class Panel:
 
 
 def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
-    """Return the part of a page that answers for other limits, moves and machines.
+    """Return the interactive part of a page: other limits, moves and machines can be tried.
 
     ``profile``: name of the profile's file, for the command line.
     """
