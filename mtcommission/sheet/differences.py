@@ -26,6 +26,7 @@ from mtcommission.sheet.tables import (
     RESIDUAL,
     SETTLING,
     Quantity,
+    capitalised,
     table,
     wide,
 )
@@ -173,7 +174,9 @@ def _loop(before: Record, after: Record, words: Catalogue) -> list[Change]:
     quantities: tuple[Quantity, ...] = (
         *(wide(gain, 1.0, name=words.name(str(gain.name))) for gain in PATH_GAINS),
         Quantity("reference-delay", "reference_delay", "s"),
-        Quantity("has-state-feedback", lambda loop: bool(loop.state_feedback)),
+        Quantity(
+            capitalised(words.text("has-state-feedback")), lambda loop: bool(loop.state_feedback)
+        ),
         worst(GAIN_MARGIN),
         worst(PHASE_MARGIN),
         BANDWIDTH,
