@@ -93,7 +93,8 @@ def _record(part: IdentifiedPart, **plant) -> Record:
 def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     """Its section on paper."""
     blocks = tuple(identified(_record(part, **plant), Catalogue(language)))
-    section = Section(key="identified", heading="Measured", blocks=blocks)
+    heading = Catalogue(language).text("identified-heading")
+    section = Section(key="identified", heading=heading, blocks=blocks)
     document = compose(to_entry(example_record(), Record))
     return set_html(replace(document, sections=(section,)), decimal_mark=".")
 

@@ -171,12 +171,11 @@ def _loop(before: Record, after: Record, words: Catalogue) -> list[Change]:
     def shown(quantity: Quantity, corner: Margins | None) -> str:
         return quantity.show(corner, words) if corner else DASH
 
+    feedback = capitalised(words.text("has-state-feedback"))
     quantities: tuple[Quantity, ...] = (
         *(wide(gain, 1.0, name=words.name(str(gain.name))) for gain in PATH_GAINS),
         Quantity("reference-delay", "reference_delay", "s"),
-        Quantity(
-            capitalised(words.text("has-state-feedback")), lambda loop: bool(loop.state_feedback)
-        ),
+        Quantity(feedback, lambda loop: bool(loop.state_feedback)),
         worst(GAIN_MARGIN),
         worst(PHASE_MARGIN),
         BANDWIDTH,
