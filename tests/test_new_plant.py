@@ -226,3 +226,14 @@ def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
     new = parse_profile(Path("new.toml").read_text(encoding="utf-8"), where="new.toml").mechanics
     assert new.kind == "modal"
     assert new.moving_mass == pytest.approx(80.0, rel=0.01)
+
+
+def test_the_wizard_refuses_by_name_what_it_has_no_questions_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It took every kind but one for the manipulator of the paper."""
+    monkeypatch.chdir(tmp_path)
+    Path("belt.toml").write_text(PROFILE, encoding="utf-8")
+    assert call(monkeypatch, "wizard", "--yes", "-o", "belt.toml") == 2
+    assert 'change this profile (kind = "belt") in an editor' in capsys.readouterr().err
+    assert Path("belt.toml").read_text(encoding="utf-8") == PROFILE

@@ -325,7 +325,7 @@ class AxisRange:
 
     def on(self, axis: AxisUnits) -> Range:
         """Return the range on one kind of axis."""
-        return self.rotary if axis is ROTARY else self.linear
+        return self.rotary if axis.length is ROTARY.length else self.linear
 
     def read(self, value: object, place: KeyPath, reading: Reading) -> float | None:
         """Return the SI value; None for the word."""

@@ -613,26 +613,11 @@ class Machine:
                 yield f"today.setpoint_filter.{key}", message
 
 
-NEEDLESS = {
-    "control": (
-        "position_loop",
-        "position_gain",
-        "velocity_gain",
-        "integral_time",
-        "reference_model_time",
-        "velocity_feedforward",
-        "acceleration_feedforward",
-        "jerk_feedforward",
-        "feedforward_mass",
-        "reference_delay",
-        "tcp_sensor",
-        "state_feedback",
-        "force_filters",
-        "minimum_bandwidth",
-    ),
-    "today": ("position_gain", "velocity_gain", "integral_time"),
+WITHOUT_LOOP = {
+    "control": ("kind", "setpoint_filter", "position_cycle", "velocity_cycle"),
+    "today": ("acceleration", "jerk", "setpoint_filter"),
 }
-"""Keys that belong to a loop."""
+"""Keys that mean something where the motor follows its setpoint; all others belong to a loop."""
 
 ACCELERATION = "F"
 """What the states call the acceleration of a motor that follows."""
@@ -642,9 +627,9 @@ def _refuse_needless(values: dict[str, Any], stated: Mapping[str, Any], reading:
     """Refuse what means nothing, or too much, where the motor follows its setpoint."""
     if type(values["mechanics"]) not in HELD.values():
         reading.refuse(("plant", "kind"), Message("motor-held-needs-modes"))
-    for table, keys in NEEDLESS.items():
-        for key in keys:
-            if key in stated.get(table, ()):
+    for table, keys in WITHOUT_LOOP.items():
+        for key in stated.get(table, ()):
+            if key not in keys:
                 reading.refuse((table, key), Message("no-loop-to-set"))
     if any(weight.state == ACCELERATION for weight in values["damping_optimal"].weights):
         weight = ("damping_optimal", "weights", ACCELERATION)

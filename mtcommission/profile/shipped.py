@@ -17,21 +17,11 @@ WIDTH = 80
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShippedProfile:
-    """An example machine.
+    """An example machine."""
 
-    Parameters
-    ----------
-    name
-        What ``profiles show`` and ``profiles copy`` take.
-    machine
-        What it describes.
-    text
-        The commented file.
-    """
-
-    name: str
+    name: str  # as ``profiles show`` and ``profiles copy`` take it
     machine: Machine
-    text: str
+    text: str  # the commented file
 
 
 def shipped_names() -> tuple[str, ...]:
@@ -46,18 +36,7 @@ def shipped_names() -> tuple[str, ...]:
 
 
 def read_shipped(name: str) -> ShippedProfile:
-    """Return a shipped profile.
-
-    Parameters
-    ----------
-    name
-        One of ``shipped_names()``; ``.toml`` at its end does not matter.
-
-    Raises
-    ------
-    InputError
-        If there is no such profile.
-    """
+    """Return a shipped profile, with or without ``.toml``; raise InputError if there is none."""
     known, wanted = shipped_names(), name.strip().removesuffix(".toml")
     if wanted not in known:
         close = get_close_matches(wanted, known, n=1)
@@ -71,18 +50,7 @@ def read_shipped(name: str) -> ShippedProfile:
 
 
 def describe_shipped(profile: ShippedProfile) -> str:
-    """Return name, machine and source of a shipped profile for a terminal of 80 columns.
-
-    Parameters
-    ----------
-    profile
-        From ``read_shipped``.
-
-    Returns
-    -------
-    str
-        Lines, the last one ended.
-    """
+    """Return name, machine and source of a shipped profile for a terminal of 80 columns."""
     machine = profile.machine
     modes = ", ".join(f"{mode.frequency_hz:.3g} Hz" for mode in machine.mechanics.modes)
     about = f"{machine.name}, axis {machine.axis} ({machine.motion.value}; modes at {modes})"

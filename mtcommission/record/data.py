@@ -117,17 +117,12 @@ def _drive_rows(machine: Machine) -> list[Row]:
 
 
 def _move_rows(machine: Machine) -> list[Row]:
-    axis, heats = machine.axis_units, isfinite(machine.drive.continuous_force)
-    units = {
-        "distance": axis.length.si,
-        "velocity_step": axis.velocity.si,
-        "max_velocity": axis.velocity.si,
-        "dwell": "s",
-    }
+    heats = isfinite(machine.drive.continuous_force)
     return [
-        (f"moves[{number}].{key}", value, units[key])
+        (key, value, unit)
         for number, move in enumerate(machine.moves, start=1)
-        for key, value in (describe_move(move) | ({"dwell": move.dwell} if heats else {})).items()
+        for key, value, unit in list_quantities(move, f"moves[{number}]", machine.axis_units)
+        if value or heats or not key.endswith(".dwell")
     ]
 
 

@@ -46,21 +46,9 @@ def find_worth(unit: str) -> str:
 
 
 def list_candidates(unit: str, usual: Sequence[str], symbols: Sequence[str]) -> tuple[str, ...]:
-    """Return what may have been meant, the likeliest first.
+    """Return what may have been meant by a unit, the likeliest first, never the unit itself.
 
-    Parameters
-    ----------
-    unit
-        What was typed.
-    usual
-        Units that would fit here.
-    symbols
-        Every symbol that is known.
-
-    Returns
-    -------
-    tuple of str
-        None of them is ``unit`` itself.
+    ``usual``: units that would fit here; ``symbols``: every symbol that is known.
 
     Examples
     --------

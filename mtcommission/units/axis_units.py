@@ -37,33 +37,19 @@ from mtcommission.units.quantities import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisUnits:
-    """The quantities of one kind of axis, named as on the linear one.
+    """The quantities of one kind of axis, named as on the linear one."""
 
-    Parameters
-    ----------
-    mass, force
-        What is moved, and what moves it.
-    length, velocity, acceleration, jerk
-        The motion and its rates.
-    stiffness, damping
-        Of a spring in the drive train; the velocity gain Kp is a damping, too.
-    gain
-        Share of a mode in a position, per mass.
-    modal_deflection, modal_rate
-        State q of q'' + 2 ζ ω q' + ω² q = F and its rate.
-    """
-
-    mass: Dimension
-    force: Dimension
+    mass: Dimension  # what is moved
+    force: Dimension  # what moves it
     length: Dimension
     velocity: Dimension
     acceleration: Dimension
     jerk: Dimension
-    stiffness: Dimension
-    damping: Dimension
-    gain: Dimension
-    modal_deflection: Dimension
-    modal_rate: Dimension
+    stiffness: Dimension  # of a spring in the drive train
+    damping: Dimension  # likewise; the velocity gain Kp is one, too
+    gain: Dimension  # share of a mode in a position, per mass
+    modal_deflection: Dimension  # state q of q'' + 2 ζ ω q' + ω² q = F
+    modal_rate: Dimension  # its rate
 
 
 LINEAR = AxisUnits(

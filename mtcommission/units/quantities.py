@@ -31,25 +31,14 @@ _INSIDE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: what a unit must measure.
+    """A kind of quantity: what a unit must measure."""
 
-    Parameters
-    ----------
-    name
-        Said with its article: a mass.
-    si
-        The SI unit, for messages.
-    forms
-        Units that count as 1 of this quantity. The first is the SI unit; further ones admit
-        what is written by custom, e.g. N m beside N m/rad.
-    usual
-        Units to propose.
-    """
-
-    name: Message
-    si: str
+    name: Message  # said with its article: a mass
+    si: str  # the SI unit, for messages
     forms: tuple[Unit, ...]
-    usual: tuple[str, ...]
+    """Units that count as 1 of this quantity. The first is the SI unit; further ones admit what is
+    written by custom, e.g. N m beside N m/rad."""
+    usual: tuple[str, ...]  # units to propose
 
     @property
     def described(self) -> Message:
@@ -80,21 +69,9 @@ class Dimension:
 
 
 def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> float:
-    """Return the SI value of a number with a unit; a bare number is SI already.
+    """Return the SI value of a number with a unit, to the last bit; a bare number is SI already.
 
-    Parameters
-    ----------
-    text
-        E.g. ``"44.41 N/um"``.
-    dimension
-        What it must be.
-    decimal_comma
-        Whether ``"2,5 ms"`` is read as 2.5 ms instead of refused.
-
-    Returns
-    -------
-    float
-        The double nearest to the exact value; finite.
+    ``decimal_comma``: whether ``"2,5 ms"`` is read as 2.5 ms instead of refused.
 
     Raises
     ------
@@ -201,19 +178,7 @@ def _value(number: str, unit: Unit, shown: str) -> float:
 
 
 def convert_to(value: float, unit: str) -> float:
-    """Return an SI value in another unit, for output.
-
-    Parameters
-    ----------
-    value
-        SI.
-    unit
-        Wanted unit, e.g. ``"mm/s^2"``.
-
-    Raises
-    ------
-    ValueError
-        If the unit is unknown.
+    """Return an SI value in another unit, for output; raise ValueError if the unit is unknown.
 
     Examples
     --------
@@ -224,16 +189,9 @@ def convert_to(value: float, unit: str) -> float:
 
 
 def wrap_whole(text: str, width: int, *, indent: str = "") -> list[str]:
-    """Return the lines of a text; none ends between a number and its unit.
+    """Return the lines of a paragraph; none ends between a number and its unit.
 
-    Parameters
-    ----------
-    text
-        One paragraph.
-    width
-        Most characters of a line.
-    indent
-        What every line but the first begins with.
+    ``indent``: what every line but the first begins with.
 
     Examples
     --------

@@ -39,20 +39,11 @@ class Token(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit as factor x π^pi_power x m^a kg^b s^c rad^d.
-
-    Parameters
-    ----------
-    exponents
-        (a, b, c, d). The radian is counted so that an angle is never taken for a length.
-    factor
-        Exact SI value of one such unit, without π.
-    pi_power
-        Power of π in the SI value.
-    """
+    """A unit as factor x π^pi_power x m^a kg^b s^c rad^d."""
 
     exponents: tuple[int, int, int, int]
-    factor: Fraction = Fraction(1)
+    """(a, b, c, d). The radian is counted so that an angle is never taken for a length."""
+    factor: Fraction = Fraction(1)  # exact SI value of one such unit, without π
     pi_power: int = 0
 
     @property
@@ -119,10 +110,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     Symbols written without a gap may be read in more than one way: "Nms" is N m s or N ms.
     Products associate to the left, as in pint: "N/m s" is (N/m) s.
 
-    Parameters
-    ----------
-    text
-        Unit, e.g. ``"kN s/m"``; empty for a plain number.
+    ``text`` is empty for a plain number.
 
     Raises
     ------

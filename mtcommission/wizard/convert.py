@@ -236,6 +236,10 @@ def _has(answers: Answers, key: str) -> bool:
     return any(text and (one == key or one.startswith(f"{key}.")) for one, text in answers.items())
 
 
+ASKED = {"modal": MODAL, "manipulator": TOWER_BY_STIFFNESS}
+"""Kinds of plant that there are questions for, and the way that asks for each key of them."""
+
+
 def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     """Return answers from a profile's tables, or from a file of answers.
 
@@ -260,7 +264,7 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
         answers = note_accepted(answers, *accepted)
     kind = answers.pop("plant.kind", "")
     if kind and "wizard.way" not in answers and not follows(answers):
-        answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
+        answers["wizard.way"] = ASKED.get(kind, TOWER_BY_STIFFNESS)
     if any(key.startswith("pair.modes.") for key in answers):
         answers.setdefault("pair.further", YES)
     for table in ("plant.modes", "pair.modes", "moves"):

@@ -6,19 +6,21 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
-from mtcommission.machine.keys import propose
+from mtcommission.machine.keys import one_of, propose
 from mtcommission.messages.message import Message
+from mtcommission.plant.kinds import KINDS
 from mtcommission.profile.describe import find_unknown
 from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import load_toml, read_profile_text
 from mtcommission.units.quantities import TIME
 from mtcommission.wizard.axis_units import MEASURED, WAYS, YES
-from mtcommission.wizard.convert import OWN, to_answers
+from mtcommission.wizard.convert import ASKED, OWN, to_answers
 from mtcommission.wizard.question import ACCEPTED, Answers, list_accepted, note_accepted, si_value
 from mtcommission.wizard.script import list_questions
 
@@ -101,7 +103,9 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
     text, answers = "", {}
     if identified or output.exists():
         text = OPEN.sub("\n", identified or read_profile_text(output))
-        answers = to_answers(load_toml(text, where=str(output)))
+        data = load_toml(text, where=str(output))
+        _require_asked(data, where=str(output))
+        answers = to_answers(data)
     in_profile = frozenset(answers)
     answers = _with_lag(answers)
     kept = Path(f"{output}{KEPT}")
@@ -128,6 +132,15 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
         where=str(answers_file or ""),
         lines=lines,
     )
+
+
+def _require_asked(data: Mapping[str, Any], *, where: str) -> None:
+    """Refuse a kind of plant that there are no questions for."""
+    plant = data.get("plant")
+    kind = plant.get("kind") if isinstance(plant, dict) else None
+    if isinstance(kind, str) and kind in KINDS and kind not in ASKED:
+        message = Message("wizard-kind-not-asked", kind=kind, kinds=one_of(tuple(ASKED)))
+        raise InputError([Fault(where=where, key="plant.kind", message=message)])
 
 
 def _with_lag(answers: dict[str, str]) -> dict[str, str]:

@@ -279,6 +279,7 @@ wizard-identified = Aus den Dateien bestimmt: { $count ->
        *[other] { $count } Eigenformen
     }. Es folgt, was noch fehlt; < geht zu den Werten zurück.
 wizard-not-identified = Andere Dateien nennen oder leer lassen; oder das Fehlende mit den Optionen von mtcommission identify -o { $file } angeben und danach wiederkommen.
+wizard-kind-not-asked = der Assistent fragt nur nach kind = { $kinds }; dieses Profil (kind = "{ $kind }") im Editor ändern, seine Schlüssel stehen in check --schema
 wizard-not-possible = Nicht möglich: { $key }: { $message }
 wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
 wizard-left-by-user = beendet

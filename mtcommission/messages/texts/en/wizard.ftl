@@ -287,6 +287,7 @@ wizard-identified = Identified from the files: { $count ->
     }. What is still missing follows; < goes back to what was found.
 wizard-not-identified = Name other files or leave it empty; or say what is missing with the options of mtcommission identify -o { $file }, and come back.
 # $key, $message: of a fault
+wizard-kind-not-asked = the wizard asks for kind = { $kinds } only; change this profile (kind = "{ $kind }") in an editor, its keys stand in check --schema
 wizard-not-possible = Not possible: { $key }: { $message }
 # $how: wizard-left-by-user, wizard-input-ended or wizard-interrupted; $where: key of a question
 wizard-kept = { $how } at { $where }; answers kept in { $file }, the same command goes on from there
