@@ -36,8 +36,10 @@ class ProofSettings:
     """First cells of the integral of |σ|; cells that may hide a zero are halved."""
     halvings: int = 14
     """Times that a cell is halved at most."""
-    bisections: int = 36
-    """A zero off by δ costs σ' δ² of the integral: far below rounding."""
+    bisections: int = 10
+    """Of a cell with a zero of σ."""
+    polishes: int = 3
+    """Newton steps from there: a zero off by δ costs σ' δ² of the integral."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

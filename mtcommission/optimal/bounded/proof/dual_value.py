@@ -23,7 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure, Stretch, stretches
+from mtcommission.optimal.bounded.proof.dual_point import (
+    Atom,
+    Measure,
+    Stretch,
+    adjoint_before,
+    stretches,
+)
 from mtcommission.optimal.bounded.proof.sigma import integrate_sigma, sigma_magnitude
 from mtcommission.optimal.exponential import balanced_expm
 
@@ -185,12 +191,19 @@ def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: fl
     def fits(cut: float) -> bool:
         return dual_value(problem, (replace(part, start=part.start - cut),), ()).value < room
 
-    low, high = 0.0, first
+    # From the slope of the worth, F |σ| at the start, the cut is known to a few per cent.
+    tolerance = problem.settings.proof.cut_tolerance
+    slope = problem.force_limit * abs(float(adjoint_before(problem, part) @ problem.plant.B))
+    excess = dual_value(problem, (part,), ()).value - room
+    guess = max(excess / slope, 0.0) if slope > 0.0 else 0.0
+    low, high = 0.0, max(first, (1.0 + tolerance) * guess)
+    if guess > first and not fits((1.0 - tolerance) * guess):
+        low = (1.0 - tolerance) * guess
     while not fits(high):
         low, high = high, 2.0 * high
         if high > part.length:
             return part.length
-    while low > 0.0 and high - low > problem.settings.proof.cut_tolerance * high:
+    while low > 0.0 and high - low > 2.0 * tolerance * high:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if fits(middle) else (middle, high)
     return high

@@ -201,4 +201,9 @@ def _sign_changes(
         at = 0.5 * (low + high)
         same = np.sign(np.sum(impulse_response(problem.plant, at) * adjoint, axis=1)) == sign
         low, high = np.where(same, at, low), np.where(same, high, at)
-    return stretch, 0.5 * (low + high)
+    at = 0.5 * (low + high)
+    for _ in range(problem.settings.proof.polishes):
+        value, slope = _sigma(problem, adjoints, stretch, at)
+        step = np.divide(value, slope, out=np.zeros_like(at), where=slope != 0.0)
+        at = np.clip(at - step, low, high)
+    return stretch, at
