@@ -419,7 +419,7 @@ def test_page_is_offline_and_escaped(found: Validation) -> None:
     assert "<b>&" not in page
     assert "src=" not in page
     assert "default-src 'none'" in unescape(page)
-    for number in (3, 4, 5, 6):
+    for number in (4, 5):
         assert f'data-plot="figure-{number}"' in page
 
 
@@ -448,7 +448,7 @@ def test_command(
     claims = [item for item in entry["rows"] if item["tolerance"] is None]
     assert len(claims) == sum(row.is_claim for row in found.rows)
     with open(f"{tmp_path}/out/validation.html", encoding="utf-8") as page:
-        assert "Figures 3 to 6" in page.read()
+        assert "Figures 4 and 5" in page.read()
 
 
 def test_entry_holds_every_row(found: Validation) -> None:

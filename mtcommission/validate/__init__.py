@@ -8,6 +8,6 @@ adjoint.py       the adjoint equation apart from the solvers
 row.py           one line, and how it is judged
 report.py        all rows; JSON
 table.py         rows in 80 columns
-figures.py       Figs. 3 to 6 again
+figures.py       Figs. 4 and 5 again
 page.py          rows and figures as one offline page
 """

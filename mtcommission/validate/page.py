@@ -41,7 +41,7 @@ def print_validation(validation: Validation, *, created: str) -> str:
         _verdict(validation),
         *(_section(number, part) for number, part in enumerate(validation.parts, start=1)),
         Section(
-            key="figures", heading="Figures 3 to 6 again", blocks=paper_figures(validation.cases)
+            key="figures", heading="Figures 4 and 5 again", blocks=paper_figures(validation.cases)
         ),
     )
     page = document(

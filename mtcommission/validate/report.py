@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from mtcommission.validate.bounded_rows import bounded_rows
 from mtcommission.validate.cases import Cases, Progress, solve_cases
@@ -89,22 +89,7 @@ def validation_entry(validation: Validation) -> dict[str, object]:
         "source": "Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators",
         "met": validation.is_met,
         "rows": [
-            {
-                "part": part.heading,
-                "place": row.place,
-                "quantity": row.quantity,
-                "unit": row.unit,
-                "printed": row.printed,
-                "corrected": row.corrected,
-                "ours": row.ours,
-                "printed_value": row.printed_value,
-                "ours_value": row.ours_value,
-                "difference": row.difference,
-                "tolerance": row.tolerance,
-                "basis": row.basis,
-                "verdict": row.verdict.value,
-                "reason": row.reason,
-            }
+            {"part": part.heading, **asdict(row), "verdict": row.verdict.value}
             for part in validation.parts
             for row in part.rows
         ],
