@@ -196,9 +196,11 @@ def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: fl
     slope = problem.force_limit * abs(float(adjoint_before(problem, part) @ problem.plant.B))
     excess = dual_value(problem, (part,), ()).value - room
     guess = max(excess / slope, 0.0) if slope > 0.0 else 0.0
-    low, high = 0.0, max(first, (1.0 + tolerance) * guess)
-    if guess > first and not fits((1.0 - tolerance) * guess):
-        low = (1.0 - tolerance) * guess
+    if first < guess and (1.0 + tolerance) * guess < part.length:
+        low, high = (1.0 - tolerance) * guess, (1.0 + tolerance) * guess
+        low = 0.0 if fits(low) else low
+    else:
+        low, high = 0.0, first
     while not fits(high):
         low, high = high, 2.0 * high
         if high > part.length:
