@@ -196,10 +196,10 @@ def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: fl
     slope = problem.force_limit * abs(float(adjoint_before(problem, part) @ problem.plant.B))
     excess = dual_value(problem, (part,), ()).value - room
     guess = max(excess / slope, 0.0) if slope > 0.0 else 0.0
+    low, high = 0.0, first
     if first < guess and (1.0 + tolerance) * guess < part.length:
         low, high = (1.0 - tolerance) * guess, (1.0 + tolerance) * guess
-        low = 0.0 if fits(low) else low
-    else:
+    if low == 0.0 or fits(low):
         low, high = 0.0, first
     while not fits(high):
         low, high = high, 2.0 * high
