@@ -172,8 +172,7 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     machine = proposals.family.machine
     looked = _look_at_all(machine, proposals)
     finalists = [
-        item if item.is_explored else _explore_closely(machine, item)
-        for item in looked[: STUDY.finalists]
+        item if item.is_explored else _explore(machine, item) for item in looked[: STUDY.finalists]
     ]
     finalists.sort(key=_price)
     best: LoopTrial | None = None
@@ -218,12 +217,6 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
 
 def _price(item: LoopTrial) -> float:
     return item.price
-
-
-def _explore_closely(machine: Machine, item: LoopTrial) -> LoopTrial:
-    """A loop with the best limits near those of its first look, behind any filter that did well."""
-    beside = [each.setpoint_filter for each in item.found[1 : STUDY.beside]]
-    return _explore(machine, item, near=item.limits, beside=beside)
 
 
 def _look_like(machine: Machine, loop: LoopTrial, known: LoopTrial) -> LoopTrial:
