@@ -22,7 +22,7 @@ HEAD = """\
 
 `control.kind` of a profile names the control. What it lacks is neither tuned nor simulated nor
 exported, and asking for it is a fault with its line. This page is written from the tables in
-`mtcommission/control_kinds/` by `python -m tests.controls_page`; a test holds the two together.
+`mtcommission/control_kinds/makers/` by `python -m tests.controls_page`; a test holds both together.
 
 "(?)" stands behind what was not read in a maker's text or source file: check it against the manual
 of your software version. Excerpts were read, in November 2026, not whole manuals.

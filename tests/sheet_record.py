@@ -12,13 +12,13 @@ from functools import cache, wraps
 from math import exp, pi, sin
 from typing import Any
 
-from mtcommission.export.control import complete
+from mtcommission.control_kinds.control import complete
+from mtcommission.control_kinds.kinds import CONTROLS
+from mtcommission.control_kinds.row import Setting
+from mtcommission.control_kinds.syntax import Entry
 from mtcommission.export.held import loop_of, today_of, write_limits
-from mtcommission.export.layout import Entry
-from mtcommission.export.plc import FREE
-from mtcommission.export.row import Setting
 from mtcommission.export.subject import Subject
-from mtcommission.export.write import CONTROLS, Export
+from mtcommission.export.write import Export
 from mtcommission.limits.commissioning_rule.by_hand import formulas_for
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.loop.model.controller import Controller
@@ -969,7 +969,7 @@ def typed_rows(name: str, record: Record) -> Export:
         controller=_tuned(name),
         limits=read_limits(record.limits.recommended),
     )
-    control, loop = CONTROLS.get(kind.key, FREE), loop_of(subject)
+    control, loop = CONTROLS[kind.key], loop_of(subject)
     values = dict(loop)
     for mode in ("", *(mode.name for mode in record.limits.modes)):
         values |= write_limits(subject.limits, subject.fastest, mode)

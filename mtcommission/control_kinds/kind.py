@@ -32,24 +32,12 @@ class PositionLoop(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Feature:
-    """Where it was read that a control has something, or lacks it.
+    """Where it was read that a control has something, or lacks it."""
 
-    Parameters
-    ----------
-    parameters
-        Names in the control, with unit, range and resolution where known; "" where there are none.
-    note
-        What else an engineer must know, in English: for docs/controls.md.
-    source
-        Maker's texts or source files, by title, separated by "; ".
-    is_verified
-        Whether it was read there; what was not is printed with "(?)".
-    """
-
-    parameters: str = ""
-    note: str = ""
-    source: str = ""
-    is_verified: bool = True
+    parameters: str = ""  # names in the control, with unit, range and resolution where known
+    note: str = ""  # what else an engineer must know, in English: for docs/controls.md
+    source: str = ""  # maker's texts or source files, by title, separated by "; "
+    is_verified: bool = True  # else printed with "(?)"
 
     @property
     def mark(self) -> str:
@@ -75,6 +63,12 @@ FEATURES = (
     "state_feedback",
 )
 """What there is evidence for, of every kind of control, in the order in which it is listed."""
+
+
+EARLIER = "maker's text read earlier, place not kept"
+
+NOTCH, LOW_PASS = "notch", "low_pass"
+"""Kinds of filter in the torque setpoint, as in profiles."""
 
 
 def read(source: str, parameters: str = "", note: str = "") -> Feature:
@@ -106,35 +100,17 @@ MOST_CYCLES, WHOLE = 100, 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilterChoice:
-    """A kind of setpoint filter that a control has, and how far it can be set.
+    """A kind of setpoint filter that a control has, and how far it can be set."""
 
-    Parameters
-    ----------
-    kind
-        As in profiles.
-    least_cycles, most_cycles
-        Lengths of an average between these act [position cycles].
-    advised_cycles
-        What the maker advises at most [position cycles]; 0: not to use it at all.
-    longest
-        Longest average that a search tries, whatever the cycle [s].
-    step
-        Lengths are whole multiples of it [s]; 0: any.
-    least_frequency_hz, most_frequency_hz
-        Of a shaper [Hz].
-    least_damping, most_damping
-        Damping ratios that a shaper takes [-].
-    """
-
-    kind: str
-    least_cycles: float = 0.0
+    kind: str  # as in profiles
+    least_cycles: float = 0.0  # an average acts between these lengths [position cycles]
     most_cycles: float = inf
-    advised_cycles: float = inf
-    longest: float = LONGEST_AVERAGE
-    step: float = 0.0
-    least_frequency_hz: float = 0.0
+    advised_cycles: float = inf  # what the maker advises at most; 0: not to use it at all
+    longest: float = LONGEST_AVERAGE  # that a search tries, whatever the cycle [s]
+    step: float = 0.0  # lengths are whole multiples of it [s]; 0: any
+    least_frequency_hz: float = 0.0  # of a shaper
     most_frequency_hz: float = inf
-    least_damping: float = 0.0
+    least_damping: float = 0.0  # damping ratios that a shaper takes
     most_damping: float = 0.99
 
     def unit(self, position_cycle: float) -> float:
@@ -168,55 +144,26 @@ class FilterChoice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlKind:
-    """What a kind of control has; what it lacks is neither tuned nor simulated nor exported.
+    """What a kind of control has; what it lacks is neither tuned nor simulated nor exported."""
 
-    Parameters
-    ----------
-    key
-        For ``control.kind`` and ``export --control``.
-    features
-        Evidence for each of these, and for more, by name: one for each of ``FEATURES``.
-    follows_steps
-        Whether steps go out open loop, so that the position loop only stands in for the motor.
-    jerk
-        How it takes a limit of the jerk.
-    modes
-        Its columns of limits by machining mode; empty: one set of limits.
-    setpoint_filters
-        Its kinds of setpoint filter; one at a time.
-    velocity_feedforward, acceleration_feedforward, jerk_feedforward
-        Whether it has them.
-    reference_delay
-        Whether the position setpoint can be delayed until the fed-forward force acts (balancing).
-    position_loops
-        Where its position loop can close; the first one is what it does unless told otherwise.
-    position_cycle, velocity_cycle
-        Usual cycles [s].
-    force_filters
-        How many filters (notch, low-pass) it has in the torque setpoint.
-    state_feedback
-        Whether it feeds plant states back.
-    largest_acceleration
-        More than this is not recommended on a linear axis, whatever the model allows [m/s²]:
-        practical and assumed, for what frame and tool take is not in the model.
-    """
-
-    key: str
-    features: Mapping[str, Feature] = field(repr=False, compare=False)
-    follows_steps: bool = False
+    key: str  # for ``control.kind`` and ``export --control``
+    features: Mapping[str, Feature] = field(repr=False, compare=False)  # evidence by name
+    follows_steps: bool = False  # steps go out open loop: the loop only stands in for the motor
     jerk: Jerk = Jerk.LIMIT
-    modes: tuple[str, ...] = ()
-    setpoint_filters: tuple[FilterChoice, ...] = ()
+    modes: tuple[str, ...] = ()  # its columns of limits by machining mode; empty: one set of limits
+    setpoint_filters: tuple[FilterChoice, ...] = ()  # one at a time
     velocity_feedforward: bool = True
     acceleration_feedforward: bool = True
     jerk_feedforward: bool = False
-    reference_delay: bool = True
-    position_loops: tuple[PositionLoop, ...] = (PositionLoop.CONTROL,)
-    position_cycle: float = 2e-3
+    reference_delay: bool = True  # the position setpoint can wait for the fed-forward force
+    position_loops: tuple[PositionLoop, ...] = (PositionLoop.CONTROL,)  # the usual one first
+    position_cycle: float = 2e-3  # usual [s]
     velocity_cycle: float = 125e-6
-    force_filters: int = 0
+    force_filters: int = 0  # how many filters (notch, low-pass) the torque setpoint has
     state_feedback: bool = False
     largest_acceleration: float = inf
+    """More than this is not recommended on a linear axis, whatever the model allows [m/s²]:
+    practical and assumed, for what frame and tool take is not in the model."""
 
     @property
     def has_jerk_limit(self) -> bool:

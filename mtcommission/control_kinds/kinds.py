@@ -1,70 +1,65 @@
-"""Every kind of control, by its key."""
+"""Every control, by its key: one file of ``makers`` each."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mtcommission.control_kinds import numeric, open_source, plc
-from mtcommission.control_kinds.kind import (
-    FEATURES,
-    FIR,
-    MOVING_AVERAGE,
-    TWO_AVERAGES,
-    ControlKind,
-    FilterChoice,
-    PositionLoop,
-    read,
+from mtcommission.control_kinds.control import Control
+from mtcommission.control_kinds.kind import EARLIER, ControlKind
+from mtcommission.control_kinds.makers import (
+    fanuc,
+    fluidnc,
+    free,
+    grblhal,
+    heidenhain,
+    isg,
+    klipper,
+    linuxcnc,
+    marlin,
+    plcopen,
+    ros2,
+    sinumerik,
+    twincat,
 )
 
-DEFINED = "defined here, not a product"
+GENERIC, STATE_SPACE, FREE = free.GENERIC, free.STATE_SPACE, free.FREE
 
-ANYWHERE = (PositionLoop.CONTROL, PositionLoop.INTERPOLATED, PositionLoop.DRIVE)
-
-GENERIC = ControlKind(
-    key="generic",
-    setpoint_filters=(FilterChoice(kind=MOVING_AVERAGE),),
-    position_loops=ANYWHERE,
-    force_filters=8,
-    features=dict.fromkeys(FEATURES, read(DEFINED)),
-)
-"""The cascade that any of them can be set to; no single product has all of it."""
-
-STATE_SPACE = ControlKind(
-    key="state-space",
-    setpoint_filters=(
-        FilterChoice(kind=MOVING_AVERAGE),
-        FilterChoice(kind=TWO_AVERAGES),
-        FilterChoice(kind=FIR),
-        *(FilterChoice(kind=shaper) for shaper in open_source.KLIPPER_SHAPERS),
-    ),
-    jerk_feedforward=True,
-    position_loops=ANYWHERE,
-    force_filters=8,
-    state_feedback=True,
-    features=dict.fromkeys(FEATURES, read(DEFINED)),
-)
-"""A free controller."""
-
-KINDS: Mapping[str, ControlKind] = {
-    kind.key: kind
-    for kind in (
-        numeric.SINUMERIK,
-        numeric.HEIDENHAIN,
-        numeric.FANUC,
-        numeric.ISG,
-        plc.TWINCAT,
-        plc.PLCOPEN,
-        GENERIC,
-        STATE_SPACE,
-        open_source.LINUXCNC,
-        open_source.KLIPPER,
-        open_source.GRBLHAL,
-        open_source.FLUIDNC,
-        open_source.MARLIN,
-        open_source.ROS2,
+CONTROLS: Mapping[str, Control] = {
+    control.key: control
+    for control in (
+        sinumerik.CONTROL,
+        heidenhain.CONTROL,
+        fanuc.CONTROL,
+        isg.CONTROL,
+        twincat.CONTROL,
+        plcopen.CONTROL,
+        free.CONTROL,
+        free.FREE,
+        linuxcnc.CONTROL,
+        klipper.CONTROL,
+        grblhal.CONTROL,
+        fluidnc.CONTROL,
+        marlin.CONTROL,
+        ros2.CONTROL,
     )
 }
 """All of them, in the order in which they are listed."""
 
-ADDRESSES: Mapping[str, str] = numeric.ADDRESSES | plc.ADDRESSES | open_source.ADDRESSES
+KINDS: Mapping[str, ControlKind] = {key: control.kind for key, control in CONTROLS.items()}
+"""What each of them has."""
+
+ADDRESSES: Mapping[str, str] = {
+    **sinumerik.ADDRESSES,
+    **heidenhain.ADDRESSES,
+    **isg.ADDRESSES,
+    EARLIER: "taken over from the project's own list of what was read",
+    **twincat.ADDRESSES,
+    **plcopen.ADDRESSES,
+    **linuxcnc.ADDRESSES,
+    **klipper.ADDRESSES,
+    **grblhal.ADDRESSES,
+    **fluidnc.ADDRESSES,
+    **marlin.ADDRESSES,
+    **ros2.ADDRESSES,
+}
 """Where each source was read, by its title."""

@@ -33,11 +33,6 @@ def describe_controls(words: Catalogue) -> str:
 def find_control_key(name: str) -> str:
     """Return the key of a control as somebody typed it.
 
-    Parameters
-    ----------
-    name
-        In any case, with blanks around.
-
     Raises
     ------
     InputError

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
+from mtcommission.control_kinds.row import Key, Row, Setting, Values, unreadable
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.held import Held, read_limits, write_limits
-from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, for_mode
 from mtcommission.limits.judge import Candidate
 from mtcommission.messages.message import Message
@@ -36,18 +36,10 @@ WIDE = tuple(0.9**i for i in range(36))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chosen:
-    """Limits as they are typed in, and what they do.
+    """Limits as they are typed in, and what they do."""
 
-    Parameters
-    ----------
-    values
-        What the control makes of the typed numbers [SI].
-    verdict
-        Of the simulation with exactly these.
-    """
-
-    values: Values
-    verdict: Candidate
+    values: Values  # what the control makes of the typed numbers [SI]
+    verdict: Candidate  # of the simulation with exactly these
 
 
 def take(rows: Iterable[Row], values: Values) -> dict[Key, float | str]:
@@ -75,25 +67,6 @@ def choose_limits(
     shapers: Sequence[Values] = (),
 ) -> Chosen:
     """Return the limits to type in.
-
-    Parameters
-    ----------
-    subject
-        The axis with its recommendation.
-    held
-        The loop that the control's rows make.
-    rows
-        Of these limits.
-    mode
-        The machining mode; None for the recommendation.
-    shapers
-        Input shapers of the control, tried in order.
-
-    Returns
-    -------
-    Chosen
-        Where no limits meet the requirements, the nearest ones, or without a jerk limit those
-        that leave least vibration; their verdict says so.
 
     Raises
     ------

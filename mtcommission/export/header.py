@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from functools import reduce
 from math import inf, isfinite
 
+from mtcommission.control_kinds.control import Control, Typed
+from mtcommission.control_kinds.row import Row, Setting
+from mtcommission.control_kinds.wording import name_mode, show_value, to_ascii
 from mtcommission.export.catalogue import name_control
-from mtcommission.export.choose import Chosen
-from mtcommission.export.control import Control
-from mtcommission.export.held import (
-    Held,
-)
-from mtcommission.export.row import Row, Setting
+from mtcommission.export.held import Held
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import name_mode, show_value, to_ascii
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.messages.catalogue import Catalogue
@@ -30,45 +27,25 @@ WIDTH = 96
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """What the text holds and does.
+    """What the text holds and does."""
 
-    Parameters
-    ----------
-    held
-        The loop that it makes.
-    verdict
-        Of the recommendation.
-    left_out
-        Machining modes whose band no limits meet.
-    lost_margins
-        Margins of the text's loop where they are poor and those of the record were not; else None.
-    """
-
-    held: Held
-    verdict: Candidate
-    left_out: tuple[ModeLimitsEntry, ...]
-    lost_margins: Message | None
+    held: Held  # the loop that it makes
+    verdict: Candidate  # of the recommendation
+    left_out: tuple[ModeLimitsEntry, ...]  # machining modes whose band no limits meet
+    lost_margins: Message | None  # where they are poor and those of the record were not
 
 
 def compose_header(
     subject: Subject, control: Control, judged: Judged, rows: Sequence[Row], words: Catalogue
 ) -> list[Message]:
-    """Return the sentences above the parameters.
-
-    Parameters
-    ----------
-    subject, control
-        The axis, and what it is written for.
-    judged
-        What the text holds and does.
-    rows
-        Of the text: whose source was not read is doubtful.
-    words
-        Language, by which a warning of the record is told from one of the text.
-    """
+    """Return the sentences above the parameters."""
     record = subject.record
     machine, profile, tool = record.machine, record.profile, record.tool
-    chosen = Chosen(values=judged.held.values, verdict=judged.verdict)
+    typed = Typed(
+        values=judged.held.values,
+        acceleration=judged.held.limits().acceleration,
+        is_met=judged.verdict.assessment.is_met,
+    )
     verdict, *without = say_judgement(subject, control, judged)
     sentences = [
         Message(
@@ -93,7 +70,7 @@ def compose_header(
         *say_ceiling(subject, judged),
         Message("export-safe-side"),
         *_shaft(subject, rows),
-        *control.notes(subject, chosen),
+        *control.notes(subject.axis, typed),
     ]
     warned = {words.say(warning) for warning in record.warnings}
     own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]

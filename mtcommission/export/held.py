@@ -5,25 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import pi
 
-from mtcommission.control_kinds.kind import (
-    FIR,
-    MOVING_AVERAGE,
-    SHAPERS,
-    TWO_AVERAGES,
-    PositionLoop,
-)
+from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
+from mtcommission.control_kinds.row import Key, Setting, Values, unreadable
 from mtcommission.errors import ComputationError, Fault, InputError
-from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_planned
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.control import (
-    Control,
-    FilterKind,
-    ForceFilter,
-    StateFeedback,
-    StateGain,
-)
+from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
@@ -62,18 +50,7 @@ def without_loop(values: Values) -> dict[Key, float | str]:
 
 
 def loop_of(subject: Subject) -> dict[Key, float | str]:
-    """Return the settings of the record's loop, as far as the control has them.
-
-    Parameters
-    ----------
-    subject
-        The axis, and the control.
-
-    Returns
-    -------
-    dict
-        SI. What the control has but the loop does not use is there with 0.
-    """
+    """Return the settings of the record's loop, as far as the control has them."""
     kind, loop = subject.kind, subject.controller
     values: dict[Key, float | str] = {
         (Setting.POSITION_LOOP, ""): subject.position_loop.value,
@@ -133,20 +110,7 @@ def _feedforward(values: Values) -> str:
 
 
 def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
-    """Return what the control holds now, as far as the profile says so.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    rapid
-        Rapid traverse that a rise time belongs to [m/s].
-
-    Returns
-    -------
-    dict
-        SI.
-    """
+    """Return what the control holds now, as far as the profile says so."""
     today = subject.machine.today
     if today is None:
         return {}
@@ -166,36 +130,18 @@ def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Held:
-    """The loop that a text makes, ready to simulate.
+    """The loop that a text makes, ready to simulate."""
 
-    Parameters
-    ----------
-    machine
-        The mechanics, moves and requirements of the profile under the text's control.
-    tuned
-        Its loop in every corner; nothing of it was tuned.
-    values
-        Everything that the text says.
-    """
-
-    machine: Machine
-    tuned: TunedLoop
-    values: Values
+    machine: Machine  # mechanics, moves and requirements of the profile, the text's control
+    tuned: TunedLoop  # its loop in every corner; nothing of it was tuned
+    values: Values  # everything that the text says
 
     def limits(self, mode: str = "") -> MotionLimits:
         """Return the limits of a machining mode; "" for the recommendation."""
         return read_limits(self.values, mode)
 
     def judge(self, machine: Machine, limits: MotionLimits) -> Candidate:
-        """Return what limits do in every corner.
-
-        Parameters
-        ----------
-        machine
-            Whose requirements count.
-        limits
-            Acceleration and jerk.
-        """
+        """Return what limits do in every corner."""
         moves = simulate_planned(machine, self.tuned, plan_within(machine, limits))
         return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
 
@@ -215,16 +161,7 @@ def number(values: Values, setting: Setting, index: str = "") -> float:
 
 
 def read_limits(values: Values, mode: str = "") -> MotionLimits:
-    """Return the limits that a control makes of its settings.
-
-    Parameters
-    ----------
-    values
-        SI; the acceleration as such or by a rise time, the jerk as such, by a ramp time or, where
-        there is no limit, by the position cycle within which the acceleration changes.
-    mode
-        Machining mode.
-    """
+    """Return the limits that a control makes of its settings."""
     if (Setting.RISE_TIME, mode) in values:
         a = number(values, Setting.RAPID) / number(values, Setting.RISE_TIME, mode)
     else:
@@ -239,22 +176,7 @@ def read_limits(values: Values, mode: str = "") -> MotionLimits:
 
 
 def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key, float | str]:
-    """Return limits in all the ways in which a control may hold them.
-
-    Parameters
-    ----------
-    limits
-        Acceleration and jerk.
-    rapid
-        Rapid traverse that a rise time belongs to [m/s].
-    mode
-        Machining mode.
-
-    Returns
-    -------
-    dict
-        SI.
-    """
+    """Return limits in all the ways in which a control may hold them."""
     a, j = limits.acceleration, limits.jerk
     return {
         (Setting.ACCELERATION, mode): a,
@@ -266,13 +188,6 @@ def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key
 
 def hold(subject: Subject, values: Values) -> Held:
     """Return the loop that settings make: of the profile only machine, moves and requirements.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    values
-        From a text.
 
     Raises
     ------

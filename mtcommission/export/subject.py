@@ -6,14 +6,16 @@ as it was, in every corner, without tuning or optimising anything.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 
 import numpy as np
 
+from mtcommission.control_kinds.control import Axis
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.wording import DEGREE, MILLI
+from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.loop.model.controller import Controller, handing_down_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import StateFeedback, StateGain
@@ -21,7 +23,7 @@ from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
+from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
 from mtcommission.record.read_back import close_as_held, read_limits, read_machine
 from mtcommission.record.schema.limits import ModeLimitsEntry
@@ -32,31 +34,22 @@ REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
 counts as zero beside its largest entry: versions of the linear algebra may differ by so much."""
 
+LEAST_DAMPING, MOST_DAMPING = 0.01, 0.25
+"""What Marlin accepts as the damping ratio of a shaper."""
+
 BYTE_ORDER_MARK = "\ufeff"
 """Some editors begin a file with it; the hash counts it, the text in the record lacks it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Subject:
-    """An axis with its recommended limits, ready to be written for a control.
-
-    Parameters
-    ----------
-    record
-        Where everything comes from.
-    kind
-        What the control has that it is written for.
-    machine, controller
-        Built again from the record.
-    limits
-        The recommendation.
-    """
+    """An axis with its recommended limits, ready to be written for a control."""
 
     record: Record
-    kind: ControlKind
-    machine: Machine
+    kind: ControlKind  # what the control has that it is written for
+    machine: Machine  # built again from the record, like the controller
     controller: Controller
-    limits: MotionLimits
+    limits: MotionLimits  # the recommendation
 
     @property
     def is_rotary(self) -> bool:
@@ -69,11 +62,6 @@ class Subject:
         return self.machine.axis_units.length.si
 
     @property
-    def small_unit(self) -> tuple[str, float]:
-        """Unit of a position that most controls have: its name, and its size in SI."""
-        return ("deg", DEGREE) if self.is_rotary else ("mm", MILLI)
-
-    @property
     def shaft(self) -> float | None:
         """Motion of the axis per angle of the motor's shaft [m/rad]; None: not stated."""
         drive = self.machine.drive
@@ -82,14 +70,38 @@ class Subject:
         return 1.0 / drive.gear if self.is_rotary else None
 
     @property
-    def axis(self) -> str:
-        """Name of the axis as the profile gives it."""
-        return self.machine.axis.strip()
+    def axis(self) -> Axis:
+        """What the rows of the control need to know."""
+        machine = self.machine
+        return Axis(
+            name=machine.axis.strip(),
+            kind=self.kind,
+            units=machine.axis_units,
+            is_rotary=self.is_rotary,
+            follows=machine.drive.follows,
+            shaft=self.shaft,
+            position_cycle=self.controller.position_cycle,
+            acceleration=self.limits.acceleration,
+            bands={mode.name: mode.band for mode in self.record.limits.modes},
+            state_units=self.record.plant.units,
+            has_own_filter=self.setpoint_filter is not None,
+            mode_name=dominant_mode(build_plant(machine)).name,
+            corner_velocity=self._corner_velocity,
+        )
 
-    @property
-    def mode(self) -> PlantMode:
-        """The mode that a setpoint excites most."""
-        return dominant_mode(build_plant(self.machine))
+    def shapers(self, kinds: Sequence[str]) -> tuple[SetpointFilter, ...]:
+        """Return the run's own shaper, or some on the mode that a setpoint excites most."""
+        if self.setpoint_filter:
+            return (self.setpoint_filter,)
+        mode = dominant_mode(build_plant(self.machine))
+        damping = min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING)
+        return tuple(
+            SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
+            for kind in kinds
+        )
+
+    def _corner_velocity(self, shapers: Sequence[str]) -> float:
+        return min(find_corner_velocity(self.machine, one) for one in self.shapers(shapers))
 
     @property
     def fastest(self) -> float:
@@ -158,13 +170,6 @@ class Subject:
 
 def build_subject(record: Record, kind: ControlKind) -> Subject:
     """Return the axis of a record with its loop built again.
-
-    Parameters
-    ----------
-    record
-        Of a run.
-    kind
-        What the control has that it is to be written for.
 
     Raises
     ------

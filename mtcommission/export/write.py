@@ -8,14 +8,17 @@ header cannot promise what the text does not hold.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from mtcommission.control_kinds.kinds import GENERIC, KINDS
+from mtcommission.control_kinds.control import Control, complete
+from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
+from mtcommission.control_kinds.row import Key, Row, Setting, Values, unreadable
+from mtcommission.control_kinds.syntax import LIST, Entry, Layout, read_elsewhere
+from mtcommission.control_kinds.wording import to_ascii
 from mtcommission.errors import InputError
 from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import Chosen, choose_limits, take
-from mtcommission.export.control import Control, complete
 from mtcommission.export.header import (
     WIDTH,
     Judged,
@@ -31,14 +34,9 @@ from mtcommission.export.held import (
     loop_of,
     today_of,
     without_loop,
+    write_filter,
 )
-from mtcommission.export.layout import LIST, Entry, Layout, read_elsewhere
-from mtcommission.export.numeric import NUMERIC_CONTROLS
-from mtcommission.export.open_source import OPEN_CONTROLS
-from mtcommission.export.plc import FREE, PLC_CONTROLS
-from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
-from mtcommission.export.wording import to_ascii
 from mtcommission.limits.judge import Candidate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -47,50 +45,21 @@ from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole
 
-CONTROLS: Mapping[str, Control] = {
-    control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)
-}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Export:
-    """Limits and loop in a control's own words.
-
-    Parameters
-    ----------
-    control
-        Which control.
-    header
-        Sentences that stand above the parameters.
-    entries
-        Every row, those that are only remarks last.
-    limits
-        What the control makes of the typed numbers [SI].
-    verdict
-        Of the simulation of what the text holds.
-    is_met
-        Whether that meets all requirements in every corner, with the margins of the record.
-    meets_requirements
-        Whether, moreover, no machining mode had to be left out.
-    judgement
-        What the header says of that.
-    doubts
-        What it says of machining modes left out, of a practical ceiling, and why it speaks in
-        neutral words.
-    text
-        The file.
-    """
+    """Limits and loop in a control's own words."""
 
     control: str
-    header: tuple[str, ...]
-    entries: tuple[Entry, ...]
-    limits: MotionLimits
-    verdict: Candidate
-    is_met: bool
-    meets_requirements: bool
-    judgement: Message
-    doubts: tuple[Message, ...]
-    text: str
+    header: tuple[str, ...]  # sentences above the parameters
+    entries: tuple[Entry, ...]  # every row, those that are only remarks last
+    limits: MotionLimits  # what the control makes of the typed numbers
+    verdict: Candidate  # of the simulation of what the text holds
+    is_met: bool  # whether it keeps all requirements in every corner, and the record's margins
+    meets_requirements: bool  # whether, moreover, no machining mode had to be left out
+    judgement: Message  # what the header says of that
+    doubts: tuple[Message, ...]  # what it says of modes left out, a ceiling, and neutral words
+    text: str  # the file
 
 
 def export_own(record: Record) -> Export:
@@ -103,13 +72,14 @@ def export_own(record: Record) -> Export:
     InputError
         If the loop is unstable as typed, or the record does not belong to its own profile.
     """
-    own = CONTROLS.get(record.loop.kind, FREE)
+    own = CONTROLS[record.loop.kind]
     try:
         return _export(record, own)
     except InputError as refused:
         (fault, *_) = refused.faults
         try:
-            found = _export(record, replace(CONTROLS[GENERIC.key], key=own.key))
+            neutral = replace(CONTROLS[GENERIC.key], kind=own.kind)
+            found = _export(record, neutral)
         except InputError:
             raise refused from None
         reason = Message("export-neutral", why=fault.message)
@@ -120,17 +90,6 @@ def export_record(
     record: Record, *, control: str, language: str = "en", as_list: bool = False
 ) -> Export:
     """Return the recommended limits and the loop of a record for a control.
-
-    Parameters
-    ----------
-    record
-        Of a run.
-    control
-        One of ``catalogue.CONTROL_KEYS``.
-    language
-        Of header, remarks and notes.
-    as_list
-        A parameter list as CSV instead of the control's syntax.
 
     Raises
     ------
@@ -144,12 +103,12 @@ def export_record(
 def _export(
     record: Record, target: Control, language: str = "en", *, as_list: bool = False
 ) -> Export:
-    subject = build_subject(record, KINDS[target.key])
+    subject = build_subject(record, target.kind)
     follows = subject.machine.drive.follows
     words = Catalogue(language, rotary=subject.is_rotary, follows=follows)
     layout = LIST if as_list else target.layout
     loop = loop_of(subject)
-    own = target.rows(subject, loop)
+    own = list(target.rows(subject.axis, loop))
     if follows:
         loop = without_loop(loop)
         own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
@@ -169,10 +128,7 @@ def _export(
         if mode not in kept and any(row.index == mode.name for row in rows)
     )
     judged = Judged(
-        held=held,
-        verdict=verdict,
-        left_out=left_out,
-        lost_margins=find_lost_margins(record, held),
+        held=held, verdict=verdict, left_out=left_out, lost_margins=find_lost_margins(record, held)
     )
     header = tuple(
         " ".join(to_ascii(words.say(line)).split())
@@ -199,20 +155,6 @@ def _export(
 
 def read_text(layout: Layout, rows: Sequence[Row], text: str) -> dict[Key, float | str]:
     """Return the settings that a text holds.
-
-    Parameters
-    ----------
-    layout
-        Its syntax.
-    rows
-        What must stand in it.
-    text
-        With or without header.
-
-    Returns
-    -------
-    dict
-        SI.
 
     Raises
     ------
@@ -271,8 +213,8 @@ def _choose_limits(
         shared = {Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING, Setting.RAPID}
         own = [row for row in rows if row.key not in held.values and row.index == ""]
         own = [row for row in own if row.setting in LIMITS | shared]
-        proposed = () if subject.setpoint_filter else target.shapers(subject)
-        return choose_limits(subject, held, own, shapers=proposed)
+        proposed = () if subject.setpoint_filter else subject.shapers(target.shapers)
+        return choose_limits(subject, held, own, shapers=[write_filter(one) for one in proposed])
     own = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
     if not own or not mode.meets_requirements:
         return None
@@ -289,17 +231,7 @@ def _holds(values: Values, mode: str) -> bool:
 
 
 def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """Return the lines of a text without its header.
-
-    Parameters
-    ----------
-    layout
-        Its syntax.
-    entries
-        Every row, those that are only remarks last.
-    words
-        Of the remarks.
-    """
+    """Return the lines of a text without its header."""
     if layout is LIST:
         return layout.write(entries, words)
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]

@@ -43,7 +43,7 @@ from mtcommission.sheet.tables import (
 )
 
 if TYPE_CHECKING:
-    from mtcommission.export.layout import Entry
+    from mtcommission.control_kinds.syntax import Entry
     from mtcommission.export.write import Export
 
 CONTOUR = "requirements.contour_deviation"

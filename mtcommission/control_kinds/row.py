@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from enum import Enum
+from functools import partial
 from typing import TypeAlias
 
 from mtcommission.errors import Fault, InputError
@@ -68,47 +69,21 @@ Values: TypeAlias = Mapping[Key, float | str]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A parameter of a control.
-
-    Parameters
-    ----------
-    setting
-        What it holds.
-    name
-        As the control spells it.
-    index
-        Which one of several, see ``Key``.
-    unit, scale
-        The control's unit, and one of it in SI.
-    digits
-        Significant digits of the number.
-    step
-        Whole multiples of this only, in its unit; 0: any number.
-    codes
-        How the control writes certain values, where a number or word of ours will not do.
-    meaning
-        What it does, in a few words; None: what its setting always does.
-    section
-        Where it stands in a structured file, parts separated by "/".
-    is_verified
-        Whether name and unit were read in a maker's text or source file.
-    is_elsewhere
-        Whether it stands in the text as a remark: set in the drive, or to be left as it is.
-    """
+    """A parameter of a control."""
 
     setting: Setting
-    name: str
+    name: str  # as the control spells it
     _: KW_ONLY
-    index: str = ""
-    unit: str = ""
-    scale: float = 1.0
-    digits: int = DIGITS
-    step: float = 0.0
-    codes: Mapping[float | str, str] = field(default_factory=dict)
-    meaning: Message | None = None
-    section: str = ""
-    is_verified: bool = True
-    is_elsewhere: bool = False
+    index: str = ""  # which one of several, see Key
+    unit: str = ""  # the control's
+    scale: float = 1.0  # one of it in SI
+    digits: int = DIGITS  # significant ones
+    step: float = 0.0  # whole multiples of this only, in its unit; 0: any number
+    codes: Mapping[float | str, str] = field(default_factory=dict)  # how it writes certain values
+    meaning: Message | None = None  # what it does; None: what its setting always does
+    section: str = ""  # of a structured file, parts separated by "/"
+    is_verified: bool = True  # whether name and unit were read in a maker's text or source file
+    is_elsewhere: bool = False  # a remark in the text: set in the drive, or to be left as it is
 
     @property
     def text(self) -> Message | None:
@@ -158,6 +133,10 @@ class Row:
             raise unreadable(f"{self.name} {text}") from None
 
 
+doubted = partial(Row, is_verified=False)
+"""A row whose name or unit was not read in a maker's text."""
+
+
 def fixed(
     name: str, text: str, meaning: Message | None = None, *, unit: str = "", section: str = ""
 ) -> Row:
@@ -177,17 +156,6 @@ def round_number(
     value: float, rounding: str, *, digits: int = DIGITS, step: float = 0.0
 ) -> Decimal:
     """Return the number with few significant digits at, below or above a value.
-
-    Parameters
-    ----------
-    value
-        >= 0.
-    rounding
-        One of ``decimal``'s.
-    digits
-        Significant digits.
-    step
-        If > 0 a whole multiple of it instead.
 
     Examples
     --------

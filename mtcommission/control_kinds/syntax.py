@@ -10,8 +10,8 @@ from functools import partial
 from io import StringIO
 from typing import TypeAlias
 
-from mtcommission.export.row import Row
-from mtcommission.export.wording import to_ascii
+from mtcommission.control_kinds.row import Row
+from mtcommission.control_kinds.wording import to_ascii
 from mtcommission.messages.catalogue import Catalogue
 
 BLANK = "__________"
@@ -38,21 +38,11 @@ Found: TypeAlias = tuple[str, str, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """A row with what is typed in.
-
-    Parameters
-    ----------
-    row
-        The parameter.
-    value
-        As typed.
-    old
-        What the control holds now; "" where that is not known.
-    """
+    """A row with what is typed in."""
 
     row: Row
-    value: str
-    old: str = ""
+    value: str  # as typed
+    old: str = ""  # what the control holds now; "" where that is not known
 
     def meaning(self, words: Catalogue) -> str:
         """Return what the parameter does, or nothing; in one line, whatever its names hold."""
@@ -70,21 +60,11 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """A syntax.
+    """A syntax."""
 
-    Parameters
-    ----------
-    comment
-        A line of text as a comment.
-    write
-        Parameters as lines, with remarks in a language.
-    read
-        The parameters in a text.
-    """
-
-    comment: Callable[[str], str]
-    write: Callable[[Sequence[Entry], Catalogue], list[str]]
-    read: Callable[[str], Iterator[Found]]
+    comment: Callable[[str], str]  # a line of text as a comment
+    write: Callable[[Sequence[Entry], Catalogue], list[str]]  # parameters as lines, with remarks
+    read: Callable[[str], Iterator[Found]]  # the parameters in a text
 
     def write_elsewhere(self, entries: Sequence[Entry], words: Catalogue) -> list[str]:
         """Return what is set in the drive, or must be so, as comments."""
@@ -103,17 +83,7 @@ def read_elsewhere(text: str) -> Iterator[Found]:
 
 
 def lines_of(pattern: str, reader: str, comment: Callable[[str], str]) -> Layout:
-    """Return the syntax with one line for each parameter and its remark behind it.
-
-    Parameters
-    ----------
-    pattern
-        With fields ``name`` and ``value``.
-    reader
-        Regular expression of such a line, with the same two groups.
-    comment
-        A text as a comment.
-    """
+    """Return the syntax with one line for each parameter and its remark behind it."""
     return Layout(
         comment=comment,
         write=partial(_write_lines, pattern, comment),

@@ -1,21 +1,30 @@
-"""Motion control in a PLC: what it has, and where that was read."""
+"""TwinCAT NC."""
 
 from __future__ import annotations
 
+from functools import partial
+
+from mtcommission.control_kinds.control import Axis, Control
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop, believed, read
-from mtcommission.control_kinds.numeric import EARLIER
+from mtcommission.control_kinds.makers.plcopen import constants
+from mtcommission.control_kinds.row import Row, Setting, Values
+from mtcommission.control_kinds.syntax import CONSTANTS, INLINE
+from mtcommission.control_kinds.wording import GAIN_PER_MINUTE
+from mtcommission.messages.message import Message
 
 NC_LOOP = "Beckhoff TF50x0 NC PTP, position control loop"
-ADS = "Beckhoff ADS-NC, controller parameters 0x6000"
-NCI = "Beckhoff TF5100 NCI, dynamics of axes and path"
-AX5000 = "Beckhoff AX5000 IDN description"
-AX5000_FFW = "Beckhoff AX5000, acceleration pre-control"
-AX8000 = "Beckhoff AX8xxx object description"
-AX8000_FILTERS = "Beckhoff AX8000, torque setpoint filter"
 
-POSITION_CONTROL = "CODESYS SoftMotion, SM_Drive_PosControl"
-VELOCITY_MODE = "CODESYS SM3_CNC, SMC_INT_VELMODE"
-TORQUE_BLOCKS = "CODESYS SoftMotion, torque of groups and single axes"
+ADS = "Beckhoff ADS-NC, controller parameters 0x6000"
+
+NCI = "Beckhoff TF5100 NCI, dynamics of axes and path"
+
+AX5000 = "Beckhoff AX5000 IDN description"
+
+AX5000_FFW = "Beckhoff AX5000, acceleration pre-control"
+
+AX8000 = "Beckhoff AX8xxx object description"
+
+AX8000_FILTERS = "Beckhoff AX8000, torque setpoint filter"
 
 ADDRESSES = {
     NC_LOOP: "infosys.beckhoff.com, tf50x0_tc3_nc_ptp/3443964683.html",
@@ -25,11 +34,8 @@ ADDRESSES = {
     AX5000_FFW: "infosys.beckhoff.com, ax5000_function_doku_hw2/2868377355.html",
     AX8000: "infosys.beckhoff.com, ax8xxx_object (3062, 30C3, 3140 to 3142, 60C0)",
     AX8000_FILTERS: "infosys.beckhoff.com, ax8000_fb/10525186571.html",
-    POSITION_CONTROL: "content.helpme-codesys.com, _sm_edt_drive_poscontrol_position_control_loop",
-    VELOCITY_MODE: "content.helpme-codesys.com, libs/SM3_CNC",
-    TORQUE_BLOCKS: "content.helpme-codesys.com, _sm_robotics_external_axis_torque_control",
 }
-"""Where each source was read, November 2026, as stored public copies."""
+"""Where each source was read, November 2026."""
 
 TWINCAT = ControlKind(
     key="twincat",
@@ -66,8 +72,7 @@ TWINCAT = ControlKind(
         ),
         "velocity_cycle": believed(note="AX5000 125 us; AX8000 62.5 us (read).", beside=AX8000),
         "position_gain": read(
-            f"{ADS}; {NC_LOOP}; {AX5000}",
-            "NC Kp [1/s] 0..1000; AX5000 S-0-0104 [1000/min] 0.01",
+            f"{ADS}; {NC_LOOP}; {AX5000}", "NC Kp [1/s] 0..1000; AX5000 S-0-0104 [1000/min] 0.01"
         ),
         "velocity_gain": read(
             f"{AX5000}; {AX8000}",
@@ -84,47 +89,77 @@ TWINCAT = ControlKind(
     },
 )
 
-PLCOPEN = ControlKind(
-    key="plcopen",
-    acceleration_feedforward=False,
-    reference_delay=False,
-    position_loops=(PositionLoop.DRIVE, PositionLoop.CONTROL),
-    force_filters=4,
-    features={
-        "acceleration": read(EARLIER, "Acceleration, Deceleration [u/s^2], LREAL"),
-        "jerk": read(
-            f"{EARLIER}; {VELOCITY_MODE}",
-            "Jerk [u/s^3], LREAL",
-            "Acts only with the ramp type quadratic; 0 = default of the axis.",
+
+def _twincat(axis: Axis, loop: Values) -> list[Row]:
+    length, size = axis.small_unit
+    path = [
+        Row(
+            setting,
+            f"#set paramPathDynamics[{number}]",
+            unit=f"{length}/s^2, {length}/s^3",
+            scale=size,
+            meaning=Message("limit-path-nci"),
+            section=INLINE,
+        )
+        for number, setting in enumerate(
+            (Setting.ACCELERATION, Setting.ACCELERATION, Setting.JERK), start=1
+        )
+    ]
+    return [*constants(axis, loop), *path, *_twincat_loop(axis, loop)]
+
+
+def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
+    """The position controller of the NC or of an AX5000, and the drive's velocity controller."""
+    row = partial(Row, is_elsewhere=True)
+    rows = [
+        row(
+            Setting.INTEGRAL_TIME,
+            "S-0-0101",
+            unit="0.1 ms",
+            scale=1e-4,
+            step=1,
+            meaning=Message("twincat-tn"),
+        )
+    ]
+    if axis.shaft:
+        rows.append(
+            row(
+                Setting.VELOCITY_GAIN,
+                "S-0-0100",
+                unit="Nm/(rad/s)",
+                scale=axis.shaft**-2,
+                step=1e-3,
+                meaning=Message("twincat-kp"),
+            )
+        )
+    if loop[Setting.POSITION_LOOP, ""] == "drive":
+        return [
+            *rows,
+            row(
+                Setting.POSITION_GAIN,
+                "S-0-0104",
+                unit="1000/min",
+                scale=GAIN_PER_MINUTE,
+                step=1e-2,
+                meaning=Message("twincat-kv-in-drive"),
+            ),
+            row(Setting.VELOCITY_FEEDFORWARD, "S-0-0296", unit="%", scale=1e-2, step=1e-2),
+        ]
+    return [
+        *rows,
+        row(
+            Setting.POSITION_GAIN,
+            "NC position controller Kv",
+            unit="1/s",
+            meaning=Message("twincat-kv-in-nc"),
         ),
-        "modes": believed(note="None."),
-        "setpoint_filters": believed(note="None; own code could."),
-        "velocity_feedforward": read(
-            POSITION_CONTROL,
-            "share 0..1",
-            "As set velocity; with CSP a velocity offset (60B1) if mapped (?).",
-        ),
-        "acceleration_feedforward": read(
-            TORQUE_BLOCKS,
-            "SMC_SetTorque, SMC_GroupSetDynamics",
-            "By program or by the model of a group only; no row for one axis, so not counted on.",
-        ),
-        "jerk_feedforward": believed(note="None."),
-        "reference_delay": read(
-            POSITION_CONTROL,
-            "D [cycles], whole",
-            "Only where the PLC closes the loop; not counted on, since the drive usually does.",
-        ),
-        "position_loops": read(
-            POSITION_CONTROL, note="Usually the drive (CSP); else SM_Drive_PosControl."
-        ),
-        "position_cycle": believed(note="Bus task of 1 to 4 ms."),
-        "velocity_cycle": believed(note="The drive's."),
-        "position_gain": read(
-            POSITION_CONTROL, "Kp [1/s]", "Only with SM_Drive_PosControl; else the drive's."
-        ),
-        "velocity_gain": believed(note="In the drive."),
-        "force_filters": believed(note="Those of the drive; four is what drives usually have."),
-        "state_feedback": believed(note="None; own blocks could: that is state-space."),
-    },
+        row(Setting.VELOCITY_FEEDFORWARD, "NC velocity pre-control weight"),
+    ]
+
+
+CONTROL = Control(
+    kind=TWINCAT,
+    rows=_twincat,
+    layout=CONSTANTS,
+    notes=lambda _axis, _typed: (Message("twincat-jerk-unit"), Message("twincat-no-jerk-filter")),
 )

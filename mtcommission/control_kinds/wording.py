@@ -11,6 +11,13 @@ from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import SUPERSCRIPTS, THIN_SPACE
 
 MILLI, MICRO = 1e-3, 1e-6
+
+HUNDREDTH = 0.01
+"""Unit of the position gain in FANUC's and ISG's parameters [1/s]."""
+
+GAIN_PER_MINUTE = 1000.0 / 60.0
+"""(m/min)/mm = 1000/min in 1/s."""
+
 LETTERS = str.maketrans(
     {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "°": " deg"}
     | {"µ": "u", "×": "x", "·": " ", "−": "-", "–": "-", "„": '"', "“": '"', "≤": "<=", "≥": ">="}
@@ -29,20 +36,6 @@ DEGREE, TURN = pi / 180.0, 2.0 * pi
 
 def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     """Return an SI value with a unit that people read.
-
-    Parameters
-    ----------
-    value
-        SI; inf means that the axis never settles.
-    unit
-        SI unit.
-    in_degrees
-        Whether angles are shown in degrees, as most controls have them.
-
-    Returns
-    -------
-    Message
-        Four digits with the language's decimal mark, or that it is not settled.
 
     Examples
     --------

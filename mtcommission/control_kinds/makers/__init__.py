@@ -1,0 +1,1 @@
+"""One file for each control: what it has and where that was read, its rows, its notes."""

@@ -1,0 +1,75 @@
+"""The neutral cascade, and a free controller: no products."""
+
+from __future__ import annotations
+
+from mtcommission.control_kinds.control import Axis, Control, say_neutrally
+from mtcommission.control_kinds.kind import (
+    FEATURES,
+    FIR,
+    MOVING_AVERAGE,
+    TWO_AVERAGES,
+    ControlKind,
+    FilterChoice,
+    PositionLoop,
+    read,
+)
+from mtcommission.control_kinds.makers.klipper import KLIPPER_SHAPERS
+from mtcommission.control_kinds.row import Row, Setting, Values
+from mtcommission.control_kinds.syntax import TABLE
+
+DEFINED = "defined here, not a product"
+
+ANYWHERE = (PositionLoop.CONTROL, PositionLoop.INTERPOLATED, PositionLoop.DRIVE)
+
+GENERIC = ControlKind(
+    key="generic",
+    setpoint_filters=(FilterChoice(kind=MOVING_AVERAGE),),
+    position_loops=ANYWHERE,
+    force_filters=8,
+    features=dict.fromkeys(FEATURES, read(DEFINED)),
+)
+"""The cascade that any of them can be set to; no single product has all of it."""
+
+STATE_SPACE = ControlKind(
+    key="state-space",
+    setpoint_filters=(
+        FilterChoice(kind=MOVING_AVERAGE),
+        FilterChoice(kind=TWO_AVERAGES),
+        FilterChoice(kind=FIR),
+        *(FilterChoice(kind=shaper) for shaper in KLIPPER_SHAPERS),
+    ),
+    jerk_feedforward=True,
+    position_loops=ANYWHERE,
+    force_filters=8,
+    state_feedback=True,
+    features=dict.fromkeys(FEATURES, read(DEFINED)),
+)
+"""A free controller."""
+
+
+def _generic(axis: Axis, loop: Values) -> tuple[Row, ...]:
+    limits = ((Setting.ACCELERATION, ""), (Setting.JERK, ""))
+    return say_neutrally((*limits, *loop), axis.units)
+
+
+def _state_space(axis: Axis, loop: Values) -> tuple[Row, ...]:
+    units = axis.state_units
+    fed_back = (index for setting, index in loop if setting is Setting.STATE_GAIN)
+    return (
+        *_generic(axis, loop),
+        *(
+            Row(
+                Setting.STATE_GAIN,
+                f"state feedback {state}",
+                index=state,
+                unit=f"{units['F']}/({units[state]})",
+                digits=6,
+            )
+            for state in fed_back
+        ),
+    )
+
+
+CONTROL = Control(kind=GENERIC, rows=_generic, layout=TABLE, in_degrees=False)
+
+FREE = Control(kind=STATE_SPACE, rows=_state_space, layout=TABLE, in_degrees=False)

@@ -1,0 +1,62 @@
+"""grblHAL."""
+
+from __future__ import annotations
+
+from mtcommission.control_kinds.control import (
+    LETTERS,
+    Axis,
+    Control,
+    acceleration_row,
+    jerk_row,
+    letter_of,
+)
+from mtcommission.control_kinds.kind import Jerk, read
+from mtcommission.control_kinds.makers.stepping import sends_steps
+from mtcommission.control_kinds.row import Row, Values
+from mtcommission.control_kinds.syntax import MACHINE_DATA
+from mtcommission.messages.message import Message
+
+GRBLHAL_SOURCE = "grblHAL core at f80fc34d: settings, planner, stepper"
+
+ADDRESSES = {GRBLHAL_SOURCE: "github.com/grblHAL/core"}
+"""Where each source was read, November 2026."""
+
+GRBLHAL = sends_steps(
+    "grblhal",
+    GRBLHAL_SOURCE,
+    jerk=Jerk.LIMIT,
+    features={
+        "acceleration": read(GRBLHAL_SOURCE, "$120 + axis [mm/s^2, deg/s^2] 0.001"),
+        "jerk": read(
+            GRBLHAL_SOURCE,
+            "$800 + axis [mm/s^3, deg/s^3] 0.001",
+            "Only in builds with ENABLE_JERK_ACCELERATION. The acceleration changes once per "
+            "segment of 10 ms (default): jerk times near that cannot be promised.",
+        ),
+        "position_cycle": read(
+            GRBLHAL_SOURCE,
+            "ACCELERATION_TICKS_PER_SECOND",
+            "Velocity is a staircase of 10 ms segments, which is not simulated.",
+        ),
+    },
+)
+
+
+def _grblhal(axis: Axis, _loop: Values) -> list[Row]:
+    index = LETTERS.index(letter_of(axis, LETTERS[:6], "grblHAL"))
+    return [
+        acceleration_row(axis, f"${120 + index}"),
+        jerk_row(axis, f"${800 + index}", Message("limit-jerk")),
+    ]
+
+
+CONTROL = Control(
+    kind=GRBLHAL,
+    rows=_grblhal,
+    layout=MACHINE_DATA,
+    notes=lambda _axis, _typed: (
+        Message("grblhal-builds"),
+        Message("grblhal-corners"),
+        Message("export-segments"),
+    ),
+)
