@@ -57,6 +57,10 @@ def sealed(record, path: Path) -> Path:
             "loop.disturbance.signals: got x, must be one of",
         ),
         (lambda r: r["assessment"]["checks"][0].update(name="x"), "must be one of x"),
+        (
+            lambda r: r["plant"].update(units=r["plant"]["units"] | {"tcp": "m" * 50}),
+            "plant.units: has a text of more than",
+        ),
         (lambda r: r["data"].clear(), "data: must not be empty"),
         (lambda r: r["data"].__delitem__(slice(1, None)), "data: drive.max_force / drive.max_acc"),
     ],

@@ -12,12 +12,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
-from mtcommission.record.data import (
-    list_assumptions,
-    list_data,
-    machine_entry,
-    profile_entry,
-)
+from mtcommission.record.data import list_assumptions, list_data, machine_entry, profile_entry
 from mtcommission.record.files import find_checksum
 from mtcommission.record.identified import read_evidence
 from mtcommission.record.limits import limits_part

@@ -15,13 +15,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import STEERING, Message
 from mtcommission.record.schema.record import SCHEMA, Record
-from mtcommission.record.shape import (
-    WRONG,
-    find_broken_rules,
-    find_faults,
-    to_entry,
-    to_plain,
-)
+from mtcommission.record.shape import WRONG, find_broken_rules, find_faults, to_entry, to_plain
 
 LARGEST_FILE = 50_000_000
 """Bytes; a record of many moves has a few million."""

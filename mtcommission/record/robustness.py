@@ -72,8 +72,7 @@ def _distribution(values: Array, unit: str) -> DistributionEntry:
         quantiles=[
             # The least value that so many samples do not exceed: a sample, no mean of two.
             Quantile(
-                share=share,
-                value=finite_or_none(ordered[max(ceil(share * len(ordered)), 1) - 1]),
+                share=share, value=finite_or_none(ordered[max(ceil(share * len(ordered)), 1) - 1])
             )
             for share in SHARES
         ],

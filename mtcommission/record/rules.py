@@ -16,6 +16,9 @@ from mtcommission.messages.message import Message
 LEAST = 1e-30
 """Of what something is divided by: far below what a run writes, far above what overflows."""
 
+LONGEST_SYMBOL = 40
+"""Characters of a unit."""
+
 SIZES = ("velocity_step", "distance")
 """One of them says what a move is."""
 
@@ -68,6 +71,12 @@ def at_least(least: float) -> Rule:
 
 
 above_zero = at_least(LEAST)
+
+
+def short(at: Place) -> Iterator[Message]:
+    """Yield a mapping with a text that is too long for a symbol."""
+    if any(len(text) > LONGEST_SYMBOL for text in at.value.values()):
+        yield Message("record-text-too-long", key=at.key, most=LONGEST_SYMBOL)
 
 
 def filled(at: Place) -> Iterator[Message]:

@@ -35,6 +35,9 @@ Entry = TypeVar("Entry")
 LARGEST = 1e100
 """Magnitude of a number; what is beyond overflows when it is squared."""
 
+SMALLEST = 1e-300
+"""Magnitude of a number; what is below is nothing, for what is divided by it overflows."""
+
 SHOWN = 40
 """Characters of a wrong value that a message shows."""
 
@@ -189,11 +192,12 @@ def _form_of(hint: Any) -> tuple[Any, tuple[Rule, ...]]:
     return (parts[0] if is_optional and len(parts) == 1 else hint), rules
 
 
-def _plain(form: type, expected: str) -> Callable[[object, Any], object]:
+def _scalar(expected: str, *forms: type) -> Callable[[object, Any], object]:
     def read(value: object, _: Any) -> object:
-        if type(value) is not form:
+        is_too_large = type(value) in (float, int) and abs(value) > LARGEST  # type: ignore[arg-type]
+        if type(value) not in forms or is_too_large:
             raise WrongFormError(value, expected)
-        return value
+        return 0.0 if isinstance(value, float) and abs(value) < SMALLEST else value
 
     return read
 
@@ -227,18 +231,6 @@ def _word(value: object, form: type[Enum]) -> Enum:
         raise WrongFormError(value, Message("json-one-of", words=words)) from error
 
 
-def _numbers(expected: str, *others: type) -> Callable[[object, Any], object]:
-    """How a number is read that may also be of other types."""
-
-    def read(value: object, _: Any) -> object:
-        is_number = type(value) in (float, int) and abs(value) <= LARGEST  # type: ignore[arg-type]
-        if not is_number and type(value) not in others:
-            raise WrongFormError(value, expected)
-        return value
-
-    return read
-
-
 def _strictly(
     form: type, expected: str, make: Callable[[Any, Converter], Callable[..., Any]]
 ) -> Callable[[Any, Converter], Callable[..., Any]]:
@@ -262,7 +254,7 @@ def _is_a(form: type) -> Callable[[Any], bool]:
 
 
 def _converter() -> Converter:
-    number = _numbers("json-number")
+    number = _scalar("json-number", float, int)
     array = _strictly(list, "json-array", list_structure_factory)
     gaps = Converter()
     gaps.register_structure_hook(float, lambda v, form: nan if v is None else number(v, form))
@@ -274,11 +266,11 @@ def _converter() -> Converter:
         (Message, _message),
         (Message | str, _message_or_text),
         (float, number),
-        (float | None, _numbers("json-number-or-null", NoneType)),
-        (float | str, _numbers("json-number-or-text", str)),
-        (int, _plain(int, "json-whole-number")),
-        (str, _plain(str, "json-text")),
-        (bool, _plain(bool, "json-boolean")),
+        (float | None, _scalar("json-number-or-null", float, int, NoneType)),
+        (float | str, _scalar("json-number-or-text", float, int, str)),
+        (int, _scalar("json-whole-number", int)),
+        (str, _scalar("json-text", str)),
+        (bool, _scalar("json-boolean", bool)),
     ):
         made.register_structure_hook(form, read)
     made.register_structure_hook_func(

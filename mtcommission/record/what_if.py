@@ -12,6 +12,7 @@ from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.motions import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.schema.values import SetpointFilterEntry
@@ -60,7 +61,10 @@ def what_if_part(
         jerk=control.kind.jerk.value,
         loop=sampled_entry(tuned.loops[0]),
         plant=_plant_entry(machine, plant),
-        corners=_corner_entries(machine, tuned),
+        corners=[
+            _corner_entry(machine, corner, loop)
+            for corner, loop in zip(tuned.corners, tuned.loops, strict=True)
+        ],
         moves=[describe_move(move) for move in machine.moves],
         requirements=entry_of(
             NeedsEntry,
@@ -86,18 +90,15 @@ def sampled_entry(loop: SampledLoop) -> SampledEntry:
     """Return a loop without the kept setpoint samples, which follow from the setpoint alone."""
     size, rows = loop.own_size, loop.handed_down
     # Kept samples stand before the current one in ``handed_down``: newest first from here on.
-    by_setpoint = np.hstack([rows[:, -4:], rows[:, size:-4]])
-    return SampledEntry(
-        follows=loop.controller.follows,
-        velocity_cycle=loop.controller.velocity_cycle,
-        cycles=loop.controller.cycles,
-        reference_delay=loop.controller.reference_delay,
-        states=list(loop.states[:size]),
+    return entry_of(
+        SampledEntry,
+        loop.controller,
+        loop,
+        states=loop.states[:size],
         pending=loop.integrator + 1,
-        held=loop.held,
-        cycle=loop.cycle[:size, :size].tolist(),
-        by_state=rows[:, :size].tolist(),
-        by_setpoint=by_setpoint.tolist(),
+        cycle=loop.cycle[:size, :size],
+        by_state=rows[:, :size],
+        by_setpoint=np.hstack([rows[:, -4:], rows[:, size:-4]]),
     )
 
 
@@ -141,15 +142,9 @@ def _payload_share(machine: Machine, mode: str, radius: float) -> float:
     return float(1.0 / ratio[0] - 1.0) / PAYLOAD
 
 
-def _corner_entries(machine: Machine, tuned: TunedLoop) -> list[NoisyCornerEntry]:
-    resolution: float = machine.drive.encoder_resolution
-    found = []
-    for corner, loop in zip(tuned.corners, tuned.loops, strict=True):
-        noise = encoder_noise(loop, resolution=resolution)
-        found.append(
-            entry_of(NoisyCornerEntry, corner, tool_noise=noise.tool, force_noise=noise.force)
-        )
-    return found
+def _corner_entry(machine: Machine, corner: Corner, loop: SampledLoop) -> NoisyCornerEntry:
+    noise = encoder_noise(loop, resolution=machine.drive.encoder_resolution)
+    return entry_of(NoisyCornerEntry, corner, tool_noise=noise.tool, force_noise=noise.force)
 
 
 def _known(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from mtcommission.machine.machine import DriveKind, Motion
 from mtcommission.plant.kinds import KINDS
-from mtcommission.record.rules import filled, long, named, one_of
+from mtcommission.record.rules import filled, long, named, one_of, short
 from mtcommission.record.schema.values import Matrix, Positive, Words, signals_of
 
 
@@ -40,7 +40,7 @@ class PlantEntry:
     """
 
     states: Annotated[list[str], filled]
-    units: Annotated[dict[str, str], named(signals_of)]
+    units: Annotated[dict[str, str], named(signals_of), short]
     A: Annotated[Matrix, long("states", "states")]
     B: Annotated[list[float], long("states")]
     outputs: Annotated[dict[str, list[float]], long("", "states")]

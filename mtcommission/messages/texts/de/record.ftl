@@ -9,6 +9,7 @@ record-word-unknown = { $key }: { $got } angegeben, muss eines sein von { $words
 record-names-missing = { $key }: { $names } fehlt
 record-move-of-no-size = { $key }: muss entweder velocity_step oder distance enthalten
 record-too-small = { $key }: { PLAIN($got, digits: 3) } angegeben, muss mindestens { PLAIN($least, digits: 3) } sein
+record-text-too-long = { $key }: enthält einen Text von mehr als { PLAIN($most, digits: 9) } Zeichen
 record-empty = { $key }: darf nicht leer sein
 record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
 record-not-json = kein Protokoll von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
