@@ -197,7 +197,8 @@ def _scalar(expected: str, *forms: type) -> Callable[[object, Any], object]:
         is_too_large = type(value) in (float, int) and abs(value) > LARGEST  # type: ignore[arg-type]
         if type(value) not in forms or is_too_large:
             raise WrongFormError(value, expected)
-        return 0.0 if isinstance(value, float) and abs(value) < SMALLEST else value
+        is_nothing = isinstance(value, float) and 0.0 < abs(value) < SMALLEST
+        return 0.0 if is_nothing else value
 
     return read
 
