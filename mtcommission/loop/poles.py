@@ -228,7 +228,7 @@ Computed = TypeVar("Computed", bound=Callable[..., Any])
 def once_for_rows(compute: Computed) -> Computed:
     """Keep what is computed of a loop and of rows over its outputs, for all setpoints on it."""
 
-    @lru_cache(maxsize=64)
+    @lru_cache(maxsize=32)
     def known(poles: LoopPoles, shape: tuple[int, ...], row_bytes: bytes, *more: Hashable) -> Any:
         return compute(poles, np.frombuffer(row_bytes).reshape(shape), *more)
 
