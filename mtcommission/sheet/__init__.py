@@ -54,8 +54,9 @@ def print_html(
         If there is no such language, or if the two records cannot be compared.
     """
     from mtcommission.messages.catalogue import decimal_mark_of
-    from mtcommission.sheet.content import compose, words_for
+    from mtcommission.sheet.content import compose
     from mtcommission.sheet.html import set_html
+    from mtcommission.sheet.tables import words_for
     from mtcommission.sheet.what_if import what_if
 
     _require(language)
@@ -81,9 +82,9 @@ def print_answers(
         If there is no such language.
     """
     from mtcommission.messages.catalogue import decimal_mark_of
-    from mtcommission.sheet.content import words_for
     from mtcommission.sheet.document import HASH_DIGITS, document
     from mtcommission.sheet.html import set_html
+    from mtcommission.sheet.tables import words_for
     from mtcommission.sheet.what_if import what_if
 
     _require(language)

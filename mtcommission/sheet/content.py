@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.machine import MachineEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.differences import differences
@@ -20,6 +19,7 @@ from mtcommission.sheet.machine import machine_data, requirements
 from mtcommission.sheet.measurements import fourth_page
 from mtcommission.sheet.responses import motions, move_sizes, second_page
 from mtcommission.sheet.robustness import robustness
+from mtcommission.sheet.tables import words_for
 from mtcommission.sheet.verdict import first_page, type_in
 
 if TYPE_CHECKING:
@@ -43,11 +43,6 @@ APPENDIX: tuple[tuple[str, str, Callable[[Record, Catalogue], Iterable[Block]]],
     ("versions", "versions", versions),
 )
 """The evidence behind the pages: key, heading and blocks of each section."""
-
-
-def words_for(machine: MachineEntry, language: str) -> Catalogue:
-    """Return the texts of a language for an axis."""
-    return Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
 
 
 def compose(

@@ -15,6 +15,7 @@ from mtcommission.machine.shapers import name_shaper
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import DIGITS
+from mtcommission.record.schema.machine import MachineEntry
 from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.requirements.register import read_requirement
 from mtcommission.sheet.document import Cell, Column, Formula, Table
@@ -22,6 +23,11 @@ from mtcommission.sheet.document import Cell, Column, Formula, Table
 DASH = "–"
 TENTHS = ("dB", "°")
 """Units whose values are printed to a tenth."""
+
+
+def words_for(machine: MachineEntry, language: str) -> Catalogue:
+    """Return the texts of a language for an axis."""
+    return Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
 
 
 @dataclass(frozen=True, slots=True)
