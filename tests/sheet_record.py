@@ -973,7 +973,7 @@ def typed_rows(name: str, record: Record) -> Export:
     values = dict(loop)
     for mode in ("", *(mode.name for mode in record.limits.modes)):
         values |= write_limits(subject.limits, subject.fastest, mode)
-    rows = complete(control.rows(subject, loop), loop, machine.axis_units)
+    rows = complete(control.rows(subject.axis, loop), loop, machine.axis_units)
     old = today_of(subject, subject.fastest)
     entries = [
         Entry(

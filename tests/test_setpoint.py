@@ -54,7 +54,7 @@ def test_closed_form_agrees_with_ruckig(
     assert np.allclose(v, ruckig[:, 1], atol=rounding + 1e-8 * np.max(ruckig[:, 1]))
     rounding *= setpoint.duration / 3
     assert np.allclose(x, ruckig[:, 0], atol=rounding + 1e-8 * np.max(ruckig[:, 0]))
-    assert np.max(np.abs(ruckig[:, 2])) <= a * (1 + 1e-9)
+    assert np.max(np.abs(ruckig[:, 2])) <= a * (1 + 1e-8)
 
 
 def test_seven_segment_duration_of_textbooks() -> None:
