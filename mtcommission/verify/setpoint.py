@@ -216,7 +216,7 @@ class _Stretch:
         start = float(np.median(x[: self.first]))
         off = np.flatnonzero(np.abs(x - start) > level)
         begin = int(off[0]) - 1 if off.size else self.first
-        last, until, speed = self.last, x.size - 1, 0.0
+        last, until, speed = min(self.last, x.size - 1), x.size - 1, 0.0
         is_cut = self.last >= x.size - 1
         velocity = self._reached(1, slice(begin, x.size), noise, wanted=WANTED * _top(x, h))
         if coasting:
@@ -228,7 +228,7 @@ class _Stretch:
         if speed == 0.0 and not is_cut:
             end_level = float(np.median(x[last:]))
             away = np.flatnonzero(np.abs(x - end_level) > level)
-            last = int(away[-1]) + 1 if away.size else last
+            last = min(int(away[-1]) + 1, x.size - 1) if away.size else last
         part = slice(max(begin - 8, 0), min(last + 9, x.size))
         reached = [
             self._reached_by_filter(order, part, noise, limit=limit)

@@ -4,7 +4,7 @@
 tcp-height-assumed = tcp_height: the tool stands { $side ->
     [above] above
    *[below] below
-} the rotary joint, at x_s - x_b + h φ; the paper names h without equation or sign.
+} the rotary joint, at x_s - x_b + h φ; the paper names h without equation or sign
 
 # What does not fit together in the data of a plant.
 
