@@ -112,7 +112,9 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
     assert found.obeyed is (True if best.jerk_time > TELLS_JERK else None)
     assert found.verdict is Verdict.HOLDS, [c.name for c in found.checks]
     residual = find(found, "move 1: residual deviation")
-    share = 0.03 if how.step < 1e-3 else 0.05  # a millisecond apart, samples miss the top of a swing
+    share = (
+        0.03 if how.step < 1e-3 else 0.05
+    )  # a millisecond apart, samples miss the top of a swing
     assert residual.measured == pytest.approx(
         residual.predicted, abs=residual.uncertainty + share * residual.predicted
     )
@@ -120,9 +122,7 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
 
 
 @pytest.mark.parametrize("dwell", [-0.05, 0.0])
-def test_a_trace_that_ends_while_the_axis_moves_never_holds(
-    dwell: float, tmp_path: Path
-) -> None:
+def test_a_trace_that_ends_while_the_axis_moves_never_holds(dwell: float, tmp_path: Path) -> None:
     """Whoever stops the recorder too soon would be told of a fault of the program."""
     found = verified(MILLING, tmp_path, Spoilt(dwell=dwell))
     assert found.verdict is not Verdict.HOLDS
