@@ -60,10 +60,17 @@ for command in (
 ):
     app.command(cls=SpokenCommand)(command)
 
-profiles = typer.Typer(help="The example machines that come with the program.", cls=SpokenGroup)
+profiles = typer.Typer(cls=SpokenGroup)
 profiles.command("list", cls=SpokenCommand)(list_profiles)
 profiles.command("show", cls=SpokenCommand)(show_profile)
 profiles.command("copy", cls=SpokenCommand)(copy_profile)
+
+
+@profiles.callback()
+def start_profiles(language: LanguageOption = SPOKEN) -> None:
+    """The example machines that come with the program."""
+
+
 app.add_typer(profiles, name="profiles", no_args_is_help=True)
 
 
