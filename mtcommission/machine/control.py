@@ -10,20 +10,7 @@ from typing import Any
 
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import GENERIC, KINDS
-from mtcommission.machine.keys import (
-    Array,
-    Misfit,
-    PerSignal,
-    Reading,
-    Signals,
-    Table,
-    Word,
-    WordOr,
-    describe,
-    keyed,
-    one_of,
-    word_of,
-)
+from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.ranges import (
     ACCELERATIONS,
     CYCLES,
@@ -37,6 +24,17 @@ from mtcommission.machine.ranges import (
     POSITION_GAINS,
     TIMES,
     VELOCITY_GAINS,
+)
+from mtcommission.machine.readers import (
+    Array,
+    PerSignal,
+    Reading,
+    Signals,
+    Word,
+    WordOr,
+    describe,
+    one_of,
+    word_of,
 )
 from mtcommission.machine.setpoint_filter import (
     AUTO,

@@ -9,17 +9,7 @@ from dataclasses import dataclass
 from math import inf
 
 from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.machine.keys import (
-    IDENTIFIER,
-    REQUIRED,
-    Array,
-    AxisRange,
-    Flag,
-    Table,
-    Text,
-    keyed,
-    word_of,
-)
+from mtcommission.machine.keys import REQUIRED, Table, keyed
 from mtcommission.machine.ranges import (
     ACCELERATIONS,
     BANDS,
@@ -31,6 +21,7 @@ from mtcommission.machine.ranges import (
     RATIOS,
     SPREADS,
 )
+from mtcommission.machine.readers import IDENTIFIER, Array, AxisRange, Flag, Text, word_of
 
 LONGEST_FILE = 400
 """Characters of a file's name."""

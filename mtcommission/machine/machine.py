@@ -21,23 +21,11 @@ from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import (
     ELSEWHERE,
     EMPTY,
-    Array,
-    Flag,
-    KeyPath,
     Misfit,
-    PerSignal,
-    Reading,
-    Signals,
     Table,
-    Text,
-    Word,
-    WordOr,
-    describe,
     keyed,
-    one_of,
     read_table,
     table_schema,
-    word_of,
 )
 from mtcommission.machine.mechanics import HELD, SOURCE, Mechanics, Plants
 from mtcommission.machine.ranges import (
@@ -60,6 +48,20 @@ from mtcommission.machine.ranges import (
     STEP_RATES,
     TIMES,
     VELOCITIES,
+)
+from mtcommission.machine.readers import (
+    Array,
+    Flag,
+    KeyPath,
+    PerSignal,
+    Reading,
+    Signals,
+    Text,
+    Word,
+    WordOr,
+    describe,
+    one_of,
+    word_of,
 )
 from mtcommission.machine.setpoint_filter import list_misfits
 from mtcommission.messages.message import Message

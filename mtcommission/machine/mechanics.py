@@ -14,21 +14,9 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import (
-    ELSEWHERE,
-    IDENTIFIER,
-    KeyPath,
-    Misfit,
-    Reading,
-    describe,
-    find_close,
-    keyed,
-    list_keys,
-    one_of,
-    read_table,
-    table_schema,
-)
+from mtcommission.machine.keys import ELSEWHERE, Misfit, keyed, list_keys, read_table, table_schema
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
+from mtcommission.machine.readers import IDENTIFIER, KeyPath, Reading, describe, find_close, one_of
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension

@@ -5,7 +5,7 @@ The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
 
 from __future__ import annotations
 
-from mtcommission.machine.keys import AxisRange, Range
+from mtcommission.machine.readers import AxisRange, Range
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import (
     FREQUENCY,

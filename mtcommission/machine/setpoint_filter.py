@@ -21,20 +21,9 @@ from mtcommission.control_kinds.kind import (
     ControlKind,
     FilterChoice,
 )
-from mtcommission.machine.keys import (
-    Array,
-    KeyPath,
-    Misfit,
-    Reading,
-    Word,
-    WordOr,
-    describe,
-    keyed,
-    one_of,
-    read_table,
-    table_schema,
-)
+from mtcommission.machine.keys import Misfit, keyed, read_table, table_schema
 from mtcommission.machine.ranges import FILTER_DAMPINGS, FILTER_TIMES, FREQUENCIES, TAPS
+from mtcommission.machine.readers import Array, KeyPath, Reading, Word, WordOr, describe, one_of
 from mtcommission.machine.shapers import Impulses, shape
 from mtcommission.messages.message import Message
 

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import Array as ArrayOf
 from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
@@ -25,6 +24,7 @@ from mtcommission.machine.mechanics import (
     renew_modes,
     scale_modes,
 )
+from mtcommission.machine.readers import Array as ArrayOf
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES, Modal
 from mtcommission.units.axis_units import AxisUnits

@@ -9,7 +9,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import Array as ArrayOf
 from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
@@ -19,6 +18,7 @@ from mtcommission.machine.mechanics import (
     scale_modes,
 )
 from mtcommission.machine.ranges import MASSES
+from mtcommission.machine.readers import Array as ArrayOf
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension

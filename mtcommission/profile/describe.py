@@ -9,16 +9,7 @@ from functools import cache
 from typing import Any
 
 import mtcommission.plant.kinds  # noqa: F401  registers them
-from mtcommission.machine.keys import (
-    Array,
-    AxisRange,
-    Range,
-    Table,
-    Word,
-    list_keys,
-    propose,
-    table_schema,
-)
+from mtcommission.machine.keys import Table, list_keys, table_schema
 from mtcommission.machine.machine import (
     ABOUT,
     Drive,
@@ -28,6 +19,7 @@ from mtcommission.machine.machine import (
     VelocityStep,
 )
 from mtcommission.machine.mechanics import HELD, KINDS
+from mtcommission.machine.readers import Array, AxisRange, Range, Word, propose
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from mtcommission.machine.keys import KeyPath
+from mtcommission.machine.readers import KeyPath
 
 _PIECE = re.compile(
     r'"""(?:\\[\s\S]|[^\\])*?"{3,5}'  # up to two quotes may precede the closing three

@@ -13,16 +13,10 @@ from typing import Any
 import mtcommission.plant.kinds  # noqa: F401  registers them
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
-from mtcommission.machine.keys import (
-    KeyPath,
-    Reading,
-    build_table,
-    describe,
-    find_close,
-    read_values,
-)
+from mtcommission.machine.keys import build_table, read_values
 from mtcommission.machine.machine import ABOUT, MOST_ASSUMED, Machine
 from mtcommission.machine.mechanics import HELD, SOURCE, kind_of
+from mtcommission.machine.readers import KeyPath, Reading, describe, find_close
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.lines import find_key_lines, show_key

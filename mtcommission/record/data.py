@@ -8,8 +8,9 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import KeyPath, list_quantities
+from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.readers import KeyPath
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant

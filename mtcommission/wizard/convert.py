@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, pi, prod, sqrt
 
-from mtcommission.machine.keys import read_path
 from mtcommission.machine.machine import MOST_MOVES
+from mtcommission.machine.readers import read_path
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.profile.lines import read_key, show_key
 from mtcommission.units.axis_units import LINEAR, ROTARY

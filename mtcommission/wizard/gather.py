@@ -12,7 +12,7 @@ import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
-from mtcommission.machine.keys import one_of, propose
+from mtcommission.machine.readers import one_of, propose
 from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS
 from mtcommission.profile.describe import find_unknown

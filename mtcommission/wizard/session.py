@@ -10,9 +10,9 @@ from pathlib import Path
 
 from mtcommission.errors import INTERRUPTED, Fault, InputError, Refused
 from mtcommission.files import write_text
-from mtcommission.machine.keys import read_path
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.readers import read_path
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.describe import may_be_left_out
