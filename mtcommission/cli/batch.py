@@ -111,21 +111,18 @@ def validate(
     from mtcommission.cli.terminal import show
     from mtcommission.files import require_folder, require_writable, write_files, write_text
     from mtcommission.record.files import dump_json
-    from mtcommission.validate.page import print_validation
-    from mtcommission.validate.report import validate as compare
-    from mtcommission.validate.report import validation_entry
-    from mtcommission.validate.table import describe_validation
+    from mtcommission.validate import page
 
     require_writable(json_file)
     if output:
         require_folder(Path(output), "validation.html")
     with show_stage() as progress:
-        found = compare(progress)
+        found = page.validate(progress)
     if json_file:
-        write_text(json_file, dump_json(validation_entry(found)))
+        write_text(json_file, dump_json(page.validation_entry(found)))
     if output:
-        page = print_validation(found, created=now())
-        write_files(Path(output), {"validation.html": page.encode()})
+        text = page.print_validation(found, created=now())
+        write_files(Path(output), {"validation.html": text.encode()})
     if json_file != "-":
-        show(describe_validation(found))
+        show(page.describe_validation(found))
     raise typer.Exit(0 if found.is_met else 1)

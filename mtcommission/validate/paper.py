@@ -1,14 +1,26 @@
-"""What the paper prints: its machine and its numbers, as printed, misprints included.
+"""What the paper prints, misprints included, and its problems, solved.
 
 Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Manipulators.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
 from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.plant import Plant, build_plant
+
+Array = NDArray[np.float64]
 
 MECHANICS = Manipulator(
     base_mass=450.0,
@@ -69,15 +81,7 @@ PEAKS = (0.008916, 0.005, 0.022444)
 
 
 def paper_machine() -> Machine:
-    """Return the machine of Table 1 with the velocity step of eq. (3).
-
-    Source: Table 1; eq. (3).
-
-    Examples
-    --------
-    >>> paper_machine().drive.max_force
-    2000.0
-    """
+    """Return the machine of Table 1 with the velocity step of eq. (3)."""
     return Machine(
         name="Milling machine workpiece manipulator",
         axis="X",
@@ -92,4 +96,35 @@ def paper_machine() -> Machine:
             damping_spread=0.3,
         ),
         control=Control(kind=STATE_SPACE, state_feedback=StateFeedback.AUTO),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cases:
+    """The machine of Table 1 and the optimal controls of secs. 5.1, 5.2 and 6."""
+
+    machine: Machine
+    plant: Plant
+    time: TimeOptimum
+    bounded: TimeOptimum
+    damping: DampingOptimum
+
+    def peak(self, solution: TimeOptimum | DampingOptimum, name: str) -> float:
+        """Return the largest magnitude of a state under one of the controls."""
+        return float(solution.peaks[self.plant.signals.index(name)])
+
+
+def solve_cases() -> Cases:
+    """Return the solutions of the paper's problems."""
+    machine = paper_machine()
+    plant, move = build_plant(machine), machine.moves[0]
+    bound = Bound(name="v_phi", value=RATE_BOUND)
+    return Cases(
+        machine=machine,
+        plant=plant,
+        time=solve_time_optimal(plant, move, force_limit=FORCE_LIMIT),
+        bounded=solve_bounded_time_optimal(plant, move, force_limit=FORCE_LIMIT, bounds=(bound,)),
+        damping=solve_damping_optimal(
+            plant, move, force_limit=FORCE_LIMIT, t_f=BOUNDED_T_F, weights=WEIGHTS
+        ),
     )

@@ -26,20 +26,19 @@ class Row:
 
     place: str  # Where the paper prints it
     quantity: str  # What it is
-    unit: str  # SI unit; "" for a claim or a plain number
-    # printed, corrected, ours: As text; ``corrected`` is "" where nothing had to be
-    # corrected. Two digits of ours where the printed number is 0: the rest is rounding.
+    unit: str = ""  # SI unit; "" for a claim or a plain number
+    # printed, corrected, ours: As text; ``corrected`` is "" where nothing had to be corrected.
     printed: str
-    corrected: str
+    corrected: str = ""
     ours: str
     # printed_value, ours_value: As numbers in the unit; nan for a claim.
-    printed_value: float
-    ours_value: float
-    difference: float  # Ours less the printed (or corrected) value; nan for a claim
-    tolerance: float  # Largest |difference| that agrees; nan for a claim
+    printed_value: float = nan
+    ours_value: float = nan
+    difference: float = nan  # Ours less the printed (or corrected) value; nan for a claim
+    tolerance: float = nan  # Largest |difference| that agrees; nan for a claim
     basis: str  # Where the tolerance comes from, or what a claim was tested by
-    verdict: Verdict  # The judgement
-    reason: str  # Why paper and we differ, or what to know; "" where there is nothing to say
+    verdict: Verdict
+    reason: str = ""  # Why paper and we differ, or what to know
 
     @property
     def is_claim(self) -> bool:
@@ -47,47 +46,43 @@ class Row:
         return isnan(self.tolerance)
 
 
-def number_row(
+def number(
     place: str,
     quantity: str,
-    *,
-    unit: str = "",
     printed: float,
     ours: float,
+    *,
     tolerance: float,
     basis: str,
+    unit: str = "",
     corrected: float = nan,
     literal: float = nan,
     correction: str = "",
     reason: str = "",
 ) -> Row:
-    """Return a comparison of two numbers.
+    """Return a comparison of two numbers; ``literal`` is ours where the print is taken literally.
 
     Examples
     --------
-    >>> number_row("sec. 1", "t", printed=1.0, ours=1.01, tolerance=0.1, basis="b").verdict.value
-    'agrees'
-    >>> row = number_row("sec. 1", "t", printed=2.0, corrected=1.0, ours=1.01, tolerance=0.1,
-    ...     basis="b")
-    >>> row.verdict.value, round(row.difference, 9)
-    ('agrees with the correction', 0.01)
+    >>> number("sec. 1", "t", 2.0, 1.01, corrected=1.0, tolerance=0.1, basis="b").verdict.value
+    'agrees with the correction'
     """
     as_printed = ours if isnan(literal) else literal
     wanted = printed if isnan(corrected) else corrected
-    if abs(as_printed - printed) <= tolerance:
-        verdict, difference = Verdict.AGREES, as_printed - printed
-    else:
+    verdict, difference, words = Verdict.AGREES, as_printed - printed, ""
+    if not abs(difference) <= tolerance:
         is_repaired = not (isnan(corrected) and isnan(literal))
-        close = abs(ours - wanted) <= tolerance
-        verdict = Verdict.CORRECTED if is_repaired and close else Verdict.OUT
         difference = ours - wanted
-    words = correction or ("" if isnan(corrected) else f"{corrected:.7g}")
+        close = abs(difference) <= tolerance
+        verdict = Verdict.CORRECTED if is_repaired and close else Verdict.OUT
+        words = correction or ("" if isnan(corrected) else f"{corrected:.7g}")
     return Row(
         place=place,
         quantity=quantity,
         unit=unit,
         printed=f"{printed:.7g}",
-        corrected=words if verdict is not Verdict.AGREES else "",
+        corrected=words,
+        # Two digits where the printed number is 0: the rest is rounding.
         ours=f"{ours:.7g}" if wanted != 0.0 else f"{ours:.2g}",
         printed_value=printed,
         ours_value=ours,
@@ -99,62 +94,35 @@ def number_row(
     )
 
 
-def claim_row(
+def claim(
     place: str,
     quantity: str,
-    *,
     printed: str,
     ours: str,
+    *,
     basis: str,
-    verdict: Verdict,
+    holds: bool,
+    refuted: bool = False,
     corrected: str = "",
     reason: str = "",
 ) -> Row:
-    """Return a comparison of a statement with what we find.
+    """Return a statement that ``holds`` (as ``corrected``, where that is given) or is ``refuted``.
 
     Examples
     --------
-    >>> claim_row("sec. 1", "a", printed="p", ours="o", basis="b", verdict=Verdict.AGREES).is_claim
-    True
+    >>> claim("sec. 1", "a", "p", "o", basis="b", holds=False).verdict.value
+    'OUT OF TOLERANCE'
     """
+    verdict = Verdict.DIFFERS if refuted else Verdict.OUT
+    if holds:
+        verdict = Verdict.CORRECTED if corrected else Verdict.AGREES
     return Row(
         place=place,
         quantity=quantity,
-        unit="",
         printed=printed,
         corrected=corrected,
         ours=ours,
-        printed_value=nan,
-        ours_value=nan,
-        difference=nan,
-        tolerance=nan,
         basis=basis,
         verdict=verdict,
         reason=reason,
     )
-
-
-def judge_claim(*, holds: bool, refuted: bool = False) -> Verdict:
-    """Return the verdict on a statement.
-
-    Examples
-    --------
-    >>> judge_claim(holds=False).value
-    'OUT OF TOLERANCE'
-    """
-    if holds:
-        return Verdict.AGREES
-    return Verdict.DIFFERS if refuted else Verdict.OUT
-
-
-def judge_formula(*, printed_error: float, corrected_error: float, tolerance: float) -> Verdict:
-    """Return the verdict on a printed formula and its correction.
-
-    Examples
-    --------
-    >>> judge_formula(printed_error=0.4, corrected_error=1e-12, tolerance=1e-9).value
-    'agrees with the correction'
-    """
-    if printed_error <= tolerance:
-        return Verdict.AGREES
-    return Verdict.CORRECTED if corrected_error <= tolerance else Verdict.OUT
