@@ -20,16 +20,6 @@ _BELT = re.compile(r"axis=-?[0-9.]+,-?[0-9.]+", re.IGNORECASE)
 def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
     """Return the files of each axis that their names tell, in the order given.
 
-    Parameters
-    ----------
-    files
-        Names.
-
-    Returns
-    -------
-    dict
-        Under "" all files, unless every one names its axis.
-
     Raises
     ------
     InputError

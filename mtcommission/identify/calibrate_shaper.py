@@ -85,18 +85,7 @@ class _Tried:
 
 
 def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, ...]:
-    """Return each shaper at the frequency that Klipper's calibrate_shaper would give it.
-
-    Parameters
-    ----------
-    measured
-        Power of one axis, one or more; none: nothing is proposed.
-
-    Returns
-    -------
-    tuple of ShaperProposal
-        One is recommended.
-    """
+    """Return each shaper at the frequency that Klipper's calibrate_shaper would give it."""
     if not measured:
         return ()
     proposals: list[ShaperProposal] = []

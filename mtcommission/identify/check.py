@@ -21,21 +21,12 @@ EDGE = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Checked:
-    """How well a model explains a record.
+    """How well a model explains a record."""
 
-    Parameters
-    ----------
-    record
-        File and channel.
-    explained
-        1 - |measured - predicted|²/|measured|² in the fitted band [-]; below 0: worse than nothing.
-    is_held_back
-        Whether the model comes from other files.
-    """
-
-    record: str
+    record: str  # File and channel
+    # 1 - |measured - predicted|²/|measured|² in the fitted band [-]; below 0: worse than nothing.
     explained: float
-    is_held_back: bool
+    is_held_back: bool  # Whether the model comes from other files
 
 
 def check_records(
@@ -48,15 +39,6 @@ def check_records(
     """Return how well each output of each record follows from its force.
 
     The last of several files is held back: a model of the others alone explains it once more.
-
-    Parameters
-    ----------
-    found
-        With the records that it comes from.
-    force_per_unit
-        Constant of a current [N/A].
-    band_hz, count
-        As they were given to ``identify``.
     """
     evidence, scale = found.evidence, force_per_unit or 1.0
     checked = [

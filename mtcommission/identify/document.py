@@ -44,33 +44,16 @@ TO_ASK = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Writing:
-    """How a profile is written.
+    """How a profile is written."""
 
-    Parameters
-    ----------
-    date
-        ISO 8601, day.
-    file
-        Name of the profile, for hints.
-    tool_ratio
-        Peak at the tool by peak at the motor, as the user says; None where nobody knows.
-    words
-        Language of the comments.
-    part
-        What was measured, as the sheet prints it.
-    evidence
-        Name of the file with its points, as seen from the profile; "" for none.
-    axis
-        Letter.
-    """
-
-    date: str
-    file: str
+    date: str  # ISO 8601, day
+    file: str  # Name of the profile, for hints
+    # Peak at the tool by peak at the motor, as the user says; None where nobody knows.
     tool_ratio: float | None
-    words: Catalogue
-    part: IdentifiedPart
-    evidence: str = ""
-    axis: str = "X"
+    words: Catalogue  # Language of the comments
+    part: IdentifiedPart  # What was measured, as the sheet prints it
+    evidence: str = ""  # Name of the file with its points, as seen from the profile; "" for none
+    axis: str = "X"  # Letter
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,15 +67,7 @@ class _Row:
 
 
 def write_profile(found: Identified, how: Writing) -> str:
-    """Return a new profile: what is known with its intervals, the rest as open questions.
-
-    Parameters
-    ----------
-    found
-        The axis.
-    how
-        Date, names and language.
-    """
+    """Return a new profile: what is known with its intervals, the rest as open questions."""
     words, unit = how.words, _units(found)
     modes = [_mode_rows(mode, found, how) for mode in _kept(found)]
     assumed = [
@@ -171,15 +146,6 @@ def merge_profile(text: str, found: Identified, how: Writing) -> str:
 
     A mode that is near a measured one keeps its name, and its share at the tool where none was
     measured; one outside the measured band stays, one within it that does not show goes.
-
-    Parameters
-    ----------
-    text
-        Valid TOML.
-    found
-        The axis.
-    how
-        Date, names and language.
     """
     document = tomlkit.parse(text)
     if document.get("drive", {}).get("kind") != "position_source" and found.is_base_excited:

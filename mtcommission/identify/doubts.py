@@ -24,13 +24,7 @@ LEAST_REVERSED = 0.01
 
 
 def list_doubts(found: Identified) -> tuple[Message, ...]:
-    """Return what was chosen, left out, doubtful or not known, as advice for the next measurement.
-
-    Parameters
-    ----------
-    found
-        All but its warnings.
-    """
+    """Return what was chosen, left out, doubtful or unknown, as advice for the next measurement."""
     doubts = [note for fit in found.fits for note in fit.notes]
     for fit in found.fits:
         doubts += _of_polarity(fit) + _of_masses(fit) + _of_resolution(fit) + _of_misfit(fit)

@@ -38,17 +38,7 @@ DIGITS = 6
 def identified_part(
     found: Identified, *, checks: Sequence[Checked], created: str
 ) -> IdentifiedPart:
-    """Return all about an identified axis, with its measured points and fitted curves.
-
-    Parameters
-    ----------
-    found
-        The axis.
-    checks
-        The model against the records.
-    created
-        When it was identified (ISO 8601).
-    """
+    """Return all about an identified axis, with its measured points and fitted curves."""
     bands = [fit.band_hz for fit in found.fits]
     misfits = [fit.misfit for fit in found.fits]
     # Its smoothing is a length: it means nothing to an axis that turns.

@@ -48,13 +48,6 @@ STANDARD_INPUT = "-"
 def gather(files: Sequence[str], given: Given) -> Evidence:
     """Return what some files say about an axis.
 
-    Parameters
-    ----------
-    files
-        Names, each possibly with ``@RESPONSE``, ``@encoder`` or ``@tcp``; ``-`` is standard input.
-    given
-        What the command line says about them.
-
     Raises
     ------
     InputError
@@ -127,17 +120,6 @@ def read_file(
     data: bytes, given: Given, *, name: str, response: str = ""
 ) -> tuple[tuple[Finding, ...], tuple[TimeRecord, ...]]:
     """Return what one file says, and the time records it was estimated from.
-
-    Parameters
-    ----------
-    data
-        Its bytes.
-    given
-        What the user says about it.
-    name
-        Of the file; says nothing about its format.
-    response
-        The only one of the file to be taken, by its name there; "" for all that belong together.
 
     Raises
     ------

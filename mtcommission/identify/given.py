@@ -14,32 +14,18 @@ INPUTS = ("force", "torque", "current", "acceleration")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """Options of the command line, and what a profile says of the axis.
+    """Options of the command line, and what a profile says of the axis."""
 
-    Parameters
-    ----------
-    sensor
-        ``--sensor``; None where it is not given. ``FILE@tcp`` goes before it.
-    input
-        ``--input``, one of ``INPUTS``; "" where it is not given.
-    constant
-        ``--constant``: force or torque per ampere or per unit of the file [SI]; None where it is
-        not given.
-    output
-        ``--output``; None where it is not given.
-    columns
-        ``--columns NAME=COLUMN``: our names to those of the file, with a unit in brackets where
-        the file has none; ``sample_time`` is a time.
-    rotary
-        Kind of the axis by its profile; None where no profile is given.
-    motor_turn
-        Angle of the motor per travel of the axis by its profile [rad/m]; 0 where it is not known.
-    """
-
+    # ``--sensor``; None where it is not given. ``FILE@tcp`` goes before it.
     sensor: Sensor | None = None
-    input: str = ""
+    input: str = ""  # ``--input``, one of ``INPUTS``; "" where it is not given
+    # ``--constant``: force or torque per ampere or per unit of the file [SI]; None where it is not
+    # given.
     constant: float | None = None
-    output: Output | None = None
+    output: Output | None = None  # ``--output``; None where it is not given
+    # ``--columns NAME=COLUMN``: our names to those of the file, with a unit in brackets where the
+    # file has none; ``sample_time`` is a time.
     columns: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    rotary: bool | None = None
+    rotary: bool | None = None  # Kind of the axis by its profile; None where no profile is given
+    # Angle of the motor per travel of the axis by its profile [rad/m]; 0 where it is not known.
     motor_turn: float = 0.0

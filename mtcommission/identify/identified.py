@@ -22,97 +22,55 @@ NOT_DESCRIBED = "identify-not-described"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
-    """What was found in one state of the machine.
+    """What was found in one state of the machine."""
 
-    Parameters
-    ----------
-    name
-        Position, payload or level where a file names it, else the files.
-    modes
-        By frequency.
-    moving_mass
-        None without a rigid body in the band.
-    delay, lag
-        None without phase; no lag where none shows.
-    result
-        Where the modes come from.
-    """
-
-    name: str
-    modes: tuple[MeasuredMode, ...]
-    moving_mass: Estimate | None
+    name: str  # Position, payload or level where a file names it, else the files
+    modes: tuple[MeasuredMode, ...]  # By frequency
+    moving_mass: Estimate | None  # None without a rigid body in the band
+    # delay, lag: None without phase; no lag where none shows.
     delay: Estimate | None
     lag: Estimate | None
-    result: Fitted | FittedSpectrum | FreeVibration
+    result: Fitted | FittedSpectrum | FreeVibration  # Where the modes come from
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IdentifiedMode:
-    """A mode over all states; the intervals hold the states.
+    """A mode over all states; the intervals hold the states."""
 
-    Parameters
-    ----------
-    name
-        For the profile.
-    frequency_hz, damping_ratio, measured_gain, tcp_gain
-        Middle of the states, with a standard error of at least a quarter of their range.
-    seen
-        For each state, which of its modes it is; None where it was not seen.
-    """
-
-    name: str
+    name: str  # For the profile
+    # frequency_hz, damping_ratio, measured_gain, tcp_gain: Middle of the states, with a standard
+    # error of at least a quarter of their range.
     frequency_hz: Estimate
     damping_ratio: Estimate
     measured_gain: Estimate | None
     tcp_gain: Estimate | None
+    # For each state, which of its modes it is; None where it was not seen.
     seen: tuple[int | None, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """What the corners must hold.
+    """What the corners must hold."""
 
-    Parameters
-    ----------
-    frequency, damping
-        Relative [-].
-    because
-        For frequency and for damping.
-    """
-
+    # frequency, damping: Relative [-].
     frequency: float
     damping: float
-    because: tuple[Message, Message]
+    because: tuple[Message, Message]  # For frequency and for damping
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Identified:
-    """An axis as measured.
+    """An axis as measured."""
 
-    Parameters
-    ----------
-    evidence
-        From which it comes.
-    states
-        In the order of the files.
-    modes
-        By frequency.
-    moving_mass, delay, lag
-        Over all states; None where nothing tells.
-    spread
-        Of frequencies and damping.
-    warnings
-        What was chosen, left out, doubtful or not known.
-    """
-
-    evidence: Evidence
-    states: tuple[State, ...]
-    modes: tuple[IdentifiedMode, ...]
+    evidence: Evidence  # From which it comes
+    states: tuple[State, ...]  # In the order of the files
+    modes: tuple[IdentifiedMode, ...]  # By frequency
+    # moving_mass, delay, lag: Over all states; None where nothing tells.
     moving_mass: Estimate | None
     delay: Estimate | None
     lag: Estimate | None
-    spread: Spread
-    warnings: tuple[Message, ...]
+    spread: Spread  # Of frequencies and damping
+    warnings: tuple[Message, ...]  # What was chosen, left out, doubtful or not known
 
     @property
     def measurements(self) -> tuple[FrequencyResponse | Spectrum | FreeVibration, ...]:

@@ -33,11 +33,6 @@ def match_modes(states: Sequence[State]) -> tuple[IdentifiedMode, ...]:
 
     The state with most modes leads; modes that it does not have are added. Modes that no state has
     both of are one, if states between them lead from one to the other.
-
-    Parameters
-    ----------
-    states
-        Each with its modes by frequency.
     """
     order = sorted(range(len(states)), key=lambda i: -len(states[i].modes))
     chains: list[dict[int, int]] = []

@@ -49,29 +49,15 @@ class Sensor(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """Where a measurement comes from.
+    """Where a measurement comes from."""
 
-    Parameters
-    ----------
-    file
-        Name as it was given.
-    sha256
-        Of the file's bytes, 64 hexadecimal digits.
-    label
-        Which of the file's measurements it is, in the file's words; "" where it has one.
-    format
-        Message that names the format.
-    measured_on
-        Date in the file, ISO 8601; "" where it has none.
-    state
-        State of the machine that the file names (position, payload, level); "" where it names none.
-    """
-
-    file: str
-    sha256: str
+    file: str  # Name as it was given
+    sha256: str  # Of the file's bytes, 64 hexadecimal digits
+    # Which of the file's measurements it is, in the file's words; "" where it has one.
     label: str = ""
-    format: Message
-    measured_on: str = ""
+    format: Message  # Message that names the format
+    measured_on: str = ""  # Date in the file, ISO 8601; "" where it has none
+    # State of the machine that the file names (position, payload, level); "" where it names none.
     state: str = ""
 
     @property
@@ -82,42 +68,23 @@ class Source:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrequencyResponse:
-    """Output per input of one sensor, line by line.
+    """Output per input of one sensor, line by line."""
 
-    Parameters
-    ----------
-    source
-        File and label.
-    frequency_hz
-        Shape (n_lines,), increasing, positive [Hz].
-    values
-        Shape (n_lines,), complex [SI of output / SI of input].
-    coherence
-        Shape (n_lines,), above 0 to 1; None where it is not known.
-    averages
-        Independent averages that the coherence belongs to; None where they are not known.
-    resolution_hz
-        Width of the window's main lobe, in which a narrower mode is smeared [Hz]; 0 for periodic
-        excitation without leakage, None where the file does not say.
-    input, output, sensor
-        What was applied and seen, and where.
-    rotary
-        Whether lengths are angles [rad], forces torques [N m].
-    remarks
-        How it was estimated, what was assumed and what is doubtful.
-    """
-
-    source: Source
-    frequency_hz: Array
-    values: ComplexArray
-    coherence: Array | None
+    source: Source  # File and label
+    frequency_hz: Array  # Shape (n_lines,), increasing, positive [Hz]
+    values: ComplexArray  # Shape (n_lines,), complex [SI of output / SI of input]
+    coherence: Array | None  # Shape (n_lines,), above 0 to 1; None where it is not known
+    # Independent averages that the coherence belongs to; None where they are not known.
     averages: float | None
+    # Width of the window's main lobe, in which a narrower mode is smeared [Hz]; 0 for periodic
+    # excitation without leakage, None where the file does not say.
     resolution_hz: float | None
+    # input, output, sensor: What was applied and seen, and where.
     input: Input
     output: Output
     sensor: Sensor
-    rotary: bool
-    remarks: tuple[Message, ...] = ()
+    rotary: bool  # Whether lengths are angles [rad], forces torques [N m]
+    remarks: tuple[Message, ...] = ()  # How it was estimated, what was assumed and what is doubtful
 
     @property
     def standard_error(self) -> Array | None:
@@ -136,98 +103,57 @@ class FrequencyResponse:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AllDirections:
-    """Power of all directions of an accelerometer together, which Klipper judges.
+    """Power of all directions of an accelerometer together, which Klipper judges."""
 
-    Parameters
-    ----------
-    frequency_hz, density
-        Shape (n_lines,), with the line at 0 Hz [Hz; its scale means nothing].
-    is_divided
-        Whether it is divided by frequency already.
-    """
-
+    # frequency_hz, density: Shape (n_lines,), with the line at 0 Hz [Hz; its scale means nothing].
     frequency_hz: Array
     density: Array
-    is_divided: bool
+    is_divided: bool  # Whether it is divided by frequency already
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectrum:
-    """Power of a signal by frequency: no phase, no force.
+    """Power of a signal by frequency: no phase, no force."""
 
-    Parameters
-    ----------
-    source
-        File and label.
-    frequency_hz
-        Shape (n_lines,), increasing, positive [Hz].
-    density
-        Shape (n_lines,), power per Hz; its scale means nothing.
-    resolution_hz, averages
-        As in ``FrequencyResponse``.
-    output, sensor, rotary
-        What was seen, and where.
-    remarks
-        How it was estimated, what was assumed and what is doubtful.
-    all_directions
-        For Klipper's own criterion; None where it is not Klipper's measurement.
-    """
-
-    source: Source
-    frequency_hz: Array
-    density: Array
+    source: Source  # File and label
+    frequency_hz: Array  # Shape (n_lines,), increasing, positive [Hz]
+    density: Array  # Shape (n_lines,), power per Hz; its scale means nothing
+    # resolution_hz, averages: As in ``FrequencyResponse``.
     resolution_hz: float | None
     averages: float | None
+    # output, sensor, rotary: What was seen, and where.
     output: Output
     sensor: Sensor
     rotary: bool
-    remarks: tuple[Message, ...] = ()
+    remarks: tuple[Message, ...] = ()  # How it was estimated, what was assumed and what is doubtful
+    # For Klipper's own criterion; None where it is not Klipper's measurement.
     all_directions: AllDirections | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeMode:
-    """One vibration that dies away.
+    """One vibration that dies away."""
 
-    Parameters
-    ----------
-    frequency_hz, frequency_sigma_hz
-        Natural frequency and its standard error [Hz].
-    damping_ratio, damping_sigma
-        ζ and its standard error [-].
-    amplitude
-        At the start of the free vibration [SI of the sensor's output].
-    """
-
+    # frequency_hz, frequency_sigma_hz: Natural frequency and its standard error [Hz].
     frequency_hz: float
     frequency_sigma_hz: float
+    # damping_ratio, damping_sigma: ζ and its standard error [-].
     damping_ratio: float
     damping_sigma: float
-    amplitude: float
+    amplitude: float  # At the start of the free vibration [SI of the sensor's output]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreeVibration:
-    """What rings after a step or the end of a move: frequencies and damping, no mass, no gain.
+    """What rings after a step or the end of a move: frequencies and damping, no mass, no gain."""
 
-    Parameters
-    ----------
-    source
-        File and label.
-    output, sensor, rotary
-        What was seen, and where.
-    modes
-        Found, the largest amplitude first.
-    remarks
-        How they were found and what is doubtful.
-    """
-
-    source: Source
+    source: Source  # File and label
+    # output, sensor, rotary: What was seen, and where.
     output: Output
     sensor: Sensor
     rotary: bool
-    modes: tuple[FreeMode, ...]
-    remarks: tuple[Message, ...] = ()
+    modes: tuple[FreeMode, ...]  # Found, the largest amplitude first
+    remarks: tuple[Message, ...] = ()  # How they were found and what is doubtful
 
 
 class Signal(StrEnum):
@@ -244,49 +170,23 @@ class Signal(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channel:
-    """One column of a time record.
+    """One column of a time record."""
 
-    Parameters
-    ----------
-    name
-        In the file.
-    signal
-        What it is.
-    sensor
-        Where it was seen; None for what no sensor shows (force, reference).
-    rotary
-        Whether lengths are angles; None where the unit does not tell.
-    values
-        Shape (n_samples,) [SI].
-    """
-
-    name: str
-    signal: Signal
-    sensor: Sensor | None
-    rotary: bool | None
-    values: Array
+    name: str  # In the file
+    signal: Signal  # What it is
+    sensor: Sensor | None  # Where it was seen; None for what no sensor shows (force, reference)
+    rotary: bool | None  # Whether lengths are angles; None where the unit does not tell
+    values: Array  # Shape (n_samples,) [SI]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimeRecord:
-    """Signals over time, evenly sampled.
+    """Signals over time, evenly sampled."""
 
-    Parameters
-    ----------
-    source
-        File and label.
-    sample_time
-        Step of the clock [s].
-    channels
-        Of equal length.
-    remarks
-        What was done to it (resampled) and what is doubtful.
-    """
-
-    source: Source
-    sample_time: float
-    channels: tuple[Channel, ...]
-    remarks: tuple[Message, ...] = ()
+    source: Source  # File and label
+    sample_time: float  # Step of the clock [s]
+    channels: tuple[Channel, ...]  # Of equal length
+    remarks: tuple[Message, ...] = ()  # What was done to it (resampled) and what is doubtful
 
     @property
     def size(self) -> int:
@@ -301,17 +201,11 @@ class TimeRecord:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
-    """Everything that some files say about an axis.
+    """Everything that some files say about an axis."""
 
-    Parameters
-    ----------
-    responses, spectra, vibrations
-        By file, in the order given.
-    records
-        Time records from which some of them come, to be simulated again.
-    """
-
+    # responses, spectra, vibrations: By file, in the order given.
     responses: tuple[FrequencyResponse, ...]
     spectra: tuple[Spectrum, ...]
     vibrations: tuple[FreeVibration, ...]
+    # Time records from which some of them come, to be simulated again.
     records: tuple[TimeRecord, ...]

@@ -17,17 +17,7 @@ from mtcommission.sheet.identified import (
 
 
 def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> str:
-    """Return the page, which works offline.
-
-    Parameters
-    ----------
-    part
-        What was measured.
-    profile
-        Text that was written.
-    language
-        Code, e.g. "en".
-    """
+    """Return the page, which works offline."""
     words = Catalogue(language, rotary=part.rotary)
     say, created = words.text, part.created
     sections: dict[str, tuple[Block, ...]] = {

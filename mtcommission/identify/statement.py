@@ -37,17 +37,7 @@ def evidence_file(profile: str) -> str:
 
 
 def statement(part: IdentifiedPart, *, evidence: str, names: dict[str, str] | None = None) -> Table:
-    """Return [identified] as tomlkit has it.
-
-    Parameters
-    ----------
-    part
-        What was measured.
-    evidence
-        Name of the file with points and advice, as seen from the profile; "" for none.
-    names
-        What the profile calls the modes; None: as the part does.
-    """
+    """Return [identified] as tomlkit has it."""
     unit = ROTARY if part.rotary else LINEAR
     table = tomlkit.table()
     table["date"] = part.created[:10]

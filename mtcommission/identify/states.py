@@ -40,15 +40,6 @@ def identify(
 ) -> Identified:
     """Return the axis that measurements show.
 
-    Parameters
-    ----------
-    evidence
-        Responses, spectra and free vibrations.
-    band_hz
-        Lowest and highest line; None: chosen.
-    count
-        Number of modes; None: by evidence.
-
     Raises
     ------
     InputError

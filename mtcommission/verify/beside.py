@@ -29,41 +29,21 @@ LEAST_SIGMAS = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Beside:
-    """One signal of one move.
+    """One signal of one move."""
 
-    Parameters
-    ----------
-    role
-        Tool, encoder (also from a following error), acceleration of the tool, or force.
-    t
-        Times of the samples, in the trace's time [s].
-    measured
-        Position relative to the rest before it, or force, shape (n,) [m, N].
-    predicted
-        The same in every corner, shape (n_corners, n).
-    deviation
-        Of a position: from the delayed setpoint, shape (n,) [m]; else as ``measured``.
-    predicted_deviation
-        Likewise, shape (n_corners, n).
-    raw
-        ``deviation`` before smoothing.
-    noise, slack
-        What noise and resolution may add to a largest value of ``deviation``, and what they may
-        hide of it.
-    offset
-        Taken off: mean at rest before the move.
-    """
-
-    role: Role
-    t: Array
-    measured: Array
-    predicted: Array
+    role: Role  # Tool, encoder (also from a following error), acceleration of the tool, or force
+    t: Array  # Times of the samples, in the trace's time [s]
+    measured: Array  # Position relative to the rest before it, or force, shape (n,) [m, N]
+    predicted: Array  # The same in every corner, shape (n_corners, n)
+    # Of a position: from the delayed setpoint, shape (n,) [m]; else as ``measured``.
     deviation: Array
-    predicted_deviation: Array
-    raw: Array
+    predicted_deviation: Array  # Likewise, shape (n_corners, n)
+    raw: Array  # ``deviation`` before smoothing
+    # noise, slack: What noise and resolution may add to a largest value of ``deviation``, and what
+    # they may hide of it.
     noise: float
     slack: float
-    offset: float
+    offset: float  # Taken off: mean at rest before the move
 
     @property
     def is_position(self) -> bool:
@@ -83,17 +63,7 @@ class Beside:
 def lay_beside(
     rebuilt: Rebuilt, trace: Trace, motion: Motion, prediction: Prediction, *, shift: float
 ) -> tuple[Beside, ...]:
-    """Return every recorded signal of a move beside its prediction.
-
-    Parameters
-    ----------
-    rebuilt, prediction
-        The loop, and what it makes of the move.
-    trace, motion
-        The record and its move.
-    shift
-        By which the measured signals come later than predicted [s].
-    """
+    """Return every recorded signal of a move beside its prediction."""
     found = []
     for role in (Role.TOOL, Role.ENCODER, Role.FOLLOWING_ERROR, Role.ACCELERATION, Role.FORCE):
         channel = trace.find(role)

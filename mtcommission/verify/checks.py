@@ -22,42 +22,26 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One promise against what was measured.
+    """One promise against what was measured."""
 
-    Parameters
-    ----------
-    key
-        What it is, as in JSON, e.g. ``"residual deviation"``.
-    move
-        Number of the record's move from 1; 0: of no single move.
-    mode
-        Name of the mode; "" for none.
-    unit
-        SI unit of all values.
-    predicted, low, high
-        Nominal, and least and largest over the corners; None: nothing was predicted.
-    limit
-        What is required; None where the prediction itself is what was promised.
-    measured, uncertainty
-        None: not measured.
-    verdict, reason
-        And why.
-    decides
-        Whether it is a requirement: the whole verdict is "cannot tell" where this one is.
-    """
-
-    key: str
-    move: int = 0
-    mode: str = ""
-    unit: str
+    key: str  # What it is, as in JSON, e.g. ``"residual deviation"``.
+    move: int = 0  # Number of the record's move from 1; 0: of no single move
+    mode: str = ""  # Name of the mode; "" for none
+    unit: str  # SI unit of all values
+    # predicted, low, high: Nominal, and least and largest over the corners; None: nothing was
+    # predicted.
     predicted: float | None
     low: float | None
     high: float | None
+    # What is required; None where the prediction itself is what was promised.
     limit: float | None = None
+    # measured, uncertainty: None: not measured.
     measured: float | None
     uncertainty: float | None
+    # verdict, reason: And why.
     verdict: Verdict
     reason: Message
+    # Whether it is a requirement: the whole verdict is "cannot tell" where this one is.
     decides: bool = False
 
     @property
@@ -80,15 +64,6 @@ def at_most(
     measured: float, uncertainty: float, limit: float, *, slack: float | None = None
 ) -> Verdict:
     """Return whether a value is at most a limit.
-
-    Parameters
-    ----------
-    measured, uncertainty
-        Value, and by how much it may be too large.
-    limit
-        [SI].
-    slack
-        By how much it may be too small; None: as much. Noise makes a largest value larger.
 
     Examples
     --------

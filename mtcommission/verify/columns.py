@@ -39,21 +39,11 @@ _ERRORS = ({"following", "error"}, {"position", "error"}, {"pos", "error"}, {"la
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
-    """What columns must know of the axis.
+    """What columns must know of the axis."""
 
-    Parameters
-    ----------
-    rotary
-        Whether lengths are angles.
-    drive
-        Lead and gear, for values at the motor's shaft.
-    constant
-        Force (torque) per ampere, or per unit of a column without one [N/A, N m/A]; None: not
-        said.
-    """
-
-    rotary: bool
-    drive: Drive
+    rotary: bool  # Whether lengths are angles
+    drive: Drive  # Lead and gear, for values at the motor's shaft
+    # Force (torque) per ampere, or per unit of a column without one [N/A, N m/A]; None: not said.
     constant: float | None
 
     @property
@@ -66,41 +56,18 @@ class Axis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meaning:
-    """What a column holds.
+    """What a column holds."""
 
-    Parameters
-    ----------
-    role
-        Its role.
-    scale
-        SI value at the axis of one unit of the file.
-    said
-        Whether ``--columns`` named it.
-    remark
-        What was assumed.
-    """
-
-    role: Role
-    scale: float
-    said: bool
-    remark: Message | None = None
+    role: Role  # Its role
+    scale: float  # SI value at the axis of one unit of the file
+    said: bool  # Whether ``--columns`` named it
+    remark: Message | None = None  # What was assumed
 
 
 def read_meanings(
     columns: Sequence[Column], said: Mapping[str, str], axis: Axis, *, where: str
 ) -> list[Meaning | None]:
     """Return what each column holds; None for one that is not needed.
-
-    Parameters
-    ----------
-    columns
-        Of the file.
-    said
-        ``--columns``: our names to those of the file.
-    axis
-        Kind and drive of the axis.
-    where
-        Name of the file.
 
     Raises
     ------

@@ -16,21 +16,13 @@ DECAY_TIMES = 4.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settled:
-    """How a deviation comes to rest.
+    """How a deviation comes to rest."""
 
-    Parameters
-    ----------
-    residual
-        Largest magnitude after t_e + τ [m].
-    peak
-        Largest magnitude of all [m].
-    settling, earliest, latest
-        Time from the start of the setpoint until it stays within the band, and the same if the
-        band were wider, narrower by the noise [s]; inf: not within the record.
-    """
-
-    residual: float
-    peak: float
+    residual: float  # Largest magnitude after t_e + τ [m]
+    peak: float  # Largest magnitude of all [m]
+    # settling, earliest, latest: Time from the start of the setpoint until it stays within the
+    # band, and the same if the band were wider, narrower by the noise [s]; inf: not within the
+    # record.
     settling: float
     earliest: float
     latest: float
@@ -52,19 +44,7 @@ def settle(
     noise: float,
     slack: float,
 ) -> Settled:
-    """Return residual, peak and settling time of a deviation.
-
-    Parameters
-    ----------
-    t, deviation
-        Shape (n,) [s, m].
-    begin, rest
-        Start of the setpoint, and its end plus τ [s].
-    band
-        tcp_deviation [m].
-    noise, slack
-        By how much a largest value may be too large, too small [m].
-    """
+    """Return residual, peak and settling time of a deviation."""
     size = np.abs(deviation)
     after = t >= rest - 1e-9
     moving = t >= begin

@@ -12,17 +12,7 @@ Entry = dict[str, object]
 
 
 def verification_entry(found: Verification, refined: Refined, limits: NewLimits | None) -> Entry:
-    """Return what was found as JSON has it; SI, ``limit`` null where nothing is required.
-
-    Parameters
-    ----------
-    found
-        From ``verify``.
-    refined
-        Parameters as the traces show them.
-    limits
-        What they lead to; None: not asked for.
-    """
+    """Return what was found as JSON has it; SI, ``limit`` null where nothing is required."""
     by_key = {check.key: check.measured for check in found.checks}
     return {
         "verdict": found.verdict.value,

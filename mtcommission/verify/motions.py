@@ -18,37 +18,22 @@ from mtcommission.verify.trace import Role, Trace
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recorded:
-    """One move of a trace, beside what the record says of it.
+    """One move of a trace, beside what the record says of it."""
 
-    Parameters
-    ----------
-    trace, motion
-        The record and its move.
-    number
-        Which of the record's moves it is, from 1; 0 for none.
-    setpoint
-        What the control should have sent; None where that cannot be planned.
-    prediction
-        What the loop makes of the recorded setpoint.
-    shift, shift_error
-        By which the position comes later than predicted, and two standard errors [s].
-    applied_shift
-        ``shift``, or 0 where it is more than columns may be recorded apart [s].
-    beside
-        Recorded signals beside predicted ones.
-    modes
-        Vibration in the dwell that belongs to each mode; None: not seen.
-    """
-
+    # trace, motion: The record and its move.
     trace: Trace
     motion: Motion
-    number: int
+    number: int  # Which of the record's moves it is, from 1; 0 for none
+    # What the control should have sent; None where that cannot be planned.
     setpoint: Setpoint | None
-    prediction: Prediction
+    prediction: Prediction  # What the loop makes of the recorded setpoint
+    # shift, shift_error: By which the position comes later than predicted, and two standard errors
+    # [s].
     shift: float
     shift_error: float
-    applied_shift: float
-    beside: tuple[Beside, ...]
+    applied_shift: float  # ``shift``, or 0 where it is more than columns may be recorded apart [s]
+    beside: tuple[Beside, ...]  # Recorded signals beside predicted ones
+    # Vibration in the dwell that belongs to each mode; None: not seen.
     modes: tuple[FreeMode | None, ...]
 
     def find(self, role: Role) -> Beside | None:
@@ -57,17 +42,7 @@ class Recorded:
 
 
 def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motion) -> Recorded:
-    """Return a recorded move beside its prediction.
-
-    Parameters
-    ----------
-    rebuilt
-        Loop of the record.
-    entered
-        Limits of the record.
-    trace, motion
-        The record and its move.
-    """
+    """Return a recorded move beside its prediction."""
     moves = rebuilt.machine.moves
     number = number_of(motion, moves, entered)
     prediction = predict(rebuilt, motion)

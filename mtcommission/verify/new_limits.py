@@ -34,15 +34,7 @@ class NewLimits:
 
 
 def find_new_limits(record: Record, profile: str) -> NewLimits:
-    """Return what ``run`` recommends for a refined profile, beside what the record recommends.
-
-    Parameters
-    ----------
-    record
-        Of the run before.
-    profile
-        Text of the refined profile.
-    """
+    """Return what ``run`` recommends for a refined profile, beside what the record recommends."""
     best = record.limits.recommended
     old = Limits(
         acceleration=best.acceleration,

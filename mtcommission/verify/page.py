@@ -54,19 +54,7 @@ def print_verification(
     created: str,
     language: str,
 ) -> str:
-    """Return the page, which works offline.
-
-    Parameters
-    ----------
-    found
-        From ``verify``.
-    refined, limits
-        Parameters as the traces show them, and what they lead to if that was asked for.
-    created
-        When it was made (ISO 8601).
-    language
-        Code, e.g. "en".
-    """
+    """Return the page, which works offline."""
     record = found.record
     axis = record.machine
     words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)

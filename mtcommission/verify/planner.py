@@ -84,19 +84,7 @@ def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
 def check_planner(
     motion: Motion, setpoint: Setpoint | None, entered: MotionLimits, units: AxisUnits
 ) -> tuple[Check, ...]:
-    """Return velocity, acceleration and jerk of a recorded move against what was entered.
-
-    Parameters
-    ----------
-    motion
-        Of the record.
-    setpoint
-        What the control should have sent.
-    entered
-        Limits.
-    units
-        Of the axis.
-    """
+    """Return velocity, acceleration and jerk of a recorded move against what was entered."""
     top = inf
     if setpoint is not None:
         move = setpoint.move

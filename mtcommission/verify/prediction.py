@@ -34,25 +34,15 @@ TOOL, ENCODER, FORCE = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rebuilt:
-    """The machine and the loop of a record.
+    """The machine and the loop of a record."""
 
-    Parameters
-    ----------
-    machine
-        As the record's profile states it, with the force limit of the run.
-    corners, loops
-        The nominal machine first.
-    poles
-        Closed-loop pole that each mode has become, shape (n_corners, n_modes) [1/s].
-    servo_poles
-        All other poles of the nominal loop, one of each pair [1/s].
-    """
-
-    machine: Machine
+    machine: Machine  # As the record's profile states it, with the force limit of the run
+    # corners, loops: The nominal machine first.
     corners: tuple[Corner, ...]
     loops: tuple[SampledLoop, ...]
+    # Closed-loop pole that each mode has become, shape (n_corners, n_modes) [1/s].
     poles: ComplexArray
-    servo_poles: tuple[complex, ...]
+    servo_poles: tuple[complex, ...]  # All other poles of the nominal loop, one of each pair [1/s]
 
     @property
     def plant(self) -> Plant:
@@ -67,17 +57,10 @@ class Rebuilt:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prediction:
-    """What the loop makes of one move of a setpoint.
+    """What the loop makes of one move of a setpoint."""
 
-    Parameters
-    ----------
-    t
-        Every velocity cycle, in the trace's time [s].
-    outputs
-        Tool, encoder and motor force relative to rest before, shape (n_corners, n_samples, 3).
-    """
-
-    t: Array
+    t: Array  # Every velocity cycle, in the trace's time [s]
+    # Tool, encoder and motor force relative to rest before, shape (n_corners, n_samples, 3).
     outputs: Array
 
     def at(self, t: Array, column: int) -> Array:
@@ -86,26 +69,12 @@ class Prediction:
 
 
 def rebuild(record: Record) -> Rebuilt:
-    """Return machine and loop of a record, as they were when it was made.
-
-    Parameters
-    ----------
-    record
-        Of a run.
-    """
+    """Return machine and loop of a record, as they were when it was made."""
     return close_again(read_machine(record), record.loop)
 
 
 def close_again(machine: Machine, entry: LoopPart) -> Rebuilt:
-    """Return the loop of a record on a machine, in every corner.
-
-    Parameters
-    ----------
-    machine
-        Its plant may differ from the one of the record.
-    entry
-        The controller of the record.
-    """
+    """Return the loop of a record on a machine, in every corner."""
     bench = corner_plants(machine)
     if machine.drive.follows:
         return _with_poles(machine, bench.corners, follow(machine, bench).loops)
@@ -115,15 +84,7 @@ def close_again(machine: Machine, entry: LoopPart) -> Rebuilt:
 
 
 def on_machine(rebuilt: Rebuilt, machine: Machine) -> Rebuilt:
-    """Return the same controller, unchanged, on another machine alone.
-
-    Parameters
-    ----------
-    rebuilt
-        Of the record.
-    machine
-        As a trace shows it.
-    """
+    """Return the same controller, unchanged, on another machine alone."""
     loop = build_loop(build_plant(machine), rebuilt.controller, model=rebuilt.plant)
     return _with_poles(machine, rebuilt.corners[:1], (loop,))
 
@@ -148,15 +109,7 @@ def _with_poles(
 
 
 def predict(rebuilt: Rebuilt, motion: Motion) -> Prediction:
-    """Return what the loop makes of a recorded move.
-
-    Parameters
-    ----------
-    rebuilt
-        From ``rebuild``.
-    motion
-        A move of the setpoint.
-    """
+    """Return what the loop makes of a recorded move."""
     controller = rebuilt.controller
     T_p = controller.position_cycle
     count = ceil((motion.until - motion.begin + controller.reference_delay) / T_p) + LEAD_IN + 2

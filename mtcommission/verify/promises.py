@@ -37,17 +37,7 @@ FREQUENCY_ERROR = 0.005
 def check_recorded(
     rebuilt: Rebuilt, record: Record, entered: MotionLimits, recorded: Recorded
 ) -> tuple[Check, ...]:
-    """Return every check of one recorded move, the setpoint's first.
-
-    Parameters
-    ----------
-    rebuilt, record
-        The loop and its record.
-    entered
-        Its limits.
-    recorded
-        From ``lay_out``.
-    """
+    """Return every check of one recorded move, the setpoint's first."""
     units = rebuilt.machine.axis_units
     planner = check_planner(recorded.motion, recorded.setpoint, entered, units)
     disobeys = any(check.verdict is Verdict.FAILS for check in planner)

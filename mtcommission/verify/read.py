@@ -45,15 +45,6 @@ _MEASURED = (Role.ENCODER, Role.FOLLOWING_ERROR, Role.TOOL, Role.ACCELERATION)
 def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
     """Return what a file holds.
 
-    Parameters
-    ----------
-    name
-        Of the file; ``-`` is standard input.
-    said
-        ``--columns``: our names to those of the file, and ``sample_time``.
-    axis
-        Kind and drive of the axis.
-
     Raises
     ------
     InputError

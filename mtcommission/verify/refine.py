@@ -38,24 +38,14 @@ SIGNIFICANT = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """One parameter, old and new.
+    """One parameter, old and new."""
 
-    Parameters
-    ----------
-    key
-        As JSON and messages spell it: mass, coulomb_friction, viscous_friction, delay,
-        frequency, damping_ratio.
-    mode
-        Its mode; "" for none.
-    unit
-        SI.
-    old, new
-        [SI]; ``new`` with its standard error.
-    """
-
+    # As JSON and messages spell it: mass, coulomb_friction, viscous_friction, delay, frequency,
+    # damping_ratio.
     key: str
-    mode: str = ""
-    unit: str
+    mode: str = ""  # Its mode; "" for none
+    unit: str  # SI
+    # old, new: [SI]; ``new`` with its standard error.
     old: float
     new: Estimate
 
@@ -72,28 +62,17 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refined:
-    """What the traces say of the machine.
+    """What the traces say of the machine."""
 
-    Parameters
-    ----------
-    machine
-        With the new parameters.
-    parameters
-        Those that the traces show.
-    unexplained_before, unexplained_after
-        Share of the deviation, by RMS, that the old and the new machine leave of ``tested`` moves.
-    tested
-        How many moves were held back; 0: one move alone, and both shares are of it.
-    force_unexplained
-        Share of the force that mass and friction leave, on the part held back if there is one;
-        None: no force.
-    """
-
-    machine: Machine
-    parameters: tuple[Parameter, ...]
+    machine: Machine  # With the new parameters
+    parameters: tuple[Parameter, ...]  # Those that the traces show
+    # unexplained_before, unexplained_after: Share of the deviation, by RMS, that the old and the
+    # new machine leave of ``tested`` moves.
     unexplained_before: float | None
     unexplained_after: float | None
-    tested: int
+    tested: int  # How many moves were held back; 0: one move alone, and both shares are of it
+    # Share of the force that mass and friction leave, on the part held back if there is one; None:
+    # no force.
     force_unexplained: float | None
 
 
@@ -102,11 +81,6 @@ def refine(found: Verification) -> Refined:
 
     Mass and friction from force and motion, frequency and damping from the dwells; the second half
     of the moves tests what the first half says.
-
-    Parameters
-    ----------
-    found
-        From ``verify``.
     """
     machine, parameters, force = _estimate(found, found.recorded)
     half = len(found.recorded) // 2

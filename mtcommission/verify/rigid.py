@@ -52,20 +52,14 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidBody:
-    """What force and motion say.
+    """What force and motion say."""
 
-    Parameters
-    ----------
-    mass, coulomb, viscous
-        [kg], [N], [N s/m].
-    unexplained, unexplained_apart
-        Share of the force, by RMS, that is left: in all moves, and in the second half of them by
-        a fit to the first half; None: one move alone was recorded.
-    """
-
+    # mass, coulomb, viscous: [kg], [N], [N s/m].
     mass: Estimate
     coulomb: Estimate
     viscous: Estimate
+    # unexplained, unexplained_apart: Share of the force, by RMS, that is left: in all moves, and in
+    # the second half of them by a fit to the first half; None: one move alone was recorded.
     unexplained: float
     unexplained_apart: float | None
 
@@ -82,15 +76,7 @@ class _Rows:
 
 
 def fit_rigid_body(traces: Sequence[Trace], plant: Plant) -> RigidBody | None:
-    """Return mass and friction; None where force or motion do not suffice.
-
-    Parameters
-    ----------
-    traces
-        In the order in which they were recorded; with force and a position.
-    plant
-        Of the record, for its modes.
-    """
+    """Return mass and friction; None where force or motion do not suffice."""
     rows = [stretch for trace in traces for stretch in _rows(trace, plant)]
     if not rows or sum(own.force.size for own in rows) < FEWEST:
         return None

@@ -44,17 +44,7 @@ RINGS = 0.2
 
 
 def find_modes(rebuilt: Rebuilt, beside: Beside, *, rest: float) -> tuple[FreeMode | None, ...]:
-    """Return the vibration in the dwell that belongs to each mode of the plant; None: not seen.
-
-    Parameters
-    ----------
-    rebuilt
-        Loop in every corner.
-    beside
-        A position.
-    rest
-        End of the setpoint plus τ [s].
-    """
+    """Return the vibration in the dwell that belongs to each mode of the plant; None: not seen."""
     none: tuple[FreeMode | None, ...] = tuple(None for _ in rebuilt.plant.modes)
     after = beside.after(rest)
     if after.sum() < 8 * FEWEST:

@@ -40,65 +40,37 @@ SPACINGS = (64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reached:
-    """Largest magnitude of a derivative of the setpoint.
+    """Largest magnitude of a derivative of the setpoint."""
 
-    Parameters
-    ----------
-    value
-        Mean over ``width`` where it is largest [SI].
-    uncertainty
-        Of this value, by the resolution of the record [SI].
-    width
-        Over which it is a mean [s].
-    """
-
-    value: float
-    uncertainty: float
-    width: float
+    value: float  # Mean over ``width`` where it is largest [SI]
+    uncertainty: float  # Of this value, by the resolution of the record [SI]
+    width: float  # Over which it is a mean [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
-    """A stretch of the setpoint from rest to the next move.
+    """A stretch of the setpoint from rest to the next move."""
 
-    Parameters
-    ----------
-    begin, end, until
-        First sample that moves, instant from which the setpoint rests (or coasts), end of the
-        dwell (of the coasting) [s].
-    coasts
-        Whether it ends at a constant velocity instead of rest.
-    travel
-        Way from ``begin`` to ``end``, signed [m].
-    velocity, acceleration, jerk
-        Largest magnitudes.
-    blur
-        How far ``begin`` and ``end`` may be off, since the first and last steps are below the
-        resolution [s].
-    is_cut
-        Whether the record ends before the setpoint does.
-    start, final_velocity
-        Position before it [m], and velocity after it [m/s].
-    spline
-        The setpoint between, smoothed as its resolution demands.
-    misfit
-        RMS distance of the recorded setpoint from it [m].
-    """
-
+    # begin, end, until: First sample that moves, instant from which the setpoint rests (or coasts),
+    # end of the dwell (of the coasting) [s].
     begin: float
     end: float
     until: float
-    coasts: bool
-    travel: float
+    coasts: bool  # Whether it ends at a constant velocity instead of rest
+    travel: float  # Way from ``begin`` to ``end``, signed [m]
+    # velocity, acceleration, jerk: Largest magnitudes.
     velocity: Reached
     acceleration: Reached
     jerk: Reached
+    # How far ``begin`` and ``end`` may be off, since the first and last steps are below the
+    # resolution [s].
     blur: float
-    is_cut: bool
+    is_cut: bool  # Whether the record ends before the setpoint does
+    # start, final_velocity: Position before it [m], and velocity after it [m/s].
     start: float
     final_velocity: float
-    spline: BSpline
-    misfit: float
+    spline: BSpline  # The setpoint between, smoothed as its resolution demands
+    misfit: float  # RMS distance of the recorded setpoint from it [m]
 
     def sample(self, t: Array) -> Array:
         """Return x_ref, v_ref, a_ref, j_ref relative to the start, shape (n, 4)."""
@@ -118,17 +90,7 @@ class Motion:
 def find_motions(
     channel: Channel, *, acceleration: float, jerk: float, coasting: bool
 ) -> tuple[list[Motion], bool]:
-    """Return the moves of a setpoint, and whether the record begins in the middle of one.
-
-    Parameters
-    ----------
-    channel
-        Of the setpoint.
-    acceleration, jerk
-        As they were entered: they say how fine the differences must be [m/s², m/s³].
-    coasting
-        Whether moves end when a constant velocity is reached.
-    """
+    """Return the moves of a setpoint, and whether the record begins in the middle of one."""
     setpoint = _without_holds(channel)
     x, h = setpoint.values, setpoint.step
     noise = max(_noise(x), channel.error)

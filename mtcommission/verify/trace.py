@@ -29,26 +29,16 @@ class Role(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channel:
-    """One column, evenly sampled.
+    """One column, evenly sampled."""
 
-    Parameters
-    ----------
-    role, name
-        What it holds, and what the file calls it.
-    start, step
-        Time of the first sample and step of the clock [s].
-    values
-        Shape (n,) [SI].
-    error
-        What interpolation to an even clock may have added [SI].
-    """
-
+    # role, name: What it holds, and what the file calls it.
     role: Role
     name: str
+    # start, step: Time of the first sample and step of the clock [s].
     start: float
     step: float
-    values: Array
-    error: float = 0.0
+    values: Array  # Shape (n,) [SI]
+    error: float = 0.0  # What interpolation to an even clock may have added [SI]
 
     @property
     def t(self) -> Array:
@@ -66,28 +56,17 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
-    """A recorded file.
+    """A recorded file."""
 
-    Parameters
-    ----------
-    file, sha256
-        Name as it was given, and hash of the bytes, 64 hexadecimal digits.
-    channels
-        Of each role at most one; a setpoint, and something that was measured.
-    gaps
-        Begin and end of stretches without samples [s].
-    is_delayed
-        Whether the setpoint is the one that is compared with the position, recorded behind τ.
-    remarks
-        What was done to it, what was assumed and what is doubtful.
-    """
-
+    # file, sha256: Name as it was given, and hash of the bytes, 64 hexadecimal digits.
     file: str
     sha256: str
+    # Of each role at most one; a setpoint, and something that was measured.
     channels: tuple[Channel, ...]
-    gaps: tuple[tuple[float, float], ...] = ()
+    gaps: tuple[tuple[float, float], ...] = ()  # Begin and end of stretches without samples [s]
+    # Whether the setpoint is the one that is compared with the position, recorded behind τ.
     is_delayed: bool = False
-    remarks: tuple[Message, ...] = ()
+    remarks: tuple[Message, ...] = ()  # What was done to it, what was assumed and what is doubtful
 
     def find(self, role: Role) -> Channel | None:
         """Return the channel of a role; None if it was not recorded."""

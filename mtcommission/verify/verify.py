@@ -39,33 +39,18 @@ NOT_ASKED = ("verify-delay-not-recorded",)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Verification:
-    """What the traces say about the record.
+    """What the traces say about the record."""
 
-    Parameters
-    ----------
-    record, rebuilt
-        The promises, and the loop.
-    traces
-        As they were read.
-    recorded
-        Moves, each beside its prediction.
-    checks
-        The worst of each promise over all repetitions, the setpoint's first.
-    missing
-        Numbers of the record's moves that were not recorded, from 1.
-    verdict
-        Over all checks; where a move is missing, no more than "cannot tell".
-    warnings
-        What the reader must know; the first one speaks of the planner if it did not obey.
-    """
-
+    # record, rebuilt: The promises, and the loop.
     record: Record
     rebuilt: Rebuilt
-    traces: tuple[Trace, ...]
-    recorded: tuple[Recorded, ...]
+    traces: tuple[Trace, ...]  # As they were read
+    recorded: tuple[Recorded, ...]  # Moves, each beside its prediction
+    # The worst of each promise over all repetitions, the setpoint's first.
     checks: tuple[Check, ...]
-    missing: tuple[int, ...]
-    verdict: Verdict
+    missing: tuple[int, ...]  # Numbers of the record's moves that were not recorded, from 1
+    verdict: Verdict  # Over all checks; where a move is missing, no more than "cannot tell"
+    # What the reader must know; the first one speaks of the planner if it did not obey.
     warnings: tuple[Message, ...]
 
     @property
@@ -119,13 +104,6 @@ class Verification:
 
 def verify(record: Record, traces: Sequence[Trace]) -> Verification:
     """Return what traces say about a record.
-
-    Parameters
-    ----------
-    record
-        Of a run.
-    traces
-        Recorded with its limits.
 
     Raises
     ------

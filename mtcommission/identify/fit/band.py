@@ -54,17 +54,7 @@ def coherent_band(responses: Sequence[FrequencyResponse]) -> Band:
 
 
 def narrower_band(found: Ordered, base: Sequence[Lines], *, by_drive: bool) -> Band | None:
-    """Return a narrower band where the ends of a fit do not obey its model; None: all do.
-
-    Parameters
-    ----------
-    found
-        The fit in the present band.
-    base
-        The same lines with the errors of their coherence.
-    by_drive
-        Whether the drive shakes, against its friction; a hammer needs no rigid body.
-    """
+    """Return a narrower band where the ends of a fit do not obey its model; None: all do."""
     low = min(float(lines.frequency_hz[0]) for lines in base)
     high = max(float(lines.frequency_hz[-1]) for lines in base)
     friction = _friction_end(found, low) if by_drive else None
@@ -87,13 +77,6 @@ def friction_poles(found: Ordered, low: float) -> list[int]:
     """Return which poles stand for sticking friction, no mode.
 
     They lie below all sharp modes, and are strongly damped or show no free mass below them.
-
-    Parameters
-    ----------
-    found
-        The fit.
-    low
-        Lowest line [Hz].
     """
     f, zeta = found.fit.poles.omega / (2 * np.pi), found.fit.poles.zeta
     sharp = f[np.array(found.is_mode, dtype=bool) & (zeta < FRICTION_RATIO) & (f > LOW_END * low)]

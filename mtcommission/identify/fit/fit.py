@@ -61,15 +61,6 @@ def fit_state(
 ) -> Fitted:
     """Return mass, delay and modes of an axis from its responses in one state.
 
-    Parameters
-    ----------
-    responses
-        Of one state of the machine: common poles.
-    band_hz
-        Lowest and highest line; None: chosen by coherence and misfit.
-    count
-        Number of modes; None: by evidence.
-
     Raises
     ------
     InputError

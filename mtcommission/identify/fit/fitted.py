@@ -19,64 +19,34 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FittedMode:
-    """A mode with common poles.
+    """A mode with common poles."""
 
-    Parameters
-    ----------
-    frequency_hz, damping_ratio
-        f [Hz] and ζ [-].
-    gains
-        Residue in each response, in their order, polarity put right [1/kg; 1/(kg m²) on a rotary
-        axis; - for a base-excited one].
-    """
-
+    # frequency_hz, damping_ratio: f [Hz] and ζ [-].
     frequency_hz: Estimate
     damping_ratio: Estimate
+    # Residue in each response, in their order, polarity put right [1/kg; 1/(kg m²) on a rotary
+    # axis; - for a base-excited one].
     gains: tuple[Estimate, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FittedResponse:
-    """What a fit says of one response.
+    """What a fit says of one response."""
 
-    Parameters
-    ----------
-    response
-        As measured.
-    is_used
-        Which of its lines were fitted, shape (n_lines,).
-    lines
-        As the fit took them, with their standard errors.
-    polarity
-        -1 where the sensor or the force counts the other way round, else 1.
-    inverse_mass
-        b = 1/m, polarity put right [1/kg].
-    has_rigid_body
-        Whether b stands for the mass that the force moves; else for what lies below the band.
-    delay
-        tau [s].
-    lag
-        T [s]; None where none shows.
-    residual
-        R, polarity put right [m/N].
-    poles, gains
-        Of the model, as measured.
-    place
-        Which of the poles' delays and lags are its own.
-    """
-
-    response: FrequencyResponse
-    is_used: NDArray[np.bool_]
-    lines: Lines
-    polarity: int
-    inverse_mass: Estimate
+    response: FrequencyResponse  # As measured
+    is_used: NDArray[np.bool_]  # Which of its lines were fitted, shape (n_lines,)
+    lines: Lines  # As the fit took them, with their standard errors
+    polarity: int  # -1 where the sensor or the force counts the other way round, else 1
+    inverse_mass: Estimate  # b = 1/m, polarity put right [1/kg]
+    # Whether b stands for the mass that the force moves; else for what lies below the band.
     has_rigid_body: bool
-    delay: Estimate
-    lag: Estimate | None
-    residual: Estimate
+    delay: Estimate  # tau [s]
+    lag: Estimate | None  # T [s]; None where none shows
+    residual: Estimate  # R, polarity put right [m/N]
+    # poles, gains: Of the model, as measured.
     poles: Poles
     gains: Array
-    place: int
+    place: int  # Which of the poles' delays and lags are its own
 
     def model(self, frequency_hz: Array) -> ComplexArray:
         """Return the model's response, as measured with its polarity, shape (n,)."""
@@ -91,33 +61,16 @@ class FittedResponse:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fitted:
-    """One state of the machine: common poles, and each response.
+    """One state of the machine: common poles, and each response."""
 
-    Parameters
-    ----------
-    responses
-        In the order given.
-    modes
-        By frequency.
-    drag
-        c = viscous friction by mass [1/s].
-    band_hz
-        Lowest and highest line that was fitted [Hz].
-    misfit
-        Weighted rms of the residuals by the noise that the coherence tells; 1 = as good as that.
-    model_error
-        Share of |H| that the model misses beyond noise [-].
-    notes
-        What was chosen, left out and doubtful.
-    """
-
-    responses: tuple[FittedResponse, ...]
-    modes: tuple[FittedMode, ...]
-    drag: Estimate
-    band_hz: tuple[float, float]
+    responses: tuple[FittedResponse, ...]  # In the order given
+    modes: tuple[FittedMode, ...]  # By frequency
+    drag: Estimate  # c = viscous friction by mass [1/s]
+    band_hz: tuple[float, float]  # Lowest and highest line that was fitted [Hz]
+    # Weighted rms of the residuals by the noise that the coherence tells; 1 = as good as that.
     misfit: float
-    model_error: float
-    notes: tuple[Message, ...] = ()
+    model_error: float  # Share of |H| that the model misses beyond noise [-]
+    notes: tuple[Message, ...] = ()  # What was chosen, left out and doubtful
 
     def has(self, sensor: Sensor) -> bool:
         """Return whether one of the responses shows a sensor."""

@@ -22,24 +22,12 @@ its size comes from the misfit."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lines:
-    """A response as the fit weighs it.
+    """A response as the fit weighs it."""
 
-    Parameters
-    ----------
-    frequency_hz
-        Shape (n,) [Hz].
-    values
-        Shape (n,), complex [SI of output per input].
-    error
-        Standard error of real and of imaginary part, shape (n,) [as values].
-    derivative
-        Power of s by which the output differs from a position.
-    """
-
-    frequency_hz: Array
-    values: ComplexArray
-    error: Array
-    derivative: int
+    frequency_hz: Array  # Shape (n,) [Hz]
+    values: ComplexArray  # Shape (n,), complex [SI of output per input]
+    error: Array  # Standard error of real and of imaginary part, shape (n,) [as values]
+    derivative: int  # Power of s by which the output differs from a position
 
     @property
     def s(self) -> ComplexArray:

@@ -48,20 +48,6 @@ def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines
     Where residuals are larger than coherence says, the model is to blame: a share of |H|, the same
     everywhere and smooth over frequency, is added so that the misfit becomes 1. Where a stretch of
     lines scatters more than the rest, its errors grow. Neither makes an error smaller.
-
-    Parameters
-    ----------
-    responses
-        With the errors of their coherence.
-    fit
-        Of these responses, in any weights.
-
-    Returns
-    -------
-    responses
-        Weighed anew, by |H| of the model.
-    model_error
-        The share of |H| [-].
     """
     models = [
         lines.values + residual * lines.error

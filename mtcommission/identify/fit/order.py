@@ -62,39 +62,17 @@ MOST = 10
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ordered:
-    """A fit whose number of modes was chosen.
+    """A fit whose number of modes was chosen."""
 
-    Parameters
-    ----------
-    lines
-        The responses in their final weights.
-    fit
-        Of least squares.
-    is_mode
-        For each pole, whether it is a mode; else background.
-    model_error
-        Share of |H| that the model misses beyond what the coherence says [-].
-    correlation
-        Neighbouring lines that err together.
-    """
-
-    lines: list[Lines]
-    fit: Projected
-    is_mode: tuple[bool, ...]
-    model_error: float
-    correlation: float
+    lines: list[Lines]  # The responses in their final weights
+    fit: Projected  # Of least squares
+    is_mode: tuple[bool, ...]  # For each pole, whether it is a mode; else background
+    model_error: float  # Share of |H| that the model misses beyond what the coherence says [-]
+    correlation: float  # Neighbouring lines that err together
 
 
 def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ordered:
-    """Return the fit with the modes for which there is evidence.
-
-    Parameters
-    ----------
-    responses
-        Of one state of the machine.
-    count
-        Number of modes; None: by evidence.
-    """
+    """Return the fit with the modes for which there is evidence."""
     slopes = np.array([slope_of_phase(lines) for lines in responses])
     candidates, none = Candidates(responses), np.zeros(len(responses))
     choose = partial(_choose, responses, candidates, count)
@@ -175,15 +153,7 @@ def _settle(
 
 
 def criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float = 1.0) -> float:
-    """Return the Bayesian information criterion of a fit, noise of unknown size.
-
-    Parameters
-    ----------
-    responses, fit
-        What was fitted, and how.
-    correlation
-        Neighbouring lines that err together count as one.
-    """
+    """Return the Bayesian information criterion of a fit, noise of unknown size."""
     size, parameters = _size(responses), count_parameters(fit)
     cost = max(fit.cost, 1e-12 * size)
     return float(size / correlation * np.log(cost / size) + parameters * np.log(size / correlation))

@@ -57,47 +57,24 @@ UNKNOWN_CORRELATION = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Peak:
-    """A mode as a spectrum shows it; two within the window's width show as one.
+    """A mode as a spectrum shows it; two within the window's width show as one."""
 
-    Parameters
-    ----------
-    frequency_hz, damping_ratio
-        f [Hz] and ζ [-].
-    share
-        γ, at the tool [-].
-    height
-        Density at its frequency, by what it is without the mode [-].
-    """
-
+    # frequency_hz, damping_ratio: f [Hz] and ζ [-].
     frequency_hz: Estimate
     damping_ratio: Estimate
-    share: Estimate
-    height: float
+    share: Estimate  # γ, at the tool [-]
+    height: float  # Density at its frequency, by what it is without the mode [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FittedSpectrum:
-    """The peaks of a spectrum.
+    """The peaks of a spectrum."""
 
-    Parameters
-    ----------
-    spectrum
-        As measured.
-    is_used
-        Which of its lines were fitted.
-    modes
-        By frequency.
-    density
-        The model on the fitted lines.
-    scatter
-        Standard deviation of ln P about the model [-].
-    """
-
-    spectrum: Spectrum
-    is_used: NDArray[np.bool_]
-    modes: tuple[Peak, ...]
-    density: Array
-    scatter: float
+    spectrum: Spectrum  # As measured
+    is_used: NDArray[np.bool_]  # Which of its lines were fitted
+    modes: tuple[Peak, ...]  # By frequency
+    density: Array  # The model on the fitted lines
+    scatter: float  # Standard deviation of ln P about the model [-]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,13 +88,7 @@ class _Grid:
 
 
 def fit_spectrum(spectrum: Spectrum) -> FittedSpectrum:
-    """Return the modes that a spectrum shows, each with its intervals.
-
-    Parameters
-    ----------
-    spectrum
-        At least thirty lines between 5 and 200 Hz, or the peaks stay unknown.
-    """
+    """Return the modes that a spectrum shows, each with its intervals."""
     f, density = spectrum.frequency_hz, spectrum.density
     is_used = (f >= BAND_HZ[0]) & (f <= BAND_HZ[1]) & (density > 0.0)
     if np.count_nonzero(is_used) < 30:

@@ -40,21 +40,14 @@ LONGEST_DELAY_STEP = 5e-4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Poles:
-    """What enters nonlinearly.
+    """What enters nonlinearly."""
 
-    Parameters
-    ----------
-    drag
-        c, viscous friction per mass [1/s].
-    delays, lags
-        tau and T of each response, shape (n_responses,) [s]; a lag of 0 is not there, and stays 0.
-    omega, zeta
-        Natural frequencies [rad/s] and damping ratios, shape (n_modes,).
-    """
-
-    drag: float
+    drag: float  # c, viscous friction per mass [1/s]
+    # delays, lags: tau and T of each response, shape (n_responses,) [s]; a lag of 0 is not there,
+    # and stays 0.
     delays: Array
     lags: Array
+    # omega, zeta: Natural frequencies [rad/s] and damping ratios, shape (n_modes,).
     omega: Array
     zeta: Array
 
@@ -74,24 +67,13 @@ class Poles:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Projected:
-    """The best that some poles can do.
+    """The best that some poles can do."""
 
-    Parameters
-    ----------
-    poles
-        The poles.
-    gains
-        b, g_k and R of each response, shape (n_responses, n_modes + 2).
-    residuals
-        (model - measured) / standard error of each response, complex.
-    cost
-        Sum of their squared magnitudes.
-    """
-
-    poles: Poles
-    gains: Array
+    poles: Poles  # The poles
+    gains: Array  # b, g_k and R of each response, shape (n_responses, n_modes + 2)
+    # (model - measured) / standard error of each response, complex.
     residuals: tuple[ComplexArray, ...]
-    cost: float
+    cost: float  # Sum of their squared magnitudes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,21 +234,7 @@ def refine(
     tolerance: float = 1e-6,
     holds_delay: bool = False,
 ) -> Projected:
-    """Return the poles of least squares near some others.
-
-    Parameters
-    ----------
-    responses
-        Of one state of the machine.
-    poles
-        Where to begin.
-    steps
-        At most so many.
-    tolerance
-        Ends where a step lowers the cost by less than this share.
-    holds_delay
-        Whether the delays stay.
-    """
+    """Return the poles of least squares near some others."""
     n = len(responses)
     low, high = _ends(responses, poles)
     theta = np.clip(_pack(poles), low, high)
@@ -308,18 +276,10 @@ def refine(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Variances:
-    """Covariance of what was fitted, for residuals of variance 1.
+    """Covariance of what was fitted, for residuals of variance 1."""
 
-    Parameters
-    ----------
-    poles
-        Of c, delays, lags, ln ω_k, ln ζ_k, square.
-    gains
-        Of b, g_k and R, shape (n_responses, n_modes + 2, n_modes + 2).
-    """
-
-    poles: Array
-    gains: Array
+    poles: Array  # Of c, delays, lags, ln ω_k, ln ζ_k, square
+    gains: Array  # Of b, g_k and R, shape (n_responses, n_modes + 2, n_modes + 2)
 
     def of_gains(self, place: int, chosen: Array) -> float:
         """Return the standard error of a weighed sum of b, g_k and R of a response."""
@@ -341,14 +301,6 @@ def find_variances(
 
     Of the full Jacobian: the poles' part is the inverse of its Schur complement, which is that of
     the projected one; the gains carry the poles' errors along.
-
-    Parameters
-    ----------
-    responses, fit
-        What was fitted, and how.
-    curvature
-        Standard deviation of what R lacks: a mode beyond the band is R (1 + κ (ω/ω_high)² + ...)
-        with an unknown κ, which shifts all estimates together [-].
     """
     n, count = len(responses), fit.poles.omega.size
     bases = _solve_all(responses, fit.poles)

@@ -22,13 +22,7 @@ MOST_LINES = 3000
 
 
 class Candidates:
-    """Poles on a grid, against which residuals are matched.
-
-    Parameters
-    ----------
-    responses
-        Of one state of the machine; their weights may change.
-    """
+    """Poles on a grid, against which residuals are matched."""
 
     __slots__ = ("_powers", "_shapes", "omega", "zeta")
 
@@ -57,15 +51,6 @@ class Candidates:
         The misfit that a mode of given pole takes away is (c · r)²/(c · c), with c its column less
         what b, the known modes and R can do: a matched filter on all poles of a grid, so that a
         mode between two lines is found by its flanks.
-
-        Parameters
-        ----------
-        responses
-            In the weights that count.
-        known
-            Best fit so far.
-        most
-            At most so many, each apart from those before by their widths.
         """
         fall = np.zeros(self.omega.size)
         for place, (lines, residual) in enumerate(zip(responses, known.residuals, strict=True)):

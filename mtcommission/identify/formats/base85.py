@@ -29,11 +29,6 @@ _DIGITS = _digits()
 def decode_doubles(text: str) -> Array:
     """Return the numbers in a text.
 
-    Parameters
-    ----------
-    text
-        Blanks and line ends mean nothing.
-
     Raises
     ------
     Refused

@@ -25,115 +25,64 @@ NO_LINES: Lines = np.zeros(0, dtype=np.int64)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Column:
-    """A series of numbers with the name and unit that the file gives it.
+    """A series of numbers with the name and unit that the file gives it."""
 
-    Parameters
-    ----------
-    name, unit
-        As they stand there; "" where there is none.
-    values
-        Shape (n,), in that unit.
-    sensor
-        Where it was seen, if the format fixes it.
-    """
-
+    # name, unit: As they stand there; "" where there is none.
     name: str
     unit: str
-    values: Array
-    sensor: Sensor | None = None
+    values: Array  # Shape (n,), in that unit
+    sensor: Sensor | None = None  # Where it was seen, if the format fixes it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimeContents:
-    """Columns over time.
+    """Columns over time."""
 
-    Parameters
-    ----------
-    label
-        Which record of the file it is; "" for the only one.
-    clock
-        Times of the samples, shape (n,) [s]; None where the file has none.
-    sample_time
-        Step of the clock [s] where ``clock`` is None; 0 where the file states none.
-    columns
-        All but the clock.
-    lines
-        Line of each sample in the file, shape (n,) or empty.
-    """
-
-    label: str = ""
-    clock: Array | None = None
+    label: str = ""  # Which record of the file it is; "" for the only one
+    clock: Array | None = None  # Times of the samples, shape (n,) [s]; None where the file has none
+    # Step of the clock [s] where ``clock`` is None; 0 where the file states none.
     sample_time: float = 0.0
-    columns: tuple[Column, ...]
-    lines: Lines
+    columns: tuple[Column, ...]  # All but the clock
+    lines: Lines  # Line of each sample in the file, shape (n,) or empty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ResponseContents:
-    """A complex response by frequency.
+    """A complex response by frequency."""
 
-    Parameters
-    ----------
-    label
-        Which response of the file it is; "" for the only one.
-    frequency_hz, values
-        Shape (n_lines,) [Hz; unit of the file].
-    unit
-        Output per input, e.g. ``"rad/s/A"``; "" where the file has none.
-    scale
-        SI value of one unit of the file, if the format fixes it; else the unit tells.
-    input, output, sensor
-        If the format tells, else "" or None; input as on the command line.
-    rotary
-        Whether angles and torques are meant; None where only the unit tells.
-    motor_turn
-        Angle of the motor per travel of a linear axis [rad/m]; 0 where the file has none.
-    coherence, averages, resolution_hz
-        As in ``FrequencyResponse``.
-    lines
-        Line of each value in the file, shape (n_lines,) or empty.
-    """
-
-    label: str = ""
+    label: str = ""  # Which response of the file it is; "" for the only one
+    # frequency_hz, values: Shape (n_lines,) [Hz; unit of the file].
     frequency_hz: Array
     values: ComplexArray
-    unit: str = ""
+    unit: str = ""  # Output per input, e.g. ``"rad/s/A"``; "" where the file has none.
+    # SI value of one unit of the file, if the format fixes it; else the unit tells.
     scale: float | None = None
+    # input, output, sensor: If the format tells, else "" or None; input as on the command line.
     input: str = ""
     output: Output | None = None
     sensor: Sensor | None = None
+    # Whether angles and torques are meant; None where only the unit tells.
     rotary: bool | None = None
+    # Angle of the motor per travel of a linear axis [rad/m]; 0 where the file has none.
     motor_turn: float = 0.0
+    # coherence, averages, resolution_hz: As in ``FrequencyResponse``.
     coherence: Array | None = None
     averages: float | None = None
     resolution_hz: float | None = None
-    lines: Lines
+    lines: Lines  # Line of each value in the file, shape (n_lines,) or empty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpectrumContents:
-    """Power of an acceleration by frequency.
+    """Power of an acceleration by frequency."""
 
-    Parameters
-    ----------
-    label
-        Which spectrum of the file it is.
-    frequency_hz, density
-        Shape (n_lines,) [Hz; unit of the file].
-    resolution_hz
-        As in ``Spectrum``.
-    lines
-        Line of each value in the file, shape (n_lines,).
-    all_directions
-        As in ``Spectrum``.
-    """
-
-    label: str
+    label: str  # Which spectrum of the file it is
+    # frequency_hz, density: Shape (n_lines,) [Hz; unit of the file].
     frequency_hz: Array
     density: Array
-    resolution_hz: float | None
-    lines: Lines
-    all_directions: AllDirections | None = None
+    resolution_hz: float | None  # As in ``Spectrum``
+    lines: Lines  # Line of each value in the file, shape (n_lines,)
+    all_directions: AllDirections | None = None  # As in ``Spectrum``
 
 
 Item = TimeContents | ResponseContents | SpectrumContents
@@ -141,30 +90,15 @@ Item = TimeContents | ResponseContents | SpectrumContents
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FileContents:
-    """A file, read.
+    """A file, read."""
 
-    Parameters
-    ----------
-    format
-        Its name, to be shown.
-    items
-        What it holds, at least one.
-    measured_on
-        ISO date; "" where the file has none.
-    state
-        State of the machine that the file names; "" where it names none.
-    said
-        What the file says where the command line may say it: sensor, input, output, constant.
-    remarks
-        What was left out, and what the file says that matters.
-    """
-
-    format: Message
-    items: tuple[Item, ...]
-    measured_on: str = ""
-    state: str = ""
+    format: Message  # Its name, to be shown
+    items: tuple[Item, ...]  # What it holds, at least one
+    measured_on: str = ""  # ISO date; "" where the file has none
+    state: str = ""  # State of the machine that the file names; "" where it names none
+    # What the file says where the command line may say it: sensor, input, output, constant.
     said: tuple[tuple[str, str], ...] = ()
-    remarks: tuple[Message, ...] = ()
+    remarks: tuple[Message, ...] = ()  # What was left out, and what the file says that matters
 
 
 def refuse(

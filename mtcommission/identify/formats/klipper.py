@@ -53,13 +53,6 @@ def header_of(lines: Sequence[str]) -> str:
 def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
     """Return the spectra or accelerations of a file of Klipper's.
 
-    Parameters
-    ----------
-    lines
-        Of the file.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError

@@ -21,13 +21,6 @@ PERIOD = re.compile(r"^#\s*Sampling period is\s+(\d{1,12})\s*ns", re.IGNORECASE)
 def read_halscope(lines: Sequence[str], *, where: str) -> FileContents:
     """Return the channels of a file that halscope saved.
 
-    Parameters
-    ----------
-    lines
-        Of the file; the first states the period.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError

@@ -61,15 +61,6 @@ class _Head:
 def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) -> FileContents:
     """Return what a table holds.
 
-    Parameters
-    ----------
-    lines
-        Of the file.
-    columns
-        ``--columns``: our names to those of the file.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError
@@ -122,13 +113,6 @@ def _positive(text: str) -> float | None:
 def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
     """Return the place of a column that ``--columns`` names, and the unit that it gives it.
 
-    Parameters
-    ----------
-    names
-        Of the file's columns.
-    wanted
-        Name or number from 1, possibly with a unit in brackets.
-
     Raises
     ------
     InputError
@@ -154,15 +138,6 @@ def find_columns(
     names: Sequence[str], said: Mapping[str, str], known: Collection[str]
 ) -> dict[int, tuple[str, str | None]]:
     """Return our name and the unit given for each column that ``--columns`` names, by its place.
-
-    Parameters
-    ----------
-    names
-        Of the file's columns.
-    said
-        ``--columns``: our names to those of the file; those of the clock are left out.
-    known
-        Our names for signals.
 
     Raises
     ------

@@ -24,17 +24,6 @@ def read_contents(
 ) -> FileContents:
     """Return what a file holds.
 
-    Parameters
-    ----------
-    data
-        Its bytes.
-    columns
-        ``--columns``: our names to those of the file.
-    where
-        Its name, for errors; it says nothing about the format.
-    response
-        Which response of the file, by its name there; "" for those that a fit takes.
-
     Raises
     ------
     InputError

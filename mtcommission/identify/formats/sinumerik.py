@@ -50,15 +50,6 @@ UNITY = 0.25
 def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileContents:
     """Return the measurement, session or trace in a file.
 
-    Parameters
-    ----------
-    data
-        Its bytes.
-    where
-        Its name, for errors.
-    response
-        Which one of a session; "": motor speed per torque, measured last.
-
     Raises
     ------
     InputError

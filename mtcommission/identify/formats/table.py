@@ -29,18 +29,10 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?(?:nan|i
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """How numbers are written.
+    """How numbers are written."""
 
-    Parameters
-    ----------
-    separator
-        Between cells; "" for blanks.
-    decimal
-        Point or comma.
-    """
-
-    separator: str
-    decimal: str
+    separator: str  # Between cells; "" for blanks
+    decimal: str  # Point or comma
 
 
 DIALECTS = (
@@ -52,30 +44,15 @@ DIALECTS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
-    """Numbers with their heads.
+    """Numbers with their heads."""
 
-    Parameters
-    ----------
-    heads
-        Name of each column with its unit, as in the file; "" where there is none.
-    values
-        Shape (n_rows, n_columns), finite.
-    lines
-        Line of each row in the file, shape (n_rows,).
-    comments
-        Lines before the numbers that are neither heads nor numbers.
-    breaks
-        Rows before which a line stood that says that samples were lost.
-    cut_line
-        Line of an incomplete last row, which was left out; 0 where it was whole.
-    """
-
+    # Name of each column with its unit, as in the file; "" where there is none.
     heads: tuple[str, ...]
-    values: Array
-    lines: Lines
-    comments: tuple[str, ...]
-    breaks: tuple[int, ...]
-    cut_line: int
+    values: Array  # Shape (n_rows, n_columns), finite
+    lines: Lines  # Line of each row in the file, shape (n_rows,)
+    comments: tuple[str, ...]  # Lines before the numbers that are neither heads nor numbers
+    breaks: tuple[int, ...]  # Rows before which a line stood that says that samples were lost
+    cut_line: int  # Line of an incomplete last row, which was left out; 0 where it was whole
 
 
 def split(line: str, dialect: Dialect) -> list[str]:
@@ -115,13 +92,6 @@ def number(cell: str, dialect: Dialect) -> float | None:
 def find_dialect(lines: Sequence[str], *, where: str) -> Dialect:
     """Return how the numbers of some lines are written.
 
-    Parameters
-    ----------
-    lines
-        Of a file, headers included.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError
@@ -153,15 +123,6 @@ def _excerpt(lines: Sequence[str]) -> str:
 
 def read_table(lines: Sequence[str], *, where: str, first_line: int = 1) -> Table:
     """Return the table of numbers in some lines.
-
-    Parameters
-    ----------
-    lines
-        Of a file.
-    where
-        Its name, for errors.
-    first_line
-        Number of the first of them in the file.
 
     Raises
     ------

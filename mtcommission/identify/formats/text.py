@@ -56,13 +56,6 @@ def decode(data: bytes, *, where: str) -> str:
 def lines_of(text: str, *, where: str) -> list[str]:
     """Return the lines of a text.
 
-    Parameters
-    ----------
-    text
-        Of a file.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError

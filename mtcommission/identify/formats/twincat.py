@@ -44,13 +44,6 @@ def is_twincat(lines: Sequence[str]) -> bool:
 def read_twincat(lines: Sequence[str], *, where: str) -> FileContents:
     """Return the channels of an export, those of one clock as one record.
 
-    Parameters
-    ----------
-    lines
-        Of the file.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError

@@ -46,13 +46,6 @@ def is_uff(data: bytes) -> bool:
 def read_uff(data: bytes, *, where: str) -> FileContents:
     """Return the functions in a universal file.
 
-    Parameters
-    ----------
-    data
-        Its bytes.
-    where
-        Its name, for errors.
-
     Raises
     ------
     InputError

@@ -39,15 +39,6 @@ def find_clipping(values: Array, name: str, *, where: str) -> Fault | None:
 
     A clipped signal runs into its largest value at full slope and stands there; a smooth one
     arrives slowly, and one of two values (PRBS, square) is there half of the time.
-
-    Parameters
-    ----------
-    values
-        Shape (n,).
-    name
-        Of the column.
-    where
-        Name of the file.
     """
     steps = np.abs(np.diff(values))
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
@@ -118,17 +109,6 @@ def find_rising(
 
     The position per force falls with frequency or stays; one that rises is the reciprocal
     (columns swapped), or a derivative more than was said.
-
-    Parameters
-    ----------
-    frequency_hz, values
-        Shape (n_lines,).
-    derivative
-        Power of s by which the output differs from the position.
-    is_held
-        Whether it may be a structure without a rigid mass in the band.
-    where
-        Name of the file.
     """
     good = (frequency_hz > 0.0) & (np.abs(values) > 0.0)
     if good.sum() < LEAST_LINES:
@@ -148,19 +128,7 @@ def find_rising(
 def find_unit_slip(
     position: Array, velocity: Array, step: float, *, name: str, where: str
 ) -> Fault | None:
-    """Return the fault of a velocity that is not the position's rate, or so for acceleration.
-
-    Parameters
-    ----------
-    position, velocity
-        Of one sensor, shape (n,) [SI].
-    step
-        Of the clock [s].
-    name
-        Of the velocity's column.
-    where
-        Name of the file.
-    """
+    """Return the fault of a velocity that is not the position's rate, or so for acceleration."""
     rate = np.diff(position) / step
     mean = 0.5 * (velocity[1:] + velocity[:-1])
     width = min(9, rate.size)

@@ -25,22 +25,13 @@ SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EvenClock:
-    """Times at which all signals are wanted.
+    """Times at which all signals are wanted."""
 
-    Parameters
-    ----------
-    step
-        [s].
-    times, even
-        Clock of the file and the even one, both None where they are the same.
-    remark
-        What was done, if anything.
-    """
-
-    step: float
+    step: float  # [s]
+    # times, even: Clock of the file and the even one, both None where they are the same.
     times: Array | None = None
     even: Array | None = None
-    remark: Message | None = None
+    remark: Message | None = None  # What was done, if anything
 
     def sample(self, values: Array) -> Array:
         """Return a signal at the even times, shape (n,)."""
@@ -51,17 +42,7 @@ class EvenClock:
 
 
 def even_clock(contents: TimeContents, sample_time: float, *, where: str) -> EvenClock | Fault:
-    """Return the even clock of a record, or what is wrong with its own.
-
-    Parameters
-    ----------
-    contents
-        Of the file.
-    sample_time
-        What the user says [s]; 0 where nothing is said.
-    where
-        Name of the file.
-    """
+    """Return the even clock of a record, or what is wrong with its own."""
     size = contents.columns[0].values.size if contents.columns else 0
     if size < LEAST_SAMPLES:
         return Fault(

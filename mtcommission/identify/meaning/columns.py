@@ -69,17 +69,6 @@ def read_record(
 ) -> TimeRecord:
     """Return a record in SI.
 
-    Parameters
-    ----------
-    contents
-        Of the file.
-    source
-        File and label.
-    given
-        What the user says.
-    remarks
-        Of the reader.
-
     Raises
     ------
     InputError

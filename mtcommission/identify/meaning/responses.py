@@ -37,17 +37,6 @@ def read_response(
 ) -> FrequencyResponse:
     """Return a response in SI.
 
-    Parameters
-    ----------
-    contents
-        Of the file.
-    source
-        File and label.
-    given
-        What the user says; goes before what the file says where both may be.
-    remarks
-        Of the reader.
-
     Raises
     ------
     InputError
@@ -123,13 +112,6 @@ def check_response(response: FrequencyResponse, lines: Lines) -> FrequencyRespon
 
     Frequencies that fall are turned round, the line at 0 Hz is left out.
 
-    Parameters
-    ----------
-    response
-        In SI.
-    lines
-        Of the file, shape (n_lines,) or empty.
-
     Raises
     ------
     InputError
@@ -175,15 +157,6 @@ def on_axis(
     Motor angle per torque becomes travel per force: with r radians per metre the force is r times
     the torque and the travel 1/r of the angle.
 
-    Parameters
-    ----------
-    response
-        In SI.
-    rotary
-        Kind of the axis; None where no profile tells.
-    motor_turn
-        r [rad/m]; 0 where it is not known.
-
     Raises
     ------
     InputError
@@ -206,17 +179,6 @@ def read_spectrum(
     contents: SpectrumContents, source: Source, given: Given, remarks: tuple[Message, ...]
 ) -> Spectrum:
     """Return a spectrum whose lines can be used; the line at 0 Hz is left out.
-
-    Parameters
-    ----------
-    contents
-        Of the file: accelerations at the tool, unless the user says otherwise.
-    source
-        File and label.
-    given
-        What the user says.
-    remarks
-        Of the reader.
 
     Raises
     ------

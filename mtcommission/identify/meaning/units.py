@@ -25,41 +25,22 @@ _FORCE, _TORQUE = (1, 1, -2, 0), (2, 1, -2, 0)
 
 @dataclass(frozen=True, slots=True)
 class SignalUnit:
-    """What a unit measures.
+    """What a unit measures."""
 
-    Parameters
-    ----------
-    signal
-        A position, velocity, acceleration, force, torque or current.
-    rotary
-        Whether its lengths are angles; None for a current.
-    scale
-        SI value of one such unit.
-    """
-
-    signal: Signal
-    rotary: bool | None
-    scale: float
+    signal: Signal  # A position, velocity, acceleration, force, torque or current
+    rotary: bool | None  # Whether its lengths are angles; None for a current
+    scale: float  # SI value of one such unit
 
 
 @dataclass(frozen=True, slots=True)
 class ResponseUnit:
-    """What output per input measures.
+    """What output per input measures."""
 
-    Parameters
-    ----------
-    output, input
-        Input as on the command line.
-    rotary
-        Whether its lengths are angles.
-    scale
-        SI value of one such unit; amperes stay amperes.
-    """
-
+    # output, input: Input as on the command line.
     output: Output
     input: str
-    rotary: bool
-    scale: float
+    rotary: bool  # Whether its lengths are angles
+    scale: float  # SI value of one such unit; amperes stay amperes
 
 
 def read_signal_unit(text: str) -> SignalUnit | None:

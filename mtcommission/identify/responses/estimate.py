@@ -56,13 +56,6 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     acceleration to the tool, if the user says so. Without either it is a free vibration if the
     signal dies away, else a spectrum.
 
-    Parameters
-    ----------
-    record
-        In SI.
-    given
-        What the user says: input, constant, output.
-
     Raises
     ------
     InputError

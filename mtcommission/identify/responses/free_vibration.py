@@ -43,33 +43,15 @@ SIGNIFICANT = 4.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ringing:
-    """What was found in a decay.
+    """What was found in a decay."""
 
-    Parameters
-    ----------
-    modes
-        The largest amplitude first; () where nothing rings.
-    duration
-        Looked at [s].
-    explained
-        Share of the variance that the modes explain.
-    """
-
-    modes: tuple[FreeMode, ...]
-    duration: float
-    explained: float
+    modes: tuple[FreeMode, ...]  # The largest amplitude first; () where nothing rings
+    duration: float  # Looked at [s]
+    explained: float  # Share of the variance that the modes explain
 
 
 def find_start(reference: Array | None, values: Array) -> int:
-    """Return the sample at which a signal is left to itself.
-
-    Parameters
-    ----------
-    reference
-        Setpoint, shape (n,); None where it was not recorded: then where the signal shakes most.
-    values
-        Shape (n,).
-    """
+    """Return the sample at which a signal is left to itself."""
     if reference is not None:
         steps = np.abs(np.diff(reference))
         if steps.max() > 0.0:
@@ -110,15 +92,7 @@ def is_decay(values: Array) -> bool:
 
 
 def fit_ringing(values: Array, step: float) -> Ringing:
-    """Return the modes in a free vibration.
-
-    Parameters
-    ----------
-    values
-        From where the signal is left to itself, shape (n,).
-    step
-        Of the clock [s].
-    """
+    """Return the modes in a free vibration."""
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
     best: _Fit | None = None

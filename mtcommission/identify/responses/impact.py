@@ -28,36 +28,16 @@ USEFUL = 1e-2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ImpactEstimate:
-    """A response by blows.
+    """A response by blows."""
 
-    Parameters
-    ----------
-    lines
-        The response, in the band that the blows excite.
-    blows
-        Averaged.
-    duration
-        Of the part of each [s].
-    left_over
-        Largest share of a response that was left at the end of its part.
-    """
-
-    lines: Lines
-    blows: int
-    duration: float
-    left_over: float
+    lines: Lines  # The response, in the band that the blows excite
+    blows: int  # Averaged
+    duration: float  # Of the part of each [s]
+    left_over: float  # Largest share of a response that was left at the end of its part
 
 
 def find_blows(force: Array, step: float) -> list[int]:
-    """Return the samples at which blows begin; [] if the record is none of blows.
-
-    Parameters
-    ----------
-    force
-        Without offset, shape (n,).
-    step
-        Of the clock [s].
-    """
+    """Return the samples at which blows begin; [] if the record is none of blows."""
     rest = force - np.median(force)
     busy = np.abs(rest) > QUIET * np.abs(rest).max()
     if not busy.any() or busy.mean() > MOST_BUSY:
@@ -68,15 +48,7 @@ def find_blows(force: Array, step: float) -> list[int]:
 
 
 def estimate_by_blows(signals: Signals, blows: list[int]) -> ImpactEstimate:
-    """Return a response from a record of blows.
-
-    Parameters
-    ----------
-    signals
-        Input is the force of the hammer.
-    blows
-        Samples at which they begin, at least one.
-    """
+    """Return a response from a record of blows."""
     lead = int(BEFORE / signals.step)
     starts = [max(blow - lead, 0) for blow in blows]
     gaps = np.diff([*starts, signals.input.size])

@@ -55,33 +55,16 @@ UNSETTLED = 4.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PeriodicEstimate:
-    """A response by periods.
+    """A response by periods."""
 
-    Parameters
-    ----------
-    lines
-        The response in the excited lines.
-    period
-        [s].
-    periods
-        Used.
-    left_out
-        Periods at the start in which the transient had not died away.
-    """
-
-    lines: Lines
-    period: float
-    periods: int
-    left_out: int
+    lines: Lines  # The response in the excited lines
+    period: float  # [s]
+    periods: int  # Used
+    left_out: int  # Periods at the start in which the transient had not died away
 
 
 def find_period(values: Array) -> int:
     """Return the period of a signal in samples; 0 if it has none that is recorded twice.
-
-    Parameters
-    ----------
-    values
-        Without mean, shape (n,).
 
     Examples
     --------
@@ -114,15 +97,7 @@ def find_period(values: Array) -> int:
 
 
 def estimate_by_periods(signals: Signals, period: int) -> PeriodicEstimate:
-    """Return a response from a record that repeats.
-
-    Parameters
-    ----------
-    signals
-        At least two periods.
-    period
-        In samples.
-    """
+    """Return a response from a record that repeats."""
     count = signals.input.size // period
     first = signals.input.size - count * period
     U = np.fft.rfft(signals.input[first:].reshape(count, period), axis=1)
@@ -160,11 +135,6 @@ def excited_band(power: Array) -> NDArray[np.bool_]:
     A loop makes the input's power fall slowly, a resonance digs a hole that ends; only where the
     power falls off a cliff and never recovers does the excitation end. Where most lines stand far
     below their neighbours, only some are excited (odd ones, or so many per octave).
-
-    Parameters
-    ----------
-    power
-        Of the input by line, from 0 Hz, shape (n_lines,).
 
     Examples
     --------

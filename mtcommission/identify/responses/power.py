@@ -23,34 +23,17 @@ WINDOW = 1.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Power:
-    """A power spectrum and what it is worth.
+    """A power spectrum and what it is worth."""
 
-    Parameters
-    ----------
-    frequency_hz, density
-        Shape (n_lines,).
-    averages
-        Independent ones.
-    resolution_hz
-        Half-power width of the window [Hz].
-    """
-
+    # frequency_hz, density: Shape (n_lines,).
     frequency_hz: Array
     density: Array
-    averages: float
-    resolution_hz: float
+    averages: float  # Independent ones
+    resolution_hz: float  # Half-power width of the window [Hz]
 
 
 def estimate_power(values: Array, step: float) -> Power:
-    """Return the power spectrum of a signal.
-
-    Parameters
-    ----------
-    values
-        Shape (n,).
-    step
-        Of the clock [s].
-    """
+    """Return the power spectrum of a signal."""
     length = max(min(int(WINDOW / step), values.size // 4), 32)
     transformed = segments_of(values - values.mean(), length)
     frequency = np.fft.rfftfreq(length, step).astype(np.float64)
@@ -64,13 +47,7 @@ def estimate_power(values: Array, step: float) -> Power:
 
 
 def power_as_klipper(record: TimeRecord) -> AllDirections | None:
-    """Return the power of all channels together, as Klipper does; None if the record is too short.
-
-    Parameters
-    ----------
-    record
-        Accelerations alone.
-    """
+    """Return the power of all channels together, as Klipper does; None of too short a record."""
     length = 1 << int(KLIPPER_WINDOW / record.sample_time - 1).bit_length()
     if record.size <= length:
         return None

@@ -19,24 +19,14 @@ class Signals:
 
     A position drifts and its spectrum falls by four decades, which leaks into every line; so its
     differences are transformed and the lines divided by those of a difference, which is exact.
-
-    Parameters
-    ----------
-    step
-        Of the clock [s].
-    input, output
-        Shape (n,); the output is the difference where it is a position.
-    reference
-        Recorded excitation, shape (n,); None where there is none.
-    is_difference
-        Whether the output is a difference.
     """
 
-    step: float
+    step: float  # Of the clock [s]
+    # input, output: Shape (n,); the output is the difference where it is a position.
     input: Array
     output: Array
-    reference: Array | None
-    is_difference: bool
+    reference: Array | None  # Recorded excitation, shape (n,); None where there is none
+    is_difference: bool  # Whether the output is a difference
 
     def undo(self, frequency_hz: Array, values: ComplexArray) -> ComplexArray:
         """Return a response to the output itself, shape (n_lines,)."""
@@ -49,39 +39,20 @@ class Signals:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lines:
-    """A response by line, and what it is worth.
+    """A response by line, and what it is worth."""
 
-    Parameters
-    ----------
-    frequency_hz, values, coherence
-        Shape (n_lines,).
-    averages
-        Independent ones.
-    resolution_hz
-        Half-power width of the window [Hz]; 0 for whole periods.
-    """
-
+    # frequency_hz, values, coherence: Shape (n_lines,).
     frequency_hz: Array
     values: ComplexArray
     coherence: Array
-    averages: float
-    resolution_hz: float
+    averages: float  # Independent ones
+    resolution_hz: float  # Half-power width of the window [Hz]; 0 for whole periods
 
 
 def prepare(
     step: float, input_: Array, output: Array, reference: Array | None, *, kind: Output
 ) -> Signals:
-    """Return signals without their means, a position as differences.
-
-    Parameters
-    ----------
-    step
-        Of the clock [s].
-    input_, output, reference
-        Shape (n,); no reference is None.
-    kind
-        Of the output.
-    """
+    """Return signals without their means, a position as differences."""
     is_difference = kind is Output.POSITION
     if is_difference:
         output, input_ = np.diff(output), input_[:-1]

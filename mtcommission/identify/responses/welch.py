@@ -42,30 +42,14 @@ CARRIES = 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WelchEstimate:
-    """A response and how its window was chosen.
+    """A response and how its window was chosen."""
 
-    Parameters
-    ----------
-    lines
-        The response.
-    window
-        Length [s].
-    segments
-        Number, overlapping by a half.
-    narrowest_hz
-        Half-power width of the sharpest peak [Hz]; 0 where none was seen.
-    is_resolved
-        Whether the line spacing is fine enough for it.
-    is_joint
-        Whether the recorded excitation was used.
-    """
-
-    lines: Lines
-    window: float
-    segments: int
-    narrowest_hz: float
-    is_resolved: bool
-    is_joint: bool
+    lines: Lines  # The response
+    window: float  # Length [s]
+    segments: int  # Number, overlapping by a half
+    narrowest_hz: float  # Half-power width of the sharpest peak [Hz]; 0 where none was seen
+    is_resolved: bool  # Whether the line spacing is fine enough for it
+    is_joint: bool  # Whether the recorded excitation was used
 
 
 def estimate_by_welch(signals: Signals) -> WelchEstimate:
@@ -73,11 +57,6 @@ def estimate_by_welch(signals: Signals) -> WelchEstimate:
 
     The window is lengthened from a twelfth of the record until the sharpest peak is resolved, but
     not beyond the length that leaves seven overlapping segments.
-
-    Parameters
-    ----------
-    signals
-        At least 64 samples.
     """
     size = signals.input.size
     longest = 2 * size // (FEWEST_SEGMENTS + 1)
