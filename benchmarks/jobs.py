@@ -193,7 +193,7 @@ def _times(call: Callable[[], object], repeats: int) -> list[float]:
 def sweeps() -> Iterator[Job]:
     """Time and memory of sweeps over F_max against the number of cases."""
     from benchmarks.sweep import measure
-    from mtcommission.sweep.cases import Quantity
+    from mtcommission.sweep.plan import Quantity
 
     for count in SWEEPS:
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:

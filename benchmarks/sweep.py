@@ -25,8 +25,9 @@ from pathlib import Path
 
 import polars as pl
 
-from mtcommission.sweep.cases import Plan, Quantity, read_axis
-from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.engine import run_sweep
+from mtcommission.sweep.lanes import Engine
+from mtcommission.sweep.plan import Plan, Quantity, read_axis
 from mtcommission.sweep.table import read_table
 
 PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"

@@ -161,7 +161,7 @@ NO_PROSE = {
     "sheet/html.py": "indices of a formula",
     "sheet/verdict.py": "numbers and units as they are typed",
     "sweep/case_table.py": "columns of a table of cases",
-    "sweep/cases.py": "ranges as one types them",
+    "sweep/plan.py": "ranges as one types them",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",
 }
 """Modules behind the results that search in texts, and what they search."""

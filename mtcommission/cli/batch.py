@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.language import SPOKEN, LanguageOption, say
+from mtcommission.cli.language import SPOKEN, LanguageOption, words
 from mtcommission.cli.progress import print_note, print_written, show_bar, show_stage
 from mtcommission.clock import now
 
@@ -60,11 +60,11 @@ def sweep(
     Several ranges make a grid. DIR gets rows.parquet, rows.csv and sweep.html.
     """
     from mtcommission.files import require_folder
-    from mtcommission.sweep.engine import RESULTS, Engine, run_sweep
+    from mtcommission.sweep.engine import RESULTS, run_sweep
+    from mtcommission.sweep.lanes import Engine
     from mtcommission.sweep.page import print_sweep
     from mtcommission.sweep.request import read_plan
-    from mtcommission.sweep.store import DAMAGED
-    from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
+    from mtcommission.sweep.table import read_table, summarise, write_safely, write_table
 
     require_folder(output, *RESULTS, inputs=[profile, *([cases] if cases else [])])
     plan = read_plan(
@@ -84,17 +84,12 @@ def sweep(
             plan, folder=output, engine=engine, resume=resume, progress=progress, notice=print_note
         )
     table = read_table(plan, store)
-    write_table(table, output)
-    page = print_sweep(plan, table, created=store.created)
+    write_table(table, output, words())
+    page = print_sweep(plan, table, words(), created=store.created)
     write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
-    summary = summarise_table(table)
-    sys.stdout.write(summary.text + "\n")
+    sys.stdout.write("\n".join(summarise(table, words())) + "\n")
     print_written(output, RESULTS)
-    if store.damaged:
-        lines = ", ".join(map(str, store.damaged))
-        aside = str(output / DAMAGED)
-        sys.stderr.write(say("sweep-lines-set-aside", lines=lines, file=aside) + "\n")
-    raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
+    raise typer.Exit(0 if table.is_met else 1 if table.done else 3)
 
 
 def validate(

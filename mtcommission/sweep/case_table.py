@@ -10,7 +10,7 @@ from pathlib import Path
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import Message
-from mtcommission.sweep.cases import FORCE_KEY, MOST_VALUES, Axis
+from mtcommission.sweep.plan import FORCE_KEY, MOST_VALUES, Axis
 from mtcommission.units.quantities import NUMBER
 
 LARGEST_TABLE = 30_000_000
@@ -23,18 +23,7 @@ HEAD = re.compile(r"(.*\S)\s+\[([^\]]*)\]")
 
 
 def load_cases(path: Path) -> Axis:
-    """Return the cases of a CSV file.
-
-    Parameters
-    ----------
-    path
-        UTF-8, with or without byte order mark.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, and with every fault found in it.
-    """
+    """Return the cases of a CSV file (UTF-8); raise InputError with every fault found in it."""
     where = str(path)
     data = read_bytes(path, folder=Message("file-is-folder"), most=LARGEST_TABLE + 1)
     if len(data) > LARGEST_TABLE:
@@ -48,23 +37,9 @@ def load_cases(path: Path) -> Axis:
 def read_cases(text: str, *, where: str) -> Axis:
     r"""Return the cases of a CSV table: a header of keys, then one case a line.
 
-    Parameters
-    ----------
-    text
-        Columns parted by commas, semicolons or tabs, as the header shows; ``f_max`` stands for
-        ``drive.max_force``. A unit stands behind each value, or once in the header.
-    where
-        File name, for messages.
-
-    Returns
-    -------
-    Axis
-        With the line of each case.
-
-    Raises
-    ------
-    InputError
-        With every faulty line.
+    Columns are parted by commas, semicolons or tabs, as the header shows; ``f_max`` stands for
+    ``drive.max_force``. A unit stands behind each value, or once in the header. Raises InputError
+    with every faulty line.
 
     Examples
     --------

@@ -1,8 +1,9 @@
-"""Limits of one case; apart from the rest: the loop's modules load slowly."""
+"""Limits and whole runs of one case; apart from the rest: the loop's modules load slowly."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from hashlib import sha256
 
 import numpy as np
 
@@ -10,59 +11,51 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import Candidate, MoveResult
 from mtcommission.limits.optima import Optima, find_optima
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.rigid_body import require_force
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.study.loops import settle_on_loop
-from mtcommission.sweep.rows import peak_signals, proof_cells
-from mtcommission.sweep.store import Cell
+from mtcommission.sweep.rows import Row, peak_signals, proof_cells
 
 
-def choose_case(machine: Machine) -> tuple[Cell, ...]:
-    """Return the result columns of ``limits``: the steps of ``commission`` up to the choice.
-
-    Parameters
-    ----------
-    machine
-        Of the case.
-
-    Returns
-    -------
-    tuple
-        As ``result_columns``.
-
-    Raises
-    ------
-    ComputationError
-        With a named outcome.
-    """
-    require_force(machine)
+def choose_case(machine: Machine) -> Row:
+    """Return the result columns of ``limits``: the steps of ``commission`` up to the choice."""
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     loop = settle_on_loop(machine)
     choice = loop.choice or choose_limits(machine, plant, loop.tuned)
-    return chain_cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
+    return _cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
 
 
-def chain_cells(
+def run_case(machine: Machine, *, text: str, name: str, created: str) -> tuple[Row, str]:
+    """Return the result columns of a whole commissioning, and its ``record.json`` as text."""
+    # The record needs python-control, which limits do without.
+    from mtcommission.commission import commission
+    from mtcommission.machine.plausibility import check_plausibility
+    from mtcommission.record.build import build_record
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.identified import read_evidence
+    from mtcommission.record.schema.record import Profile
+
+    found = commission(machine)
+    record = build_record(
+        found,
+        profile=Profile(name=name, sha256=sha256(text.encode()).hexdigest(), text=text),
+        created=created,
+        warnings=[remark.with_key() for remark in check_plausibility(machine)],
+        identified=read_evidence(machine, None),
+    )
+    cells = _cells(found.plant, found.optima, found.moves, found.recommended, found.choice.bound_by)
+    return cells, dump_json(record)
+
+
+def _cells(
     plant: Plant,
     optima: Sequence[Optima],
     moves: Sequence[MoveResult],
     candidate: Candidate,
     bound_by: Message,
-) -> tuple[Cell, ...]:
-    """Return the result columns of ``limits`` and ``run``.
-
-    Parameters
-    ----------
-    plant, optima
-        Of the case.
-    moves, candidate
-        What the limits do, and the verdict.
-    bound_by
-        What the limits end at.
-    """
+) -> Row:
     limits, limiting = candidate.limits, candidate.assessment.limiting_requirement
     slowest = max((item.time for item in optima), key=lambda time: time.t_f)
     responses = [response for move in moves for response in move.responses]

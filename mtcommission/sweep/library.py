@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.engine import run_sweep
+from mtcommission.sweep.lanes import Engine
 from mtcommission.sweep.request import read_plan
 from mtcommission.sweep.table import SweepTable, read_table
 
@@ -25,35 +26,16 @@ def sweep(
 ) -> SweepTable:
     """Return the rows of a sweep as columns; what is in the folder already is not computed again.
 
-    Parameters
-    ----------
-    profile
-        File of the machine as it is.
-    folder
-        Where the rows are kept.
-    vary
-        ``KEY=RANGE`` as on the command line.
-    cases
-        CSV file of cases; goes with the ranges like one more of them.
-    is_paired
-        Whether the ranges go together instead of each with each.
-    quantity
-        ``"optimal"``, ``"limits"`` or ``"run"``.
-    limits
-        ``NAME=VALUE`` or ``NAME=RANGE`` of states and outputs, for ``"optimal"``.
-    move
-        Which of the profile's moves ``"optimal"`` solves, counted from 1.
-    created
-        Date that the records of ``"run"`` and their sheets bear, ISO 8601; "" for none.
-    engine
-        None: this process.
+    Everything as on the command line: ``vary`` takes ``KEY=RANGE``, ``limits`` ``NAME=VALUE`` or
+    ``NAME=RANGE``, ``cases`` a CSV file, ``created`` the date that records bear; ``engine`` None
+    is this process.
 
     Raises
     ------
     InputError
         With every fault found; if the folder holds another sweep.
     ComputationError
-        WORKER_LOST or STOPPED.
+        WORKER_LOST, SCHEDULER_LOST or STOPPED.
 
     Examples
     --------
@@ -66,7 +48,6 @@ def sweep(
     """
     plan = read_plan(
         Path(profile),
-        f_max="",
         vary=vary,
         limits=limits,
         cases=None if cases is None else Path(cases),

@@ -4,6 +4,7 @@ const columns = data.columns, count = data.count, PAGE = 50;
 for (const column of columns) if (!("values" in column)) column.values = new Array(count).fill(column.all);
 const by = new Map(columns.map((column) => [column.name, column]));
 const $ = (id) => document.getElementById(id);
+const say = (name, ...values) => data.words[name].replace(/%(\d)/g, (_, place) => values[place - 1]);
 const PREFIXES = [[1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 for (const column of columns) {
   // Numbers are shown between 1 and 1000 where the unit takes a prefix; the files stay in SI.
@@ -24,7 +25,7 @@ const text = (column, row) => {
   const value = column.values[row];
   if (value === null) return "";
   if (column.kind === "str") return column.words[value];
-  if (column.kind === "bool") return value ? "yes" : "no";
+  if (column.kind === "bool") return value ? say("yes") : say("no");
   return number(value / column.size);
 };
 const numeric = (column) => column.kind === "float" || column.kind === "int";
@@ -168,7 +169,7 @@ function nearest(canvas, points, event, reach) {
 function listen(canvas, points, shown, reach = REACH) {
   canvas.onmousemove = (event) => {
     const point = nearest(canvas, points, event, reach);
-    canvas.title = point ? `case ${point[2]}: ${shown.map((column) => `${title(column)} ${text(column, point[2])}`).join(", ")}` : "";
+    canvas.title = point ? `${say("case", point[2])}: ${shown.map((column) => `${title(column)} ${text(column, point[2])}`).join(", ")}` : "";
   };
   canvas.onclick = (event) => { const point = nearest(canvas, points, event, reach); if (point) showProfile(point[2]); };
 }
@@ -256,7 +257,7 @@ function keep(canvas, painter) { painters.set(canvas, painter); stale.add(canvas
 
 function drawTrade(canvas) {
   const x = by.get($("tx").value), y = by.get($("ty").value);
-  $("trade-caption").textContent = `${title(y)} over ${title(x)}` + (labelled ? `; numbers: ${title(parameter)}` : "");
+  $("trade-caption").textContent = say("over", title(y), title(x)) + (labelled ? `; ${say("numbers", title(parameter))}` : "");
   scatter(canvas, x, y, false, pareto(x, y));
 }
 
@@ -278,7 +279,7 @@ function drawHeat(canvas) {
   const [xColumn, yColumn] = keys, value = by.get($("hv").value), [low, high] = range(value.values, false);
   const xs = places(xColumn), ys = places(yColumn), w = (width - 150) / xs.values.length, h = (height - 44) / ys.values.length;
   const bottom = height - 36, right = width - 78, middles = [];
-  $("map-caption").textContent = `${title(value)} over ${title(xColumn)} (right) and ${title(yColumn)} (up)`;
+  $("map-caption").textContent = say("over-two", title(value), title(xColumn), title(yColumn));
   pen.textAlign = "center";
   for (let row = 0; row < count; row++) {
     const v = value.values[row], share = (v - low) / (high - low || 1);
@@ -299,7 +300,6 @@ function drawHeat(canvas) {
   for (let i = 0; i < 100; i++) { pen.fillStyle = shade(i / 99); pen.fillRect(right + 10, bottom - (i + 1) * (bottom - 8) / 100, 14, (bottom - 8) / 100 + 1); }
   pen.fillStyle = tint("dim");
   for (const share of [0, 0.25, 0.5, 0.75, 1]) pen.fillText(short((low + share * (high - low)) / value.size), right + 28, bottom - share * (bottom - 18));
-  $("heat-scale").textContent = `Grey: no result; red corner: not ${data.good}. Equal steps for equal places in the list of values.`;
   listen(canvas, middles, [xColumn, yColumn, value], Math.max(REACH, Math.hypot(w, h) / 2));
 }
 
@@ -336,7 +336,7 @@ function drawRows() {
     });
     body.append(line);
   }
-  $("where").textContent = `Page ${page + 1} of ${pages}`;
+  $("where").textContent = say("page", page + 1, pages);
   $("back").disabled = page === 0; $("on").disabled = page + 1 >= pages;
 }
 
@@ -347,7 +347,7 @@ function showProfile(row) {
     const shown = column.kind === "str" ? JSON.stringify(column.words[value]) : String(value);
     profile = profile.split(`"@@${i}@@"`).join(shown);
   });
-  $("profile-name").textContent = `Case ${by.get("case").values[row]}; values that vary stand in SI.`;
+  $("profile-name").textContent = say("chosen", by.get("case").values[row]);
   $("profile").textContent = profile;
   $("profile-heading").scrollIntoView();
 }
@@ -377,14 +377,14 @@ fill($("ty"), [...results, ...keys], (peak || firstOf("peak_tcp_vibration", "res
 const over = plotted.map((column) => [figure($("plots"), title(column), column.meaning), column]);
 for (const [canvas, column] of over) keep(canvas, () => scatter(canvas, by.get($("x").value), column, $("log").checked, null));
 for (const id of ["x", "log"]) $(id).onchange = () => over.forEach(([canvas]) => redraw(canvas));
-const trade = figure($("trade"), "Trade-off");
+const trade = figure($("trade"), say("front"));
 trade.previousSibling.id = "trade-caption";
 keep(trade, () => drawTrade(trade));
 for (const id of ["tx", "ty"]) $(id).onchange = () => redraw(trade);
 if (keys.length === 2) {
   $("heat-section").hidden = false;
   fill($("hv"), results, (by.get("settling_time") || results[0]).name);
-  const map = figure($("heat"), "Map");
+  const map = figure($("heat"), say("map"));
   map.previousSibling.id = "map-caption";
   keep(map, () => drawHeat(map));
   $("hv").onchange = () => redraw(map);

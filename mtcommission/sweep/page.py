@@ -7,10 +7,10 @@ from typing import Any
 
 import polars as pl
 
-from mtcommission.sweep.cases import Plan, Quantity, vary_profile
-from mtcommission.sweep.meanings import meaning_of
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.sweep.plan import Plan, vary_profile
 from mtcommission.sweep.rows import Column
-from mtcommission.sweep.table import SweepTable, summarise_table
+from mtcommission.sweep.table import SweepTable, summarise
 from mtcommission.web import json_for_script, render_page
 
 FOLDER = Path(__file__).parent
@@ -22,73 +22,62 @@ UNPLOTTED = ("t_f_lower_bound", "relative_gap")
 """Proofs, which say yes or no; they stand in the table."""
 LEFT_OUT = ("inputs", "switching_times")
 """Long texts of every row; they stand in the files."""
+SAID = ("yes", "no", "case", "over", "over-two", "numbers", "page", "chosen", "front", "map")
+"""Texts that the script says; %1 and %2 stand for its values."""
 
 
-def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
-    """Return the page of a sweep.
+def print_sweep(plan: Plan, table: SweepTable, words: Catalogue, *, created: str) -> str:
+    """Return the page of a sweep begun at a date (ISO 8601).
 
-    Parameters
-    ----------
-    plan
-        What was asked for.
-    table
-        Its rows.
-    created
-        When it was begun (ISO 8601).
-
-    Returns
-    -------
-    str
-        HTML with all text escaped, admitted by hashes to run its own script only.
+    HTML with all text escaped, admitted by hashes to run its own script only.
     """
-    style = (FOLDER / "page.css").read_text(encoding="utf-8")
-    script = (FOLDER / "page.js").read_text(encoding="utf-8")
     return render_page(
         FOLDER,
-        style=style,
-        script=script,
+        style=(FOLDER / "page.css").read_text(encoding="utf-8"),
+        script=(FOLDER / "page.js").read_text(encoding="utf-8"),
         name=plan.where,
-        summary=summarise_table(table).text.splitlines(),
-        asked=table.asked,
+        language=words.language,
+        say=words.text,
+        summary=summarise(table, words),
+        asked=words.say(table.asked),
         created=created,
-        good=_good(plan),
-        data=json_for_script(_page_data(plan, table)),
+        good=words.text("sweep-page-good", kind=table.flag),
+        data=json_for_script(_page_data(plan, table, words)),
     )
 
 
-def _good(plan: Plan) -> str:
-    return "certified" if plan.quantity is Quantity.OPTIMAL else "all requirements met"
-
-
-def _page_data(plan: Plan, table: SweepTable) -> dict[str, Any]:
+def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any]:
     places = tuple((key, f"@@{place}@@") for place, key in enumerate(plan.keys))
     place = [column.name for column in table.columns].index("t_f")
-    results = {column.name for column in table.columns[place:-2]}
+    results = table.columns[place:-2]
     plotted = [
         column.name
-        for column in table.columns[place:-2]
+        for column in results
         if column.kind in ("float", "int") and column.name not in UNPLOTTED
     ]
-    shown = [column for column in table.columns if column.name not in LEFT_OUT]
     return {
         "count": table.frame.height,
-        "flag": "certified" if plan.quantity is Quantity.OPTIMAL else "requirements_met",
-        "good": _good(plan),
+        "flag": table.flag,
         "plotted": plotted,
         "keys": plan.keys,
         "template": vary_profile(plan.profile_text, places, where=plan.where),
         "columns": [
             _column(column, table.frame[column.name], is_exact=column.name in plan.keys)
-            | {"varies": column.name in plan.keys, "result": column.name in results}
-            for column in shown
+            | {
+                "meaning": words.say(column.meaning),
+                "varies": column.name in plan.keys,
+                "result": column in results,
+            }
+            for column in table.columns
+            if column.name not in LEFT_OUT
         ],
+        "words": {name: words.text(f"sweep-page-{name}") for name in SAID},
     }
 
 
 def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, Any]:
     # What varies goes into the profile of a case as it is.
     found: dict[str, Any] = {"name": column.name, "unit": column.unit, "kind": column.kind}
-    found["meaning"] = meaning_of(column)
     if column.kind == "str":
         words = {word: code for code, word in enumerate(values.drop_nulls().unique().sort())}
         found["words"] = list(words)

@@ -3,151 +3,99 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import isnan
 
 from mtcommission.machine.machine import Motion
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.describe import unit_of
 from mtcommission.profile.read import parse_profile
-from mtcommission.sweep.cases import (
+from mtcommission.sweep.plan import (
     PEAKS_KEY,
     Plan,
     Quantity,
     Settings,
+    piece_size,
     plain_key,
     si_number,
 )
-from mtcommission.sweep.store import Cell, Row
 
 DONE = "done"
+
+Cell = float | int | str | bool | None
+Row = tuple[Cell, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
-    """One column of the table.
-
-    Parameters
-    ----------
-    name
-        As in the record, or the dotted key of what varies.
-    unit
-        SI; "" for none.
-    kind
-        ``"float"``, ``"int"``, ``"bool"`` or ``"str"``.
-    """
+    """One column of the table: named as in the record, or by the dotted key of what varies."""
 
     name: str
-    unit: str = ""
-    kind: str = "float"
+    meaning: Message
+    unit: str = ""  # SI
+    kind: str = "float"  # or "int", "bool", "str"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Work:
+    """Cases that are computed together, with all that this needs; goes to another process."""
+
+    piece: int
+    first: int  # number of the first case
+    settings: tuple[Settings, ...]  # of each case
+    base: Plan  # without its axes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """What was computed for a case.
+    """What was computed for a case: the result columns, or why there are none."""
 
-    Parameters
-    ----------
-    row
-        Its row.
-    record
-        ``record.json`` of a run, as text; "" otherwise.
-    """
-
-    row: Row
-    record: str = ""
+    cells: Row = ()
+    outcome: str = DONE
+    message: str = ""
+    record: str = ""  # ``record.json`` of a run, as text
 
 
-_COMMON = (Column(name="case", kind="int"), Column(name="inputs", kind="str"))
-_ENDING = (Column(name="outcome", kind="str"), Column(name="message", kind="str"))
+def cut_work(plan: Plan, numbers: Iterable[int]) -> Iterator[Work]:
+    """Yield pieces of a plan, by number from 0, with all that they need."""
+    base, size = replace(plan, axes=()), piece_size(plan)
+    for piece in numbers:
+        cases = range(piece * size, min((piece + 1) * size, plan.count))
+        settings = tuple(plan.settings(index) for index in cases)
+        yield Work(piece=piece, first=cases.start, settings=settings, base=base)
+
+
+def fill_rows(table: Sequence[Column], work: Work, answers: Sequence[Answer]) -> tuple[Row, ...]:
+    """Return a piece's rows: case, hash of its inputs, what varies, results, how it ended."""
+    kinds = [column.kind for column in table[2:]]
+    digest, rows = work.base.base_digest, []
+    for number, (settings, answer) in enumerate(zip(work.settings, answers, strict=True)):
+        inputs = sha256(json.dumps([digest, settings]).encode()).hexdigest()
+        values = [
+            text if kind == "str" else si_number(text)
+            for (_, text), kind in zip(settings, kinds, strict=False)
+        ]
+        cells = answer.cells or (None,) * (len(table) - len(values) - 4)
+        row = (work.first + number, inputs, *values, *cells, answer.outcome, answer.message)
+        rows.append(row)
+    return tuple(rows)
 
 
 PEAK = "peak_"
 
 
 def peak_signals(plant: Plant) -> tuple[str, ...]:
-    """Return the signals whose peaks are in a row: rate of each mode, TCP vibration, motor force.
-
-    Parameters
-    ----------
-    plant
-        Of the case.
-
-    Returns
-    -------
-    tuple of str
-        From ``plant.signals``.
-    """
+    """Return the signals whose peaks are in a row: modes' rates, TCP vibration, motor force."""
     rates = tuple(plant.states[mode.rate] for mode in plant.modes)
     return (*rates, "tcp_vibration", plant.states[plant.force])
 
 
-def result_columns(quantity: Quantity, plant: Plant, *, rotary: bool) -> tuple[Column, ...]:
-    """Return the columns that a quantity fills.
-
-    Parameters
-    ----------
-    quantity
-        What is computed.
-    plant
-        Of the profile as it is.
-    rotary
-        Whether rad stands for m.
-    """
-    proof = (
-        Column(name="t_f", unit="s"),
-        Column(name="t_f_lower_bound", unit="s"),
-        Column(name="relative_gap"),
-        Column(name="certified", kind="bool"),
-    )
-    units = dict(zip(plant.signals, plant.signal_units, strict=True))
-    peaks = tuple(Column(name=PEAK + name, unit=units[name]) for name in peak_signals(plant))
-    if quantity is Quantity.OPTIMAL:
-        return (
-            *proof,
-            Column(name="switches", kind="int"),
-            Column(name="switching_times", unit="s", kind="str"),
-            *peaks,
-        )
-    length, force = ("rad", "N m") if rotary else ("m", "N")
-    found = (
-        *proof,
-        Column(name="acceleration", unit=f"{length}/s^2"),
-        Column(name="jerk", unit=f"{length}/s^3"),
-        Column(name="jerk_time", unit="s"),
-        Column(name="settling_time", unit="s"),
-        Column(name="residual_deviation", unit=length),
-        Column(name="peak_deviation", unit=length),
-        *peaks,
-        Column(name="peak_F_set", unit=force),
-        Column(name="requirements_met", kind="bool"),
-        Column(name="bound_by", kind="str"),
-        Column(name="obstacle", kind="str"),
-    )
-    return (*found, Column(name="record", kind="str")) if quantity is Quantity.RUN else found
-
-
 def columns(plan: Plan) -> tuple[Column, ...]:
-    """Return the columns of a plan's table.
-
-    Parameters
-    ----------
-    plan
-        Any plan whose profile can be read as it is.
-
-    Returns
-    -------
-    tuple of Column
-        Case, hash of its inputs, what varies, results, outcome and message.
-
-    Raises
-    ------
-    InputError
-        If the profile cannot be read.
-    """
+    """Return the columns of a plan's table; raise InputError if its profile cannot be read."""
     machine = parse_profile(plan.profile_text, where=plan.where)
     plant, rotary = build_plant(machine), machine.motion is Motion.ROTARY
     varied = []
@@ -155,9 +103,61 @@ def columns(plan: Plan) -> tuple[Column, ...]:
         for place, key in enumerate(axis.keys):
             words = any(isnan(si_number(row[place])) for row in axis.rows)
             unit = "" if words else _unit_of_key(key, plant, rotary=rotary)
-            varied.append(Column(name=key, unit=unit, kind="str" if words else "float"))
-    results = result_columns(plan.quantity, plant, rotary=rotary)
-    return (*_COMMON, *varied, *results, *_ENDING)
+            kind = "str" if words else "float"
+            varied.append(
+                Column(name=key, meaning=Message("sweep-column-key"), unit=unit, kind=kind)
+            )
+    return (
+        Column(name="case", meaning=Message("sweep-column-case"), kind="int"),
+        Column(name="inputs", meaning=Message("sweep-column-inputs"), kind="str"),
+        *varied,
+        *_result_columns(plan.quantity, plant, rotary=rotary),
+        Column(name="outcome", meaning=Message("sweep-column-outcome"), kind="str"),
+        Column(name="message", meaning=Message("sweep-column-message"), kind="str"),
+    )
+
+
+def _result_columns(quantity: Quantity, plant: Plant, *, rotary: bool) -> tuple[Column, ...]:
+    """The columns that a quantity fills."""
+    proof = (
+        Column(name="t_f", meaning=Message("sweep-column-t-f"), unit="s"),
+        Column(name="t_f_lower_bound", meaning=Message("sweep-column-t-f-lower-bound"), unit="s"),
+        Column(name="relative_gap", meaning=Message("sweep-column-relative-gap")),
+        Column(name="certified", meaning=Message("sweep-column-certified"), kind="bool"),
+    )
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    peaks = tuple(
+        Column(name=PEAK + name, meaning=Message("sweep-column-peak", name=name), unit=units[name])
+        for name in peak_signals(plant)
+    )
+    if quantity is Quantity.OPTIMAL:
+        times = Message("sweep-column-switching-times")
+        return (
+            *proof,
+            Column(name="switches", meaning=Message("sweep-column-switches"), kind="int"),
+            Column(name="switching_times", meaning=times, unit="s", kind="str"),
+            *peaks,
+        )
+    length, force = ("rad", "N m") if rotary else ("m", "N")
+    residual, peak = Message("sweep-column-residual"), Message("sweep-column-peak-deviation")
+    found = (
+        *proof,
+        Column(
+            name="acceleration", meaning=Message("sweep-column-acceleration"), unit=f"{length}/s^2"
+        ),
+        Column(name="jerk", meaning=Message("sweep-column-jerk"), unit=f"{length}/s^3"),
+        Column(name="jerk_time", meaning=Message("sweep-column-jerk-time"), unit="s"),
+        Column(name="settling_time", meaning=Message("sweep-column-settling-time"), unit="s"),
+        Column(name="residual_deviation", meaning=residual, unit=length),
+        Column(name="peak_deviation", meaning=peak, unit=length),
+        *peaks,
+        Column(name="peak_F_set", meaning=Message("sweep-column-peak", name="F_set"), unit=force),
+        Column(name="requirements_met", meaning=Message("sweep-column-met"), kind="bool"),
+        Column(name="bound_by", meaning=Message("sweep-column-bound-by"), kind="str"),
+        Column(name="obstacle", meaning=Message("sweep-column-obstacle"), kind="str"),
+    )
+    record = Column(name="record", meaning=Message("sweep-column-record"), kind="str")
+    return (*found, record) if quantity is Quantity.RUN else found
 
 
 def _unit_of_key(key: str, plant: Plant, *, rotary: bool) -> str:
@@ -179,67 +179,12 @@ def key_unit(key: str, *, rotary: bool) -> str:
     return "SI" if unit is None else unit
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Work:
-    """Cases that are computed together, with all that this needs; goes to another process.
-
-    Parameters
-    ----------
-    piece
-        Its number.
-    first
-        Number of the first case.
-    settings
-        Of each case.
-    base
-        The plan without its axes.
-    base_digest
-        Hash of what all cases share.
-    columns
-        Of the table.
-    """
-
-    piece: int
-    first: int
-    settings: tuple[Settings, ...]
-    base: Plan
-    base_digest: str
-    columns: tuple[Column, ...]
-
-
-def input_hash(work: Work, settings: Settings) -> str:
-    """Return the SHA-256 of all that the row of a case depends on."""
-    return sha256(json.dumps([work.base_digest, settings]).encode()).hexdigest()
-
-
-def proof_cells(t_f: float, lower_bound: float) -> tuple[Cell, ...]:
+def proof_cells(t_f: float, lower_bound: float) -> Row:
     """Return the columns of a time and what proves it; certified up to 1e-9."""
     gap = (t_f - lower_bound) / t_f
     return (t_f, lower_bound, gap, gap <= GAP_TOLERANCE)
 
 
-def switch_cells(times: Sequence[float]) -> tuple[Cell, ...]:
+def switch_cells(times: Sequence[float]) -> Row:
     """Return the columns of the switching times."""
     return (len(times), " ".join(f"{time:.12g}" for time in times))
-
-
-def done(work: Work, number: int, cells: tuple[Cell, ...], *, record: str = "") -> Answer:
-    """Return a row with results."""
-    return Answer(row=(*_begin(work, number), *cells, DONE, ""), record=record)
-
-
-def failed(work: Work, number: int, outcome: str, message: str) -> Answer:
-    """Return a row without results that names why."""
-    begin = _begin(work, number)
-    empty = (None,) * (len(work.columns) - len(begin) - len(_ENDING))
-    return Answer(row=(*begin, *empty, outcome, message))
-
-
-def _begin(work: Work, number: int) -> tuple[Cell, ...]:
-    settings = work.settings[number]
-    kinds = [column.kind for column in work.columns[len(_COMMON) :]]
-    values = [
-        text if kind == "str" else si_number(text)
-        for (_, text), kind in zip(settings, kinds, strict=False)
-    ]
-    return (work.first + number, input_hash(work, settings), *values)

@@ -11,55 +11,51 @@ from typing import BinaryIO
 import polars as pl
 
 from mtcommission.files import replace_file
-from mtcommission.sweep.cases import Plan
-from mtcommission.sweep.meanings import describe_request, meaning_of
-from mtcommission.sweep.pieces import piece_size
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.sweep.plan import Plan, Quantity
 from mtcommission.sweep.rows import DONE, Column, columns
-from mtcommission.sweep.store import Opened, disk_full, read_finished
+from mtcommission.sweep.store import Store, disk_full
 
 TYPES = {"float": pl.Float64(), "int": pl.Int64(), "bool": pl.Boolean(), "str": pl.String()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SweepTable:
-    """The rows of a sweep as columns, in the order of the cases.
-
-    Parameters
-    ----------
-    columns
-        Names, units and kinds.
-    frame
-        The values; null where a case gave none.
-    asked
-        What was computed for every case, as a sentence.
-    """
+    """The rows of a sweep as columns, in the order of the cases; null where a case gave none."""
 
     columns: tuple[Column, ...]
     frame: pl.DataFrame
-    asked: str
+    asked: Message  # what was computed for every case
+
+    @property
+    def flag(self) -> str:
+        """The column that says whether a case is good."""
+        names = self.frame.columns
+        return "requirements_met" if "requirements_met" in names else "certified"
+
+    @property
+    def done(self) -> int:
+        """How many cases have a result."""
+        return int((self.frame["outcome"] == DONE).sum())
+
+    @property
+    def is_met(self) -> bool:
+        """Whether every case has a result, certified or with its requirements met."""
+        return int(self.frame[self.flag].sum() or 0) == self.frame.height
 
 
-def read_table(plan: Plan, store: Opened) -> SweepTable:
-    """Return the rows of a store as columns.
-
-    Parameters
-    ----------
-    plan
-        The plan that the store belongs to.
-    store
-        With finished rows.
-
-    Returns
-    -------
-    SweepTable
-        Sorted by case; a case that an interruption left twice appears once.
+def read_table(plan: Plan, store: Store) -> SweepTable:
+    """Return the rows of a plan's store as columns.
 
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
     >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.sweep.cases import read_axis
     >>> from mtcommission.sweep.engine import run_sweep
+    >>> from mtcommission.sweep.plan import read_axis
     >>> forces = read_axis("drive.max_force=1kN:4kN:4", where="example")
     >>> text = read_shipped("milling-manipulator").text
     >>> plan = Plan(profile_text=text, where="machine.toml", axes=(forces,))
@@ -70,90 +66,73 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
     """
     named = columns(plan)
     schema = {column.name: TYPES[column.kind] for column in named}
-    frames, size = {}, piece_size(plan)
-    for finished in read_finished(store):
-        frames[finished.piece * size] = pl.DataFrame(finished.rows, schema=schema, orient="row")
-    parts = [frames[first] for first in sorted(frames)]
+    # A piece that an interruption left twice appears once.
+    frames = {
+        piece: pl.DataFrame(rows, schema=schema, orient="row") for piece, rows in store.pieces()
+    }
+    parts = [frames[piece] for piece in sorted(frames)]
     frame = pl.concat(parts) if parts else pl.DataFrame(schema=schema)
-    return SweepTable(columns=named, frame=frame, asked=describe_request(plan))
+    return SweepTable(columns=named, frame=frame, asked=_describe_request(plan))
 
 
-def write_table(table: SweepTable, folder: Path) -> None:
+def _describe_request(plan: Plan) -> Message:
+    """What was computed for every case."""
+    parts: list[str | Message] = [plan.quantity.value]
+    if plan.quantity is Quantity.OPTIMAL:
+        machine = parse_profile(plan.profile_text, where=plan.where)
+        plant = build_plant(machine)
+        units = dict(zip(plant.signals, plant.signal_units, strict=True))
+        parts.append(Message("sweep-asked-move", move=plan.move, of=len(machine.moves)))
+        for item in plan.bounds:
+            bound = f"{item.value:g} {units[item.name]}"
+            parts.append(Message("sweep-asked-bound", name=item.name, bound=bound))
+    return Message("sweep-asked", parts=tuple(parts))
+
+
+def summarise(table: SweepTable, words: Catalogue) -> list[str]:
+    """Return how many cases ended how, and a line for each outcome but "done" with its reason."""
+    outcomes = table.frame["outcome"].value_counts(sort=True).rows()
+    failed = table.frame.filter(pl.col("outcome") != DONE).unique("outcome", keep="first")
+    ends = tuple(
+        Message("sweep-count-done", count=count) if outcome == DONE else f"{count} {_said(outcome)}"
+        for outcome, count in outcomes
+    )
+    met = int(table.frame[table.flag].sum() or 0)
+    summary = Message(
+        "sweep-summary", count=table.frame.height, ends=ends, kind=table.flag, met=met
+    )
+    reasons = [
+        f"{_said(outcome)}, {words.text('sweep-first-in', case=case)}: {message}"
+        for case, outcome, message in failed.sort("case")["case", "outcome", "message"].rows()
+    ]
+    return [words.say(summary), *reasons]
+
+
+def _said(outcome: str) -> str:
+    return outcome.replace("_", " ")
+
+
+def write_table(table: SweepTable, folder: Path, words: Catalogue) -> None:
     """Write ``rows.parquet`` (units, meanings, bounds as metadata), ``rows.csv`` (units on top).
-
-    Parameters
-    ----------
-    table
-        Rows.
-    folder
-        Exists.
 
     Raises
     ------
     InputError
-        If a file cannot be written.
+        A file cannot be written.
     """
-    units = {column.name: column.unit for column in table.columns}
     heads = [
         f"{column.name} [{column.unit}]" if column.unit else column.name for column in table.columns
     ]
     titled = table.frame.rename(dict(zip(table.frame.columns, heads, strict=True)))
-    meanings = {column.name: meaning_of(column) for column in table.columns}
     metadata = {
-        "asked": table.asked,
-        "units": json.dumps(units),
-        "meanings": json.dumps(meanings),
+        "asked": words.say(table.asked),
+        "units": json.dumps({column.name: column.unit for column in table.columns}),
+        "meanings": json.dumps({one.name: words.say(one.meaning) for one in table.columns}),
     }
     write_safely(
         folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata)
     )
     write_safely(folder / "rows.csv", titled.write_csv)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Summary:
-    """What a sweep came to.
-
-    Parameters
-    ----------
-    text
-        For people: one line, and one more for each outcome of cases that failed, with its reason.
-    done
-        Cases with a result.
-    is_met
-        Whether every case has one, certified or with its requirements met.
-    """
-
-    text: str
-    done: int
-    is_met: bool
-
-
-def summarise_table(table: SweepTable) -> Summary:
-    """Return how many cases have a result, how many are met, and how the others ended.
-
-    Parameters
-    ----------
-    table
-        Rows.
-    """
-    frame = table.frame
-    outcomes = frame["outcome"].value_counts(sort=True).rows()
-    name = "requirements_met" if "requirements_met" in frame.columns else "certified"
-    met = int(frame[name].sum() or 0)
-    done = sum(count for outcome, count in outcomes if outcome == DONE)
-    ends = [f"{count} {outcome.replace('_', ' ')}" for outcome, count in outcomes]
-    text = f"{frame.height} cases: {', '.join(ends)}; {name.replace('_', ' ')}: {met}"
-    return Summary(text="\n".join([text, *_reasons(frame)]), done=done, is_met=met == frame.height)
-
-
-def _reasons(frame: pl.DataFrame) -> list[str]:
-    """One line for each outcome but "done", in the order in which they first come."""
-    failed = frame.filter(pl.col("outcome") != DONE).unique("outcome", keep="first")
-    return [
-        f"{outcome.replace('_', ' ')}, first in case {case}: {message}"
-        for case, outcome, message in failed.sort("case")["case", "outcome", "message"].rows()
-    ]
 
 
 def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:

@@ -11,7 +11,7 @@ sweep-two-units = { $key }: erhalten "{ $got }" unter einer Überschrift in { $u
 sweep-varies-twice = ist zweimal verändert; einmal angeben
 sweep-unequal-lengths = braucht für jeden Schlüssel gleich viele Werte, erhalten { $got }
 sweep-no-axis = erhalten { $got }, muss SCHLÜSSEL=BEREICH sein
-sweep-empty-value = erhalten { $got } mit einem leeren Wert
+sweep-empty-value = hat einen leeren Wert
 sweep-no-range = erhalten { $got }: { $reason }
 sweep-forms-of-ranges = muss START:STOP:COUNT, log:START:STOP:COUNT, random:LOW:HIGH:COUNT:SEED oder eine Liste mit Kommas sein
 sweep-ends-with-two-units = beide Enden mit derselben Einheit schreiben oder beide ohne (SI)
@@ -25,20 +25,82 @@ sweep-no-key = diesen Schlüssel gibt es nicht; Elemente von Listen haben Nummer
 sweep-taken-from-profile = geht nur mit --quantity optimal; { $quantity } entnimmt es dem Profil
 
 sweep-folder-in-use = dort arbeitet eine andere Reihenrechnung; ihr Ende abwarten oder mit -o einen anderen Ordner angeben
-sweep-folder-in-use-by = dort arbeitet eine andere Reihenrechnung (Prozess { $process }); ihr Ende abwarten oder mit -o einen anderen Ordner angeben
 sweep-folder-holds-one = enthält schon eine Reihenrechnung; mit --resume fortsetzen oder einen anderen Ordner angeben
 sweep-folder-holds-another = enthält eine andere Reihenrechnung (anderes Profil, andere Bereiche, Größe oder Version); einen anderen Ordner angeben oder die Optionen, mit denen sie begonnen wurde
 sweep-folder-holds-foreign = enthält { $names }, von keinem Sweep geschrieben oder im Ganzen beschädigt; einen anderen Ordner angeben
 sweep-lock-is-link = { $name } ist ein Verweis
-sweep-lines-set-aside = beschädigte Zeilen des Speichers: { $lines }; nach { $file } gelegt, ihre Fälle wurden neu gerechnet
 sweep-disk-full = kann nicht geschrieben werden ({ $reason }); alle Zeilen davor sind erhalten: Platz schaffen und mit --resume fortsetzen
 sweep-cases-kept = { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen liegen in { $folder }
 sweep-piece-lost = { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen sind gespeichert, Stück { PLAIN($piece, digits: 12) } nicht
 sweep-waits = der Rechnerverbund hat keinen Prozess; es wird auf einen gewartet (starten mit: dask worker ADRESSE), Strg-C beendet
 sweep-scheduler-gone = { $address } antwortet nicht mehr; { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen sind gespeichert
-sweep-no-certificate = { $address } braucht ein Zertifikat, und Dask kennt keines: distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key in seinen Einstellungen angeben (~/.config/dask) oder tcp:// nehmen
 sweep-no-cluster-extra = braucht den Zusatz für Rechnerverbünde: pip install "mtcommission[cluster]"
 sweep-no-dask = was dort lauscht, spricht nicht wie Dask
-sweep-no-scheduler = unter { $address } antwortet kein Scheduler ({ $why }); ihn starten mit: dask scheduler, und die Adresse so angeben, wie er sie nennt: tcp:// oder tls://
-sweep-certificate-refused = bei { $address } taugen die Zertifikate aus den Einstellungen von Dask nicht ({ $why }): die Dateien distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key prüfen (~/.config/dask)
+sweep-no-scheduler = kein Scheduler antwortet unter { $address } ({ $why }); mit „dask scheduler“ starten und die Adresse angeben, die er ausgibt; tls:// braucht Zertifikate in den Einstellungen von Dask (docs/sweeps.md)
 sweep-other-scheme = { $address } angegeben, muss eine Adresse sein, wie dask scheduler sie nennt, tcp://RECHNER:PORT oder tls://RECHNER:PORT
+
+sweep-column-key = Veränderter Schlüssel des Profils.
+sweep-column-case = Nummer des Falls, ab 0; in einem Gitter läuft der letzte Schlüssel am schnellsten.
+sweep-column-inputs = SHA-256 von allem, wovon die Zeile abhängt: Version, Profil, Größe, veränderte Werte.
+sweep-column-t-f = Kürzeste Zeit der Bewegung bis zum völligen Stillstand (zeitoptimal); bei limits der langsamsten Bewegung.
+sweep-column-t-f-lower-bound = Schneller ist keine Steuerung: bewiesen mit der adjungierten Gleichung.
+sweep-column-relative-gap = (t_f - t_f_lower_bound) / t_f.
+sweep-column-certified = Ob die Lücke höchstens 1e-9 ist.
+sweep-column-switches = Anzahl der Umschaltungen der zeitoptimalen Steuerung.
+sweep-column-switching-times = Ihre Umschaltzeiten, durch Leerzeichen getrennt.
+sweep-column-peak = Größter Betrag von { $name } während der Bewegung und danach.
+sweep-column-acceleration = Empfohlene Beschleunigungsgrenze.
+sweep-column-jerk = Empfohlene Ruckgrenze.
+sweep-column-jerk-time = Beschleunigungsgrenze durch Ruckgrenze.
+sweep-column-settling-time = Vom Start, bis das Werkzeug im Toleranzband bleibt; langsamste Bewegung, ungünstigster Fall der Unsicherheit.
+sweep-column-residual = Größte Abweichung des Werkzeugs nach dem Ende des Sollwerts, ungünstigster Fall der Unsicherheit.
+sweep-column-peak-deviation = Größte Abweichung des Werkzeugs überhaupt, ungünstigster Fall der Unsicherheit.
+sweep-column-met = Ob alle Anforderungen in jedem Fall der Unsicherheit erfüllt sind.
+sweep-column-bound-by = Was höhere Grenzen verhindert.
+sweep-column-obstacle = Die Anforderung, die nicht erfüllt ist; leer, wo alle erfüllt sind.
+sweep-column-record = Ergebnisdatei der ganzen Rechnung, neben dieser Tabelle.
+sweep-column-outcome = „done“ (berechnet), oder wie die Rechnung endete.
+sweep-column-message = Warum es kein Ergebnis gibt, und was zu tun ist.
+
+sweep-asked = Berechnet: { $parts }.
+sweep-asked-move = Bewegung { $move } von { $of }
+sweep-asked-bound = |{ $name }| höchstens { $bound }
+sweep-summary = { PLAIN($count, digits: 12) } Fälle: { $ends }; { $kind ->
+        [certified] zertifiziert
+       *[requirements_met] alle Anforderungen erfüllt
+    }: { PLAIN($met, digits: 12) }
+sweep-count-done = { PLAIN($count, digits: 12) } berechnet
+sweep-first-in = zuerst in Fall { PLAIN($case, digits: 12) }
+
+sweep-page-title = Parameterstudie: { $name }
+sweep-page-units = Die Einheiten stehen in den Spaltenköpfen; rows.csv enthält dasselbe in SI. Berechnet, nicht gemessen.
+sweep-page-script = Diagramme und Tabelle brauchen JavaScript; rows.csv enthält dieselben Zeilen.
+sweep-page-plots = Über dem, was sich ändert
+sweep-page-horizontal = Waagrecht
+sweep-page-vertical = Senkrecht
+sweep-page-logarithmic = logarithmisch
+sweep-page-good = { $kind ->
+        [certified] zertifiziert
+       *[requirements_met] alle Anforderungen erfüllt
+    }
+sweep-page-marks = Grüner Punkt: { $good }; rotes Kreuz: nicht. Dünne Linien verbinden Fälle, die sich sonst in nichts unterscheiden. Band grün: alle Fälle dort sind es; gelb: einige; rot: keiner. Mit dem Zeiger einen Punkt ablesen, mit einem Klick sein Profil zeigen.
+sweep-page-trade = Zeit gegen Schwingung, oder zwei beliebige Spalten
+sweep-page-ringed = Umringt: kein anderer Fall ist in einem so niedrig und im anderen niedriger (Pareto-Front).
+sweep-page-map = Karte über zwei Schlüsseln
+sweep-page-value = Wert
+sweep-page-scale = Grau: kein Ergebnis; rote Ecke: nicht { $good }. Gleiche Schritte für gleiche Plätze in der Liste der Werte.
+sweep-page-rows = Zeilen
+sweep-page-back = Zurück
+sweep-page-on = Weiter
+sweep-page-sort = Ein Klick auf den Spaltenkopf sortiert; der Zeiger darauf zeigt, was die Spalte bedeutet.
+sweep-page-profile = Profil eines Falls
+sweep-page-choose = Einen Fall im Diagramm oder in der Tabelle wählen.
+sweep-page-yes = ja
+sweep-page-no = nein
+sweep-page-case = Fall %1
+sweep-page-over = %1 über %2
+sweep-page-over-two = %1 über %2 (nach rechts) und %3 (nach oben)
+sweep-page-numbers = Zahlen: %1
+sweep-page-page = Seite %1 von %2
+sweep-page-chosen = Fall %1; was sich ändert, steht in SI.
+sweep-page-front = Zielkonflikt

@@ -1,4 +1,4 @@
-"""What varies: ranges -> the settings of each case, and its profile."""
+"""What varies: ranges and tables -> the settings of each case, and its profile."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
 from hashlib import sha256
-from math import nan, pi, prod
-from typing import Any
+from math import isfinite, nan, pi, prod
+from typing import Any, NoReturn
 
 import numpy as np
 import tomlkit
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import Positioning
 from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.solution import Bound
+from mtcommission.profile.read import parse_profile
 from mtcommission.units.quantities import NUMBER
 from mtcommission.units.symbols import read_unit
 from mtcommission.version import __version__
@@ -28,6 +30,13 @@ PEAKS_KEY = "requirements.peaks."
 """What follows is a signal; where its bound varies, an optimal control keeps it."""
 MOST_VALUES = 1_000_000
 """Values of one key; a table of them still opens."""
+
+CURVE_PIECE = 500
+"""Neighbouring forces solved together: well below a second."""
+PIECE = 4
+"""Other time-optimal controls together: some tens of milliseconds each."""
+FEWEST = 3
+"""Cases that are worth a curve."""
 
 Settings = tuple[tuple[str, str], ...]
 """Key and text of each varied value of one case."""
@@ -43,56 +52,28 @@ class Quantity(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
-    """Keys that vary together.
+    """Keys that vary together, as dotted paths in the profile, with a row of texts for each value.
 
-    Parameters
-    ----------
-    keys
-        Dotted paths in the profile; elements of arrays by number, ``moves[1].distance`` (counted
-        from 1) or ``moves.0.distance`` (from 0).
-    rows
-        Texts as the profile's reader gets them, one for each key.
-    lines
-        Line of each row in the table that it came from; none for a range.
+    Elements of arrays by number: ``moves[1].distance``, or ``moves.0.distance`` counted from 0.
     """
 
     keys: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    lines: tuple[int, ...] = ()
+    lines: tuple[int, ...] = ()  # of each row in the table that it came from; none for a range
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """A sweep: a profile, what varies, and what is computed.
-
-    Parameters
-    ----------
-    profile_text
-        TOML of the machine as it is.
-    where
-        Name of the profile for messages.
-    axes
-        What varies; none gives the profile's own case.
-    is_paired
-        Whether the axes go together, value by value, instead of each with each.
-    quantity
-        What is computed.
-    move
-        Which of the profile's moves ``optimal`` solves, counted from 1.
-    bounds
-        Bounds on states and outputs for ``optimal``.
-    created
-        When the sweep was begun; goes into the records of ``run``.
-    """
+    """A sweep: a profile, what varies (each axis with each, or in pairs), and what is computed."""
 
     profile_text: str
-    where: str
+    where: str  # name of the profile for messages
     axes: tuple[Axis, ...]
     is_paired: bool = False
     quantity: Quantity = Quantity.OPTIMAL
-    move: int = 1
-    bounds: tuple[Bound, ...] = ()
-    created: str = ""
+    move: int = 1  # which of the profile's moves ``optimal`` solves, counted from 1
+    bounds: tuple[Bound, ...] = ()  # on states and outputs, for ``optimal``
+    created: str = ""  # when the sweep was begun, ISO 8601; goes into the records of ``run``
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -106,19 +87,16 @@ class Plan:
         return min(sizes, default=1) if self.is_paired else prod(sizes)
 
     @property
-    def digest(self) -> str:
-        """SHA-256 of all that the rows depend on, of the version, too."""
-        bounds = [[bound.name, bound.value] for bound in self.bounds]
-        axes = [[axis.keys, axis.rows] for axis in self.axes]
-        parts = [self.base_digest, axes, self.is_paired, bounds]
-        return sha256(json.dumps(parts).encode()).hexdigest()
-
-    @property
     def base_digest(self) -> str:
         """SHA-256 of what all cases share."""
         bounds = [[bound.name, bound.value] for bound in self.bounds]
-        parts = [__version__, self.profile_text, self.quantity.value, self.move, bounds]
-        return sha256(json.dumps(parts).encode()).hexdigest()
+        return _digest(__version__, self.profile_text, self.quantity.value, self.move, bounds)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all that the rows and their places depend on."""
+        axes = [[axis.keys, axis.rows] for axis in self.axes]
+        return _digest(self.base_digest, axes, self.is_paired, piece_size(self))
 
     def settings(self, index: int) -> Settings:
         """Return the varied values of one case; of a grid the last axis runs fastest."""
@@ -130,42 +108,42 @@ class Plan:
         return tuple(chosen)
 
 
-def check_plan(plan: Plan) -> None:
-    """Raise InputError where axes share a key, or are paired and of different length.
+def _digest(*parts: Any) -> str:
+    return sha256(json.dumps(parts).encode()).hexdigest()
 
-    Parameters
-    ----------
-    plan
-        Any plan.
+
+def piece_size(plan: Plan) -> int:
+    """Return how many cases are computed together: each piece is on disk within about a second.
+
+    One where a case takes long: limits, whole runs, and optimal controls that keep a bound.
     """
-    faults = []
-    twice = sorted({key for key in plan.keys if plan.keys.count(key) > 1})
-    faults += [
-        Fault(where="--vary", key=key, message=Message("sweep-varies-twice")) for key in twice
-    ]
-    sizes = {len(axis.rows) for axis in plan.axes}
-    if plan.is_paired and len(sizes) > 1:
-        got = tuple(f"{axis.keys[0]} {len(axis.rows)}" for axis in plan.axes)
-        faults.append(Fault(where="--paired", message=Message("sweep-unequal-lengths", got=got)))
-    if faults:
-        raise InputError(faults)
-    vary_profile(plan.profile_text, plan.settings(0), where=plan.where)
+    keys = [plain_key(key) for key in plan.keys]
+    moves = parse_profile(plan.profile_text, where=plan.where).moves[plan.move - 1 : plan.move]
+    if (
+        plan.quantity is not Quantity.OPTIMAL
+        or plan.bounds
+        or any(key.startswith(PEAKS_KEY) for key in keys)
+        or f"moves.{plan.move - 1}.max_velocity" in keys
+        or any(isinstance(move, Positioning) and isfinite(move.max_velocity) for move in moves)
+    ):
+        return 1
+    together = _neighbours(plan)
+    return min(together, CURVE_PIECE) if together >= FEWEST else PIECE
+
+
+def _neighbours(plan: Plan) -> int:
+    """How many cases in a row differ in F_max alone, on average."""
+    axes = plan.axes if plan.is_paired else plan.axes[-1:]
+    keys = [key for axis in axes for key in axis.keys]
+    rows = [sum(row, ()) for row in zip(*(axis.rows for axis in axes), strict=True)] or [()]
+    others = {
+        tuple(text for key, text in zip(keys, row, strict=True) if key != FORCE_KEY) for row in rows
+    }
+    return len(rows) // len(others)
 
 
 def read_axis(text: str, *, where: str) -> Axis:
-    """Return what ``KEY=RANGE`` asks for.
-
-    Parameters
-    ----------
-    text
-        Key and range.
-    where
-        Option, for messages.
-
-    Raises
-    ------
-    InputError
-        If it is no range.
+    """Return what ``KEY=RANGE`` asks for; raise InputError, naming the option, if it is no range.
 
     Examples
     --------
@@ -179,77 +157,50 @@ def read_axis(text: str, *, where: str) -> Axis:
 
 
 def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
-    """Return the values of a range as one-column rows of texts.
+    """Return the values of a range as one-column rows of texts, ends with or without a unit.
 
-    Parameters
-    ----------
-    text
-        ``START:STOP:COUNT``, ``log:START:STOP:COUNT``, ``random:LOW:HIGH:COUNT:SEED`` or a comma
-        list; ends with or without a unit.
-    where
-        Option, for messages.
-
-    Raises
-    ------
-    InputError
-        If it is none of them.
+    ``START:STOP:COUNT``, ``log:START:STOP:COUNT``, ``random:LOW:HIGH:COUNT:SEED`` or a comma list;
+    anything else raises InputError.
 
     Examples
     --------
     >>> read_range("log:1:100:3", where="--f-max")
     (('1.0',), ('10.0',), ('100.0',))
     """
+
+    def refuse(kind: str, **values: Value) -> NoReturn:
+        why = Message("sweep-no-range", got=repr(text), reason=Message(kind, **values))
+        raise InputError([Fault(where=where, message=why)])
+
     parts = [part.strip() for part in text.split(":")]
     if len(parts) == 1:
         values = [value.strip() for value in text.split(",")]
         if not all(values):
-            message = Message("sweep-empty-value", got=repr(text))
-            raise InputError([Fault(where=where, message=message)])
+            refuse("sweep-empty-value")
         return tuple((value,) for value in values)
     kind = parts.pop(0) if parts[0] in ("log", "random") else "even"
-    try:
-        numbers, unit = _spread(kind, parts)
-    except _NoRangeError as error:
-        message = Message("sweep-no-range", got=repr(text), reason=error.reason)
-        raise InputError([Fault(where=where, message=message)]) from error
-    return tuple((f"{number!r} {unit}".strip(),) for number in numbers)
-
-
-class _NoRangeError(ValueError):
-    """A text that is no range, and why."""
-
-    def __init__(self, kind: str, /, **values: Value) -> None:
-        self.reason = Message(kind, **values)
-
-
-def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
-    wanted = {"even": 3, "log": 3, "random": 4}[kind]
-    if len(parts) != wanted:
-        raise _NoRangeError("sweep-forms-of-ranges")
-    (low, low_unit), (high, high_unit) = _split(parts[0]), _split(parts[1])
+    if len(parts) != (4 if kind == "random" else 3):
+        refuse("sweep-forms-of-ranges")
+    ends = [NUMBER.match(part) for part in parts[:2]]
+    if ends[0] is None or ends[1] is None:
+        refuse("sweep-no-number", got=repr(parts[0] if ends[0] is None else parts[1]))
+    low, high, unit = float(ends[0][0]), float(ends[1][0]), unit_of(parts[0])
     # A bare number is SI, so "300:20kN" could be meant in two ways.
-    if low_unit != high_unit:
-        raise _NoRangeError("sweep-ends-with-two-units")
-    whole = [part for part in parts[2:] if not part.isascii() or not part.isdigit()]
-    if whole:
-        raise _NoRangeError("sweep-no-whole-number", got=repr(whole[0]))
+    if unit != unit_of(parts[1]):
+        refuse("sweep-ends-with-two-units")
+    for part in parts[2:]:
+        if not (part.isascii() and part.isdigit()):
+            refuse("sweep-no-whole-number", got=repr(part))
     count = int(parts[2])
     if not 1 <= count <= MOST_VALUES:
-        raise _NoRangeError("sweep-count-of-range", most=MOST_VALUES)
+        refuse("sweep-count-of-range", most=MOST_VALUES)
     if kind == "log" and not (low > 0.0 and high > 0.0):
-        raise _NoRangeError("sweep-logarithm-of-zero")
+        refuse("sweep-logarithm-of-zero")
     if kind == "random":
         found = np.random.default_rng(int(parts[3])).uniform(low, high, count)
     else:
         found = (np.geomspace if kind == "log" else np.linspace)(low, high, count)
-    return found.tolist(), low_unit
-
-
-def _split(text: str) -> tuple[float, str]:
-    match = NUMBER.match(text)
-    if match is None:
-        raise _NoRangeError("sweep-no-number", got=repr(text))
-    return float(match[0]), text[match.end() :].strip()
+    return tuple((f"{number!r} {unit}".strip(),) for number in found.tolist())
 
 
 @lru_cache(maxsize=4096)  # each case asks several times, all cases share most of their texts
@@ -285,38 +236,19 @@ def unit_of(text: str) -> str:
 
 
 def vary_profile(text: str, settings: Settings, *, where: str) -> str:
-    """Return a profile with some values replaced, comments and lines kept.
+    """Return a profile (TOML) with some values replaced, comments and lines kept.
 
-    Parameters
-    ----------
-    text
-        TOML.
-    settings
-        Keys and texts.
-    where
-        Name of the profile, for messages.
-
-    Returns
-    -------
-    str
-        Whether keys and values are allowed is for the profile's reader to say.
+    Whether keys and values are allowed is for the profile's reader to say.
 
     Raises
     ------
     InputError
-        If a key leads through a value, or the text is no TOML.
+        A key leads through a value, or the text is no TOML.
     """
-    mark = _unused_mark(text)
+    mark = sha256(text.encode()).hexdigest()  # stands nowhere in the text
     template = _mark_places(text, tuple(key for key, _ in settings), mark=mark, where=where)
     written = [_write_value(value) for _, value in settings]
-    return re.sub(f'"{mark}([0-9]+)"', lambda match: written[int(match[1])], template)
-
-
-def _unused_mark(text: str) -> str:
-    mark = "@"
-    while mark in text:
-        mark += "@"
-    return mark
+    return re.sub(f'"{mark}-([0-9]+)"', lambda match: written[int(match[1])], template)
 
 
 @lru_cache(maxsize=16)  # all cases vary the same keys; reading the profile anew takes 6 ms
@@ -329,12 +261,10 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
         raise InputError([Fault(where=where, message=message)]) from error
     for number, key in enumerate(keys):
         try:
-            _place(document, plain_key(key).split("."), f"{mark}{number}")
-        except LookupError as error:
-            message = Message("sweep-no-element", example=EXAMPLE_KEY)
-            raise InputError([Fault(where=where, key=key, message=message)]) from error
-        except (TypeError, ValueError) as error:
-            message = Message("sweep-no-key", example=EXAMPLE_KEY)
+            _place(document, plain_key(key).split("."), f"{mark}-{number}")
+        except (LookupError, TypeError, ValueError) as error:
+            kind = "sweep-no-element" if isinstance(error, LookupError) else "sweep-no-key"
+            message = Message(kind, example=EXAMPLE_KEY)
             raise InputError([Fault(where=where, key=key, message=message)]) from error
     return document.as_string()
 
