@@ -25,19 +25,9 @@ def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> C
     """Return optima, recommended limits, their response and the verdict.
 
     Like the commands in one thread of BLAS, whatever the process allows: the order of summation
-    changes with their number, and so would the last digits.
-
-    Parameters
-    ----------
-    profile
-        A profile's file, or a machine that was read from one and changed.
-    settings
-        Numerical settings; None: the defaults.
-
-    Returns
-    -------
-    Commissioning
-        docs/python.md tells what it holds, and the shape and unit of every time series.
+    changes with their number, and so would the last digits. ``profile`` is a file, or a machine
+    that was read from one and changed; ``settings`` are numerical ones, None the defaults.
+    docs/python.md tells what is returned, and the shape and unit of every time series.
 
     Raises
     ------
@@ -62,22 +52,9 @@ def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> C
 
 
 def make_record(found: Commissioning) -> Record:
-    """Return the record of a machine that was run from its profile; in one thread, like ``run``.
+    """Return the record of a machine that was run from its file, for the sheet and exports.
 
-    Parameters
-    ----------
-    found
-        From ``run`` with a file: a record holds the profile's text.
-
-    Returns
-    -------
-    Record
-        For ``mtcommission.sheet`` and ``mtcommission.export``.
-
-    Raises
-    ------
-    InputError
-        If it was run from a machine instead.
+    In one thread, like ``run``; raises InputError if it was run from a machine instead.
     """
     from threadpoolctl import threadpool_limits
 

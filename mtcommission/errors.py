@@ -23,24 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fault:
-    """One thing wrong with the input.
+    """One thing wrong with the input."""
 
-    Parameters
-    ----------
-    where
-        File name, or the option of the command line; "" if neither applies.
-    line
-        Line in that file, counted from 1; 0 where there is no line.
-    key
-        The key, e.g. ``plant.base_mass`` or ``moves[1].distance``; "" for the whole file.
-    message
-        What was got (with its unit), what is allowed, what to do.
-    """
-
-    where: str
-    line: int = 0
-    key: str = ""
-    message: Message
+    where: str  # file, or option of the command line; "" if neither applies
+    line: int = 0  # in that file, counted from 1; 0 where there is no line
+    key: str = ""  # e.g. ``moves[1].distance``; "" for the whole file
+    message: Message  # what was got (with its unit), what is allowed, what to do
 
     def text(self, catalogue: Catalogue) -> str:
         """Return the fault with its place, in the language of a catalogue."""
@@ -70,13 +58,7 @@ class MtcommissionError(Exception):
 
 
 class InputError(MtcommissionError):
-    """What the user gave cannot be used; carries every fault found.
-
-    Parameters
-    ----------
-    faults
-        At least one fault.
-    """
+    """What the user gave cannot be used; carries every fault found, at least one."""
 
     exit_code = 2
 
@@ -90,13 +72,7 @@ class InputError(MtcommissionError):
 
 
 class Refused(ValueError):
-    """A value cannot be used; whoever knows where it stands makes a fault of it.
-
-    Parameters
-    ----------
-    message
-        What was got, what is allowed, what to do.
-    """
+    """A value cannot be used; whoever knows where it stands makes a fault of its message."""
 
     def __init__(self, message: Message) -> None:
         super().__init__(message)
@@ -133,15 +109,7 @@ class Outcome(Enum):
 
 
 class ComputationError(MtcommissionError):
-    """A computation ended with a named outcome other than success.
-
-    Parameters
-    ----------
-    outcome
-        The named outcome.
-    detail
-        What was computed, with its numbers.
-    """
+    """A computation ended with a named outcome; ``detail``: what was computed, with numbers."""
 
     exit_code = 3
 

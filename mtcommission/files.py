@@ -27,16 +27,9 @@ PATIENCE = 10.0
 
 
 def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
-    """Return what a file holds, or standard input if its name is ``-``.
+    """Return at most ``most`` bytes of a file, or of standard input if its name is ``-``.
 
-    Parameters
-    ----------
-    path
-        Of the file.
-    folder
-        What to say if it is a folder.
-    most
-        Bytes that are read at most.
+    ``folder``: what to say if it is a folder.
 
     Raises
     ------
@@ -76,21 +69,9 @@ def _open_pipe_patiently(name: str, flags: int) -> int:
 
 
 def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> None:
-    """Raise before anything is computed if files cannot be written into a folder.
+    """Raise InputError before anything is computed if files cannot be written into a folder.
 
-    Parameters
-    ----------
-    folder
-        May be missing; nothing is made yet.
-    names
-        Of the files.
-    inputs
-        Files that must stay as they are.
-
-    Raises
-    ------
-    InputError
-        If it is a file, or it or a file in it may not be written.
+    The folder may be missing; nothing is made yet. ``inputs`` are files that must stay as they are.
     """
     place = folder
     while not place.exists() and place != place.parent:
@@ -117,12 +98,7 @@ def no_folder(folder: Path, reason: Message | OSError) -> InputError:
 def require_writable(*names: str, inputs: Sequence[Path] = ()) -> None:
     """Raise before anything is computed if a text cannot be written to one of these files.
 
-    Parameters
-    ----------
-    names
-        File names; "" is none, "-" standard output.
-    inputs
-        Files that must stay as they are.
+    Of the names "" is none, "-" standard output; ``inputs`` are files that must stay as they are.
 
     Raises
     ------
@@ -167,19 +143,9 @@ def _wrong_with(name: str, inputs: Sequence[Path]) -> Message | None:
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a folder, all of them or, if one cannot be filled, none.
+    """Write files by name into a folder, made if it is missing: all or, if one fails, none.
 
-    Parameters
-    ----------
-    folder
-        Made if it is missing.
-    files
-        Contents by name.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be used.
+    Raises InputError if the folder cannot be used.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -191,20 +157,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def write_text(name: str, text: str) -> None:
-    """Write a text to a file, or to standard output if the name is ``-``.
-
-    Parameters
-    ----------
-    name
-        File name or ``-``.
-    text
-        Content.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write a text to a file, or to standard output if the name is ``-``; raise InputError."""
     if name == "-":
         sys.stdout.write(text)
         return
@@ -223,19 +176,9 @@ def _why(error: OSError) -> Message | str:
 
 
 def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:
-    """Write a file as a whole or not at all; into a device or a pipe as it comes.
+    """Write a file as a whole or not at all, following a link; into a device or pipe as it comes.
 
-    Parameters
-    ----------
-    path
-        A link is followed.
-    content
-        Or what fills the file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; what was there before is unchanged.
+    Raises OSError if it cannot be written; what was there before is unchanged.
     """
     with _replacing(path, content):
         pass

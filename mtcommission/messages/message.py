@@ -21,12 +21,7 @@ NO_VALUES: Mapping[str, Value] = MappingProxyType({})
 class Message:
     """What is to be said: no words yet, they are in the catalogue of each language.
 
-    Parameters
-    ----------
-    kind
-        Key of the text in the catalogue, e.g. ``"frequency-spread-not-stated"``.
-    values
-        By name; SI numbers, texts, or messages. The catalogue knows the unit of each.
+    ``kind`` is the key of the text in the catalogue; the catalogue knows the unit of each value.
 
     Examples
     --------

@@ -23,21 +23,11 @@ FINEST = 5e-5
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """An engineering unit: value in it = SI value / ``size``.
-
-    Parameters
-    ----------
-    size
-        One such unit in SI.
-    unit
-        As printed.
-    least
-        Value in this unit from which it is used.
-    """
+    """An engineering unit: value in it = SI value / ``size``."""
 
     size: float
-    unit: str
-    least: float = 1.0
+    unit: str  # as printed
+    least: float = 1.0  # value in this unit from which it is used
 
 
 _LADDERS: dict[str, tuple[Scale, ...]] = {
@@ -79,37 +69,19 @@ _ROTARY_LADDERS: dict[str, tuple[Scale, ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Formatter:
-    """Prints SI values for one axis in one language.
+    """Prints SI values for one axis in one language."""
 
-    Parameters
-    ----------
-    rotary
-        Whether angles are the axis's own coordinate (then degrees) or a tilt (then mrad).
-    decimal_mark
-        Of the language.
-    follows
-        Whether the motor follows its setpoint: its acceleration stands for every force.
-    """
-
-    rotary: bool = False
-    decimal_mark: str = "."
-    follows: bool = False
+    rotary: bool = False  # whether angles are the axis' coordinate (degrees) or a tilt (mrad)
+    decimal_mark: str = "."  # of the language
+    follows: bool = False  # whether an open-loop axis: acceleration stands for every force
 
     def quantity(
         self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
     ) -> str:
         """Return a value with its engineering unit, e.g. ``"105.6 ms"``.
 
-        Parameters
-        ----------
-        value
-            SI; None where the record has no number.
-        unit
-            SI unit as the record spells it, e.g. ``"m/s^2"``; "" for a plain number.
-        missing
-            Text for None.
-        digits
-            Significant digits; integers are never cut.
+        The value is SI, its unit as the record spells it, e.g. ``"m/s^2"``, or "" for a plain
+        number; ``missing`` is printed for None, and integers are never cut to ``digits``.
 
         Examples
         --------
@@ -134,17 +106,7 @@ class Formatter:
     def axis(
         self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
     ) -> str:
-        """Return a value of the axis's own motion, as ``quantity`` does.
-
-        Parameters
-        ----------
-        value
-            SI; None where the record has no number.
-        unit
-            SI unit that it has on a linear axis, e.g. ``"m/s^2"``; see ``motion_unit``.
-        missing
-            Text for None.
-        """
+        """Return a value of the axis's own motion by the unit it has on a linear axis."""
         if self.follows:
             unit = {"N": "m/s^2", "kg": "", "1/kg": ""}.get(unit, unit)
         unit = motion_unit(unit, rotary=self.rotary)
@@ -176,12 +138,7 @@ class Formatter:
     def number(self, value: float, *, digits: int = DIGITS) -> str:
         """Return a number with significant digits; powers of ten beyond 1e6 and below 1e-3.
 
-        Parameters
-        ----------
-        value
-            Finite.
-        digits
-            Significant digits; integers below 1e6 are never cut.
+        Integers below 1e6 are never cut.
 
         Examples
         --------
