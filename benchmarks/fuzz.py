@@ -69,7 +69,7 @@ WARM = tuple(
         "sheet",
         "cli.machine_view",
         "cli.optimum_view",
-        "cli.results_view",
+        "cli.limits_view",
         "limits.judge",
         "wizard",
         "options",

@@ -119,10 +119,9 @@ def _job(name: str, group: str, times: list[float], *, megabytes: float = nan) -
 
 def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
-    from mtcommission.cli.inputs import parse_machine
     from mtcommission.commission import commission
     from mtcommission.messages.catalogue import Catalogue
-    from mtcommission.profile.read import read_source
+    from mtcommission.profile.read import parse_profile, read_source
     from mtcommission.record.build import record_run
     from mtcommission.sheet import print_html, print_pdf
 
@@ -134,7 +133,7 @@ def stages(repeats: int) -> list[Job]:
         def mark(stage: Message | str, into: list[tuple[str, float]] = marks) -> None:
             into.append((english.say(stage), process_time()))
 
-        machine = parse_machine(source, "", where=PROFILE)
+        machine = parse_profile(source.text, where=str(PROFILE))
         found = commission(machine, profile=source, progress=mark)
         mark("record")
         record = record_run(found, created="")

@@ -11,19 +11,18 @@ import sys
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
-from io import StringIO
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from mtcommission import cli
 from mtcommission.__main__ import main as start
 from mtcommission.cli.optimum_view import describe_optimum
-from mtcommission.cli.terminal import show
+from mtcommission.cli.terminal import fold, show
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
@@ -464,9 +463,7 @@ def test_arcs_on_a_mesh_are_not_reported_as_a_broken_law() -> None:
 
 
 def shown(machine: Machine, plant: Plant, optimum: TimeOptimum) -> str:
-    console = Console(width=80, record=True, file=StringIO())
-    console.print(describe_optimum(machine, plant, optimum))
-    return console.export_text()
+    return "\n".join(fold(describe_optimum(machine, plant, optimum, Catalogue())))
 
 
 def test_check_shows_modes_and_rigid_limits(run: Run) -> None:
@@ -529,7 +526,7 @@ def test_names_between_colons_are_printed_as_they_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """``boundary:v:+`` came out with a picture of a hand in it."""
-    show("boundary:v:+")
+    show(["boundary:v:+"])
     assert capsys.readouterr().out == "boundary:v:+\n"
 
 

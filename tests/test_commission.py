@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.cli.results_view import describe_limits
-from mtcommission.cli.terminal import show
+from mtcommission.cli.compute import ROWS_BELOW
+from mtcommission.cli.limits_view import ROWS, describe_limits
+from mtcommission.cli.terminal import fold
 from mtcommission.commission import Commissioning, commission
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Motion
-from mtcommission.messages.quantities import Formatter
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.profile.read import parse_profile, read_profile
-from mtcommission.recommend import Recommendation
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_answer
@@ -167,34 +169,28 @@ def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:
     assert load_record(path) == record
 
 
-def test_terminal_shows_the_peak_of_every_row(
-    found: Commissioning, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """If it failed, limits that rest well but swing far on the way would look good."""
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_terminals_answer_fits_one_screen(found: Commissioning, language: str) -> None:
+    """If it failed, what was asked for would have scrolled away; 80 x 24, prompt included."""
     machine = found.machine
-    answer = limits_answer(
-        Recommendation(
-            machine=machine,
-            plant=found.plant,
-            loop=found.loop,
-            choice=found.choice,
-            today=found.today,
-            rule=found.rule,
-            rules=found.rules,
-        )
-    )
-    show(describe_limits(machine, answer))
-    unit = "m" if machine.motion is Motion.LINEAR else "rad"
-    printed = Formatter(rotary=unit == "rad")
-    rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
-    peaks = [
-        found.recommended.peak_deviation,
-        *(candidate.peak_deviation for candidate in found.rules),
-    ]
-    shown = [cell.strip() for row in rows for cell in row]
-    assert "Peak" in shown
-    for peak in peaks:
-        assert printed.quantity(peak, unit) in shown
+    words = Catalogue(language, rotary=machine.motion is Motion.ROTARY)
+    answer, notes = limits_answer(found), ["a long note that wraps " * 20, "and a short one"]
+    for rows, rules in ((ROWS - ROWS_BELOW, []), (ROWS - 1, answer.rules)):
+        shortened = replace(answer, rules=rules)
+        lines = fold(describe_limits(machine, shortened, words, further=notes, rows=rows))
+        assert len(lines) <= rows
+        assert max(map(len, lines)) <= 80
+        shown = "\n".join(lines)
+        best = found.recommended
+        for told in (
+            machine.name,
+            words.text("verdict-met" if found.assessment.is_met else "verdict-not-met"),
+            words.say(found.choice.bound_by),
+            words.format.axis(best.limits.acceleration, "m/s^2"),
+            words.format.axis(best.peak_deviation, "m"),
+            words.text("terminal-assumed", what="").split(":")[0],
+        ):
+            assert told in shown
 
 
 def test_recommendation_beats_every_rule_that_keeps_the_reserve(record: Record) -> None:

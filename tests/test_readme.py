@@ -76,7 +76,7 @@ def test_the_first_command_prints_what_readme_shows(
         README.write_text(README.read_text("utf-8").replace(shown, renewed), "utf-8")
         shown = renewed
     assert shown == renewed
-    assert max(map(len, printed.split("written:")[0].splitlines())) <= 80
+    assert max(map(len, printed.split("written into")[0].splitlines())) <= 80
     assert "next: mtcommission export out/record.json --control sinumerik" in printed
     out = tmp_path / "out"
     assert {file.name for file in out.iterdir()} == {

@@ -7,18 +7,18 @@ import re
 import sys
 from dataclasses import replace
 from html import unescape
-from io import StringIO
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from rich.console import Console
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import fsolve
 
 from mtcommission import cli
+from mtcommission.cli.terminal import fold
+from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, constant_arc, propagate
@@ -357,9 +357,7 @@ def test_paper_machine_is_table_1() -> None:
 
 
 def test_terminal_shows_80_columns(found: Validation) -> None:
-    screen = StringIO()
-    Console(width=80, no_color=True, file=screen).print(page.describe_validation(found))
-    lines = screen.getvalue().splitlines()
+    lines = fold(describe_validation(found))
     assert max(map(len, lines)) <= 80
     text = " ".join(" ".join(lines).split())
     for row in found.rows:

@@ -26,7 +26,7 @@ from mtcommission.machine.machine import Machine, Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
-from mtcommission.options.simulate import read_tried
+from mtcommission.options import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.schema.what_if import WhatIfPart

@@ -11,7 +11,7 @@ import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
 from mtcommission.cli.language import SPOKEN, LanguageOption, words
-from mtcommission.cli.progress import print_note, print_written, show_bar, show_stage
+from mtcommission.cli.terminal import print_note, print_written, show, show_bar, show_stage
 from mtcommission.clock import now
 
 
@@ -103,7 +103,7 @@ def validate(
 
     Exit code 1 if one is out of its stated tolerance.
     """
-    from mtcommission.cli.terminal import show
+    from mtcommission.cli.validation_view import describe_validation
     from mtcommission.files import require_folder, require_writable, write_files, write_text
     from mtcommission.record.files import dump_json
     from mtcommission.validate import page
@@ -119,5 +119,5 @@ def validate(
         text = page.print_validation(found, created=now())
         write_files(Path(output), {"validation.html": text.encode()})
     if json_file != "-":
-        show(page.describe_validation(found))
+        show(describe_validation(found))
     raise typer.Exit(0 if found.is_met else 1)

@@ -22,18 +22,20 @@ from mtcommission.cli.arguments import (
     NoPdfOption,
     ProfileArgument,
     SizesOption,
+    read_machine,
 )
-from mtcommission.cli.inputs import parse_machine, read_machine
-from mtcommission.cli.language import SPOKEN, LanguageOption, say
-from mtcommission.cli.progress import announce_limits, print_note, print_written, show_stage
+from mtcommission.cli.language import SPOKEN, LanguageOption, say, words
+from mtcommission.cli.terminal import announce_limits, print_said, show, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
-    from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import ProfileSource
     from mtcommission.recommend import Recommendation
     from mtcommission.record.schema.values import Words
+
+ROWS_BELOW = 4
+"""Lines that ``run`` says below its answer: what was written, and what to do next."""
 
 
 def run(
@@ -50,22 +52,28 @@ def run(
     DIR gets record.json, sheet.html, sheet.pdf and, for each move, a setpoint.csv.
     """
     from mtcommission.files import require_folder, write_files
-    from mtcommission.profile.read import read_source
 
     names = ("record.json", "sheet.html", "sheet.pdf", "setpoint.csv")
     require_folder(output, *names, inputs=[profile])
-    source = read_source(profile)
-    machine = parse_machine(source, f_max, where=profile, sizes=sizes)
+    machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
 
     from mtcommission.cli.csv_texts import setpoint_csv
-    from mtcommission.cli.terminal import show
+    from mtcommission.cli.limits_view import ROWS, describe_limits
     from mtcommission.commission import commission
     from mtcommission.control_kinds.kinds import GENERIC
     from mtcommission.export.catalogue import CONTROL_KEYS
     from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise, type_in
+    from mtcommission.record.limits import limits_answer
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
+    from mtcommission.sheet.verdict import (
+        assumed_and_binding,
+        attainable_sentences,
+        reference_sentence,
+        slowest_move,
+    )
 
+    spoken = words()
     with show_stage() as progress:
         found = commission(
             machine, profile=source, progress=progress, announce=announce_limits(machine)
@@ -89,18 +97,26 @@ def run(
             cycle = found.tuned.controller.position_cycle
             files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
     write_files(output, files)
-    show(summarise(record, language=language))
-    for note in notes:
-        print_note(note)
-    print_written(output, files)
-    file = shlex.quote(str(output / "record.json"))
+    answer = replace(limits_answer(found), rules=[])  # they stand in the appendix
+    others = [one for one in record.warnings if one not in answer.warnings]
+    further = (
+        *attainable_sentences(record, spoken),
+        *assumed_and_binding(record, spoken),
+        *notes,
+        *others,
+        reference_sentence(record, slowest_move(record), spoken),
+    )
+    rows = ROWS - ROWS_BELOW
+    show(describe_limits(machine, answer, spoken, further=further, rows=rows))
     kind = machine.control.kind.key
     is_known = kind in CONTROL_KEYS and kind != GENERIC.key
+    file = shlex.quote(str(output / "record.json"))
     following = say("cli-next-export", record=file, control=kind if is_known else "NAME")
-    sys.stdout.write(f"{following}\n")
     if not is_known:
         indent = " " * (following.index(":") + 2)
-        sys.stdout.write(f"{indent}{say('cli-list-of-controls')}\n")
+        following += f"\n{indent}{say('cli-list-of-controls')}"
+    print_said("cli-written-into", folder=str(output), files=tuple(files))
+    sys.stdout.write(f"{following}\n")
     raise typer.Exit(0 if record.assessment.met else 1)
 
 
@@ -142,7 +158,7 @@ def optimal(
         int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
     ] = 1000,
     jerk: Annotated[
-        str, typer.Option("--jerk", metavar="J", help="Jerk limit of a motor that follows.")
+        str, typer.Option("--jerk", metavar="J", help="Jerk limit of an open-loop axis.")
     ] = "",
     language: LanguageOption = SPOKEN,
     json_file: JsonOption = "",
@@ -153,23 +169,17 @@ def optimal(
 
     from mtcommission.cli.csv_texts import motion_csv
     from mtcommission.cli.optimum_view import describe_optimum
-    from mtcommission.cli.terminal import show
     from mtcommission.files import require_writable, write_text
-    from mtcommission.options.optimal import (
-        OptimalRequest,
-        final_time_origin,
-        read_optimal_request,
-        solve,
-    )
+    from mtcommission.options import final_time_origin, read_optimal_request, solve
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
     from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file, inputs=[profile])
-    machine = read_machine(profile, f_max)
+    machine, _ = read_machine(profile, f_max=f_max)
     plant = build_plant(machine)
-    request: OptimalRequest = read_optimal_request(
+    request = read_optimal_request(
         machine,
         plant,
         kind=kind,
@@ -196,7 +206,7 @@ def optimal(
         write_text(csv_file, motion_csv(plant, solution))
     if "-" not in (json_file, csv_file):
         origin = final_time_origin(machine, request)
-        show(describe_optimum(machine, plant, solution, origin=origin))
+        show(describe_optimum(machine, plant, solution, words(), origin=origin))
 
 
 def limits(
@@ -214,45 +224,38 @@ def limits(
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
-    from mtcommission.profile.read import read_source
 
     require_writable(json_file, page, inputs=[profile])
-    source = read_source(profile)
-    machine = parse_machine(source, f_max, where=profile, sizes=sizes)
-    if page and not json_file:
-        raise typer.Exit(_write_page(machine, source, page, language=language))
+    machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
+    is_page_only = bool(page and not json_file)
 
-    from mtcommission.cli.results_view import describe_limits
-    from mtcommission.cli.terminal import show
     from mtcommission.recommend import recommend
-    from mtcommission.record.files import dump_json
-    from mtcommission.record.limits import limits_answer
 
     with show_stage() as progress:
         found = recommend(
-            machine, with_rules=True, progress=progress, announce=announce_limits(machine)
+            machine,
+            with_rules=not is_page_only,
+            progress=progress,
+            announce=announce_limits(machine),
         )
+    if page:
+        write_text(page, _page_of(found, source, language=language))
+    if is_page_only:
+        if page != "-":
+            print_said("cli-page-written", file=page)
+        raise typer.Exit(0 if found.choice.meets_requirements else 1)
+
+    from mtcommission.cli.limits_view import ROWS, describe_limits
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.limits import limits_answer
+
     answer = limits_answer(found)
     if json_file:
         write_text(json_file, dump_json(answer))
-    if page:
-        write_text(page, _page_of(found, source, language=language))
     if "-" not in (json_file, page):
-        show(describe_limits(machine, answer))
+        show(describe_limits(machine, answer, words(), rows=ROWS - 1))
+        print_said("cli-next-run", profile=shlex.quote(str(profile)))
     raise typer.Exit(0 if answer.assessment.met else 1)
-
-
-def _write_page(machine: Machine, source: ProfileSource, page: str, *, language: str) -> int:
-    """Write a page to try values on; its limits are recommended without the rest of the job."""
-    from mtcommission.files import write_text
-    from mtcommission.recommend import recommend
-
-    with show_stage() as progress:
-        found = recommend(machine, progress=progress)
-    write_text(page, _page_of(found, source, language=language))
-    if page != "-":
-        sys.stdout.write(f"{say('cli-page-written', file=page)}\n")
-    return 0 if found.choice.meets_requirements else 1
 
 
 def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> str:
@@ -305,12 +308,12 @@ def simulate(
     """
     from mtcommission.files import require_writable, write_text
     from mtcommission.machine.rigid_body import require_force
-    from mtcommission.options.simulate import read_limits, read_tried
+    from mtcommission.options import read_limits, read_tried
     from mtcommission.setpoint.duration import require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
-    machine = read_machine(profile, f_max, sizes=sizes)
-    chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
+    machine, _ = read_machine(profile, f_max=f_max, sizes=sizes)
+    asked = chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
     tried = read_tried(
         machine,
         setpoint_filter=setpoint_filter,
@@ -322,8 +325,7 @@ def simulate(
     require_force(machine)
     require_short_moves(tried.machine, acceleration=chosen.acceleration)
 
-    from mtcommission.cli.results_view import describe_simulation
-    from mtcommission.cli.terminal import show
+    from mtcommission.cli.limits_view import describe_simulation
     from mtcommission.limits.judge import simulate_moves
     from mtcommission.loop.tuning.tuned import close_beside
     from mtcommission.plant.plant import build_plant
@@ -332,7 +334,6 @@ def simulate(
     from mtcommission.setpoint.motion_limits import without_jerk_limit
     from mtcommission.study.loops import describe_loop, settle_on_loop
 
-    asked = chosen
     notes: list[Words] = []
     if tried.machine.control.seeks_setpoint_filter:
         notes.append(Message("simulated-without-filter"))
@@ -346,11 +347,10 @@ def simulate(
         tuned = settle_on_loop(machine).tuned
         if tried.place:
             tuned = close_beside(tuned, machine, tried.place)
-        machine = tried.machine
         progress(Message("stage-response"))
-        moves = simulate_moves(machine, tuned, chosen)
+        moves = simulate_moves(tried.machine, tuned, chosen)
     notes += describe_loop(tuned.controller)
-    part = simulation_part(machine, plant, tuned, moves)
+    part = simulation_part(tried.machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:
         write_text(json_file, dump_json(part))
@@ -359,5 +359,5 @@ def simulate(
 
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
-        show(describe_simulation(machine, part))
+        show(describe_simulation(tried.machine, part, words()))
     raise typer.Exit(0 if part.assessment.met else 1)

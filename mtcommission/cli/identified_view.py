@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from mtcommission.cli.language import words
-from mtcommission.cli.terminal import heading, warn
+from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.sheet.identified import doubts_and_notes, facts, mode_heads, mode_row
 
@@ -22,37 +19,31 @@ def refusal(part: IdentifiedPart, *, forced: bool) -> tuple[str, ...]:
     return (*heads, *map(spoken.say, doubts))
 
 
-def describe_identified(part: IdentifiedPart, *, forced: bool) -> Group:
+def describe_identified(part: IdentifiedPart, *, forced: bool) -> list[Line]:
     """Return mass, delay, modes, spreads, the check of itself and what is in doubt.
 
-    Parameters
-    ----------
-    part
-        What was measured.
-    forced
-        Whether a profile is written although no model fits.
+    ``forced``: whether a profile is written although no model fits.
     """
     spoken = words(rotary=part.rotary)
-    say, form = spoken.text, spoken.format
-    modes = Table(box=None, pad_edge=False, header_style="bold")
-    for head in mode_heads(spoken):
-        modes.add_column(head, overflow="fold")
-    for mode in part.modes:
-        modes.add_row(*mode_row(mode, part, spoken))
-    lines = [f"{name}: {value} ({why})" for name, value, why in facts(part, spoken)]
-    lines += [
-        f"{say('identify-head-explained')}: {form.percent(one.explained)}, {one.record}"
+    doubts, notes = doubts_and_notes(part)
+    files = ", ".join(source.name for source in part.sources)
+    modes = table(mode_heads(spoken), (mode_row(mode, part, spoken) for mode in part.modes))
+    return [
+        *((line, "bold red") for line in refusal(part, forced=forced)),
+        heading(spoken.text("identify-title-of", files=files)),
+        *(f"{name}: {value} ({why})" for name, value, why in facts(part, spoken)),
+        *_checks(part, spoken),
+        *(["", *modes] if part.modes else []),
+        spoken.text("identify-page-note"),
+        *map(spoken.say, notes),
+        *warn(spoken, [one for one in doubts if one.kind != NOT_DESCRIBED]),
+    ]
+
+
+def _checks(part: IdentifiedPart, spoken: Catalogue) -> list[str]:
+    say = spoken.text
+    return [
+        f"{say('identify-head-explained')}: {spoken.format.percent(one.explained)}, {one.record}"
         + (f" ({say('identify-head-held-back')})" if one.held_back else "")
         for one in part.checks
     ]
-    files = ", ".join(source.name for source in part.sources)
-    parts: list[RenderableType] = [
-        *(Text(line, style="bold red") for line in refusal(part, forced=forced)),
-        heading(say("identify-title-of", files=files)),
-        *map(Text, lines),
-    ]
-    if part.modes:
-        parts += [Text(), modes]
-    doubts, notes = doubts_and_notes(part)
-    parts += [Text(say("identify-page-note")), *(Text(spoken.say(one)) for one in notes)]
-    return Group(*parts, *warn(spoken, [one for one in doubts if one.kind != NOT_DESCRIBED]))

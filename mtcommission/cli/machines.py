@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
+from mtcommission.cli.arguments import read_machine
 from mtcommission.cli.compute import run
-from mtcommission.cli.inputs import read_machine
-from mtcommission.cli.language import SPOKEN, LanguageOption
-from mtcommission.cli.progress import print_written
+from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.terminal import print_written, show
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
@@ -65,18 +65,17 @@ def check(
     if profile is None:
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.machine_view import describe_machine
-    from mtcommission.cli.terminal import show
     from mtcommission.machine.plausibility import check_plausibility
     from mtcommission.plant.plant import build_plant
     from mtcommission.setpoint.duration import require_short_moves
 
-    machine = read_machine(profile, "")
+    machine, _ = read_machine(profile)
     warnings: list[Message | str] = [each.with_key() for each in check_plausibility(machine)]
     if not machine.control.leaves_all_to_rules:
         from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
 
         warnings += check_loop(machine)
-    show(describe_machine(machine, build_plant(machine), warnings))
+    show(describe_machine(machine, build_plant(machine), warnings, words()))
     require_short_moves(machine)
 
 

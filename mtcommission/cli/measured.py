@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
 
 import typer
 
-from mtcommission.cli.arguments import JsonOption
-from mtcommission.cli.language import SPOKEN, LanguageOption, say, words
-from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.cli.arguments import ColumnsOption, ConstantOption, JsonOption, read_machine
+from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.terminal import print_said, print_written, show, show_stage
 from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
@@ -49,18 +49,12 @@ def identify(
             "--input", metavar="force|torque|current|acceleration", help="What excites the axis."
         ),
     ] = "",
-    constant: Annotated[
-        str,
-        typer.Option("--constant", metavar="K", help="Force or torque per ampere [N/A, N m/A]."),
-    ] = "",
+    constant: ConstantOption = "",
     measured: Annotated[
         str,
         typer.Option("--output", metavar="position|velocity|acceleration", help="What it shows."),
     ] = "",
-    columns: Annotated[
-        list[str] | None,
-        typer.Option("--columns", metavar="NAME=COLUMN", help="Our name to one of the file."),
-    ] = None,
+    columns: ColumnsOption = None,
     band: Annotated[
         str, typer.Option("--band", metavar="LOW:HIGH", help="Lines to fit [Hz]; default chosen.")
     ] = "",
@@ -159,7 +153,6 @@ def _identify(
     before = _read_before(job.profile)
 
     from mtcommission.cli.identified_view import describe_identified, refusal
-    from mtcommission.cli.terminal import show
     from mtcommission.files import write_text
     from mtcommission.identify.check import check_records
     from mtcommission.identify.document import Writing, kind_replaced, merge_profile, write_profile
@@ -210,7 +203,7 @@ def _identify(
         print_written(Path(), written)
     if output:
         kind = "identify-next-run" if part.proposals else "identify-next"
-        sys.stdout.write(say(kind, file=output) + "\n")
+        print_said(kind, file=output)
     return is_sound
 
 
@@ -263,10 +256,9 @@ def _of_profile(profile: Path | None) -> tuple[bool | None, float]:
         return None, 0.0
     from math import pi
 
-    from mtcommission.cli.inputs import read_machine
     from mtcommission.machine.machine import Motion
 
-    machine = read_machine(profile, "")
+    machine, _ = read_machine(profile)
     rotary, drive = machine.motion is Motion.ROTARY, machine.drive
     return rotary, 2.0 * pi * drive.gear / drive.lead if drive.lead and not rotary else 0.0
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from math import isfinite, isnan
 
-from rich.console import Group
-from rich.text import Text
-
-from mtcommission.cli.terminal import empty_table, heading, words_for
+from mtcommission.cli.terminal import Line, heading, heads, table
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -41,27 +38,28 @@ def describe_optimum(
     machine: Machine,
     plant: Plant,
     solution: TimeOptimum | DampingOptimum,
+    spoken: Catalogue,
     *,
     origin: Message | None = None,
-) -> Group:
+) -> list[Line]:
     """Return arcs, peaks and proof of an optimal control; ``origin`` tells what chose its t_f."""
-    spoken = words_for(machine)
-    arcs = empty_table(spoken, "arc", "from", "to", "set-force")
     # Interior control is kept in many short pieces; to the reader they are one arc.
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
-    for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
-        start, end = _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end)
-        arcs.add_row(str(number), start, end, _say_control(run[0].control, spoken))
+    arcs = [
+        [str(number), _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end),
+         _say_control(run[0].control, spoken)]
+        for number, run in enumerate(joined[:SHOWN_ARCS], start=1)
+    ]  # fmt: skip
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
-        arcs.add_row("...", more, spoken.text("terminal-see-json"), "")
-    peaks = empty_table(spoken, "signal", "peak", "terminal-error")
+        arcs.append(["...", more, spoken.text("terminal-see-json"), ""])
     errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
-    for name, unit, peak in zip(
-        plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True
-    ):
-        error = f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
-        peaks.add_row(name, spoken.format.quantity(peak, unit), error)
+    signals = zip(plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True)
+    peaks = [
+        [name, spoken.format.quantity(peak, unit),
+         f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""]
+        for name, unit, peak in signals
+    ]  # fmt: skip
     first = Message(
         "terminal-final-time",
         t_f=_ms(spoken, solution.t_f),
@@ -75,8 +73,12 @@ def describe_optimum(
     else:
         lines += _damping_lines(machine, plant, solution, origin)
     kind = "time" if isinstance(solution, TimeOptimum) else "damping"
-    title = heading(spoken.text(f"terminal-{kind}-optimal"))
-    return Group(title, *(Text(spoken.say(line)) for line in lines), arcs, peaks)
+    return [
+        heading(spoken.text(f"terminal-{kind}-optimal")),
+        *map(spoken.say, lines),
+        *table(heads(spoken, "arc", "from", "to", "set-force"), arcs),
+        *table(heads(spoken, "signal", "peak", "terminal-error"), peaks),
+    ]
 
 
 def _proof_lines(solution: TimeOptimum, spoken: Catalogue) -> list[Message]:

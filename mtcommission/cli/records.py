@@ -10,7 +10,7 @@ import typer
 
 from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
 from mtcommission.cli.language import SPOKEN, LanguageOption, words
-from mtcommission.cli.progress import print_note, print_written, show_stage
+from mtcommission.cli.terminal import print_note, print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 

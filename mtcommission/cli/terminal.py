@@ -1,4 +1,4 @@
-"""What a terminal of 80 columns shows: the frame; plain text when piped.
+"""What a terminal of 80 columns shows: lines and tables; plain text when piped.
 
 Every number is formatted by the sheet's formatter, so terminal, HTML and PDF agree. What is shown
 of a machine, an optimal control and the results stands in modules of their own, since what they
@@ -7,57 +7,161 @@ describe loads slowly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import chain, repeat, zip_longest
+from pathlib import Path
+from shutil import get_terminal_size
+from typing import TYPE_CHECKING
 
-from rich.console import Console, RenderableType
-from rich.table import Table
-from rich.text import Text
-
-from mtcommission.cli.language import words
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.cli.language import say, words
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, Value, printable
+from mtcommission.units.quantities import wrap_whole
+
+if TYPE_CHECKING:
+    from mtcommission.limits.judge import Candidate
+    from mtcommission.machine.machine import Machine
 
 WIDTH = 80
+GAP = "  "
+
+Line = str | tuple[str, str]
+"""What stands in a paragraph of its own, and in which of rich's styles."""
 
 
-def show(content: RenderableType) -> None:
+def show(lines: Iterable[Line]) -> None:
     """Print to standard output: styled on a terminal, plain when piped."""
+    if not sys.stdout.isatty():
+        sys.stdout.write("".join(f"{line}\n" for line in fold(lines)))
+        return
+    from rich.console import Console
+    from rich.text import Text
+
     console = Console(highlight=False, emoji=False)
-    if console.is_terminal and not console.width:  # COLUMNS=0, with which nothing would be shown
-        console = Console(highlight=False, emoji=False, width=WIDTH)
-    if not console.is_terminal:
-        console = Console(highlight=False, emoji=False, width=WIDTH, no_color=True)
-    console.print(content)
+    if not console.width:  # COLUMNS=0, with which nothing would be shown
+        console.width = WIDTH
+    for line in lines:
+        text, style = (line, "") if isinstance(line, str) else line
+        for one in fold([text]):
+            # A Text is never read as markup, whatever the machine is called.
+            console.print(Text(one), style=style, soft_wrap=True)
 
 
-def warn(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
+def fold(lines: Iterable[Line]) -> list[str]:
+    """Return lines as long as the terminal is wide, none ending between a number and its unit."""
+    found = list[str]()
+    for line in lines:
+        text = printable(line if isinstance(line, str) else line[0])
+        found += [text] if len(text) <= columns() else wrap_whole(text, columns())
+    return found
+
+
+def columns() -> int:
+    """Return the width of the terminal; 80 when piped."""
+    return (get_terminal_size().columns if sys.stdout.isatty() else 0) or WIDTH
+
+
+def table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], styles: Iterable[str] = ()
+) -> list[Line]:
+    """Return the lines of a table; where it is too wide, its widest columns wrap.
+
+    ``styles``: of each row, where they have any.
+    """
+    cells = [list(map(printable, row)) for row in (heads, *rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    while sum(widths) + len(GAP) * (len(widths) - 1) > columns():
+        widths[widths.index(max(widths))] -= 1
+    found = list[Line]()
+    for row, style in zip(cells, chain(("bold",), styles, repeat("")), strict=False):
+        wrapped = [wrap_whole(cell, width) for cell, width in zip(row, widths, strict=True)]
+        for parts in zip_longest(*wrapped, fillvalue=""):
+            padded = (f"{part:<{width}}" for part, width in zip(parts, widths, strict=True))
+            found.append((GAP.join(padded).rstrip(), style))
+    return found
+
+
+def heads(spoken: Catalogue, *names: str) -> list[str]:
+    """Return heads of columns by the names of their texts."""
+    return [spoken.text(f"terminal-head-{name}") for name in names]
+
+
+def warn(spoken: Catalogue, warnings: Iterable[Message | str]) -> list[Line]:
     """Return a line for each warning."""
-    lines = [spoken.text("warning", warning=spoken.say(line)) for line in warnings]
-    return [Text(line, style="yellow") for line in lines]
+    return [(spoken.text("warning", warning=spoken.say(line)), "yellow") for line in warnings]
 
 
-def heading(text: str) -> Text:
+def heading(text: str) -> Line:
     """Return a heading."""
-    return Text(text, style="bold")
+    return text, "bold"
 
 
-WORD = 19
-"""Width that no word of a first column exceeds in either language.
-
-The width is fixed since rich narrows a column below its least width, then cuts the last columns.
-"""
+def print_said(kind: str, **values: Value) -> None:
+    """Say a text of the command line itself on standard output."""
+    sys.stdout.write(say(kind, **values) + "\n")
 
 
-def empty_table(spoken: Catalogue, *columns: str) -> Table:
-    """Return a table with these columns; their headings are texts of the catalogue."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for number, column in enumerate(columns):
-        head = spoken.text(f"terminal-head-{column}")
-        table.add_column(head, overflow="fold", width=None if number else WORD)
-    return table
+def print_note(note: Message) -> None:
+    """Say on the error stream what the user must know while something is computed."""
+    sys.stderr.write(words().say(note) + "\n")
 
 
-def words_for(machine: Machine) -> Catalogue:
-    """Return the catalogue of the chosen language for a machine's kind of axis."""
-    return words(rotary=machine.motion is Motion.ROTARY)
+def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:
+    """Say which files were written."""
+    print_said("cli-written", files=tuple(str(folder / name) for name in names))
+
+
+# While something is computed
+
+
+@contextmanager
+def show_stage() -> Iterator[Callable[[Message | str], None]]:
+    """Show the running stage on the error stream; silent where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True, emoji=False).status("") as status:
+        yield lambda stage: status.update(f"{words().say(stage)} …")
+
+
+def announce_limits(machine: Machine) -> Callable[[Candidate], None]:
+    """Return what says verdict and limits on the error stream; silent where that is no terminal."""
+
+    def announce(best: Candidate) -> None:
+        if sys.stderr.isatty():
+            from mtcommission.glance import say_verdict
+
+            sys.stderr.write(f"{say_verdict(machine, best, words())}\n")
+            sys.stderr.flush()
+
+    return announce
+
+
+@contextmanager
+def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
+    """Show cases done, their rate, the remaining time and failures; silent when piped."""
+    if not sys.stderr.isatty():
+        yield lambda done, total, failures: None
+        return
+    from rich import progress as rich
+    from rich.console import Console
+
+    layout = (
+        rich.BarColumn(),
+        rich.MofNCompleteColumn(),
+        rich.TextColumn("{task.fields[rate]:.3g}/s"),
+        rich.TimeRemainingColumn(),
+        rich.TextColumn("{task.fields[failed]}"),
+    )
+    with rich.Progress(*layout, console=Console(stderr=True, emoji=False)) as bar:
+        task = bar.add_task("", total=total, rate=0.0, failed="")
+        yield lambda done, total, failures: bar.update(
+            task,
+            completed=done,
+            rate=bar.tasks[0].speed or 0.0,
+            failed=say("cli-failed-cases", count=failures),
+        )

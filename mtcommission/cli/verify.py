@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import JsonOption, RecordArgument
+from mtcommission.cli.arguments import ColumnsOption, ConstantOption, JsonOption, RecordArgument
 from mtcommission.cli.language import SPOKEN, LanguageOption, speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
-from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.cli.terminal import print_written, show, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -22,14 +22,8 @@ def verify(
     traces: Annotated[
         list[str], typer.Argument(metavar="TRACE...", help="Moves recorded with the limits.")
     ],
-    columns: Annotated[
-        list[str] | None,
-        typer.Option("--columns", metavar="NAME=COLUMN", help="Our name to one of the file."),
-    ] = None,
-    constant: Annotated[
-        str,
-        typer.Option("--constant", metavar="K", help="Force or torque per ampere [N/A, N m/A]."),
-    ] = "",
+    columns: ColumnsOption = None,
+    constant: ConstantOption = "",
     renewed: Annotated[
         str, typer.Option("--refine", metavar="NEW.toml", help="Profile as the traces show it.")
     ] = "",
@@ -52,7 +46,6 @@ def verify(
     said = read_columns(columns or [])
     force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
 
-    from mtcommission.cli.terminal import show
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.machine import Motion
     from mtcommission.profile.read import parse_profile

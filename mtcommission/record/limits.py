@@ -66,7 +66,7 @@ class LimitsAnswer:
     warnings: list[Words]
 
 
-def limits_answer(found: Recommendation) -> LimitsAnswer:
+def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
     """Return limits, rules and verdict, as ``limits --json`` prints them."""
     choice, machine, today = found.choice, found.machine, found.today
     assert found.rule is not None

@@ -1,4 +1,4 @@
-"""The commissioning sheet: record -> neutral document -> HTML, PDF, terminal.
+"""The commissioning sheet: record -> neutral document -> HTML, PDF.
 
 content.py    record -> document: four pages and an appendix
               (verdict, basis, responses, loop, measurements; limits, machine, identified,
@@ -10,7 +10,6 @@ diagram.py    the loop as a drawing (structure.svg)
 html.py       document -> one offline page (page.html, page.css, page.js)
 what_if.py    what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
 pdf.py        document -> PDF (sheet.typ)
-terminal.py   record -> summary in 80 columns
 """
 
 from __future__ import annotations
@@ -29,9 +28,8 @@ from mtcommission.sheet.verdict import type_in
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
-    from mtcommission.sheet.terminal import Summary
 
-__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "summarise", "type_in"]
+__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "type_in"]
 
 
 def print_html(
@@ -145,20 +143,6 @@ def remark_on_print(record: Record) -> tuple[Message, ...]:
     machine, modes = record.machine, [mode.name for mode in record.plant.modes]
     boxes = find_boxes([machine.name, machine.axis, machine.source, record.profile.name, *modes])
     return (Message("print-boxes", characters=boxes),) if boxes else ()
-
-
-def summarise(record: Record, *, language: str = "en") -> Summary:
-    """Return the summary for the terminal, to be printed by rich.
-
-    Raises
-    ------
-    InputError
-        If there is no such language.
-    """
-    from mtcommission.sheet.terminal import Summary
-
-    _require(language)
-    return Summary(record=record, language=language)
 
 
 def _require(language: str) -> None:

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.options.optimal import read_bound
-from mtcommission.options.texts import require_move, require_one_of
+from mtcommission.options import Options
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases
@@ -56,12 +55,12 @@ def read_plan(
     InputError
         With every fault found.
     """
-    faults: list[Fault] = []
+    options = Options()
     text = read_profile_text(profile)
     machine = parse_profile(text, where=str(profile))
     plant = build_plant(machine)
     varied = [limit for limit in limits if ":" in limit or "," in limit]
-    bounds = tuple(read_bound(plant, limit, faults) for limit in limits if limit not in varied)
+    bounds = tuple(options.bound(plant, limit) for limit in limits if limit not in varied)
     readers: list[tuple[Callable[[], Axis], str]] = []
     if cases is not None:
         readers.append((partial(load_cases, cases), str(cases)))
@@ -77,15 +76,15 @@ def read_plan(
         try:
             found.append((read(), place))
         except InputError as error:
-            faults.extend(error.faults)
-    require_one_of("--quantity", quantity, [item.value for item in Quantity], faults)
+            options.faults += error.faults
+    options.word("--quantity", quantity, [item.value for item in Quantity])
     if quantity in (Quantity.LIMITS.value, Quantity.RUN.value):
         message = Message("sweep-taken-from-profile", quantity=quantity)
-        given = {"--limit": bool(limits), "--move": move != 1}
-        faults += [Fault(where=name, message=message) for name in given if given[name]]
-    require_move(machine, move, faults)
-    if faults:
-        raise InputError(faults)
+        for name, is_given in (("--limit", bool(limits)), ("--move", move != 1)):
+            if is_given:
+                options.refuse(name, message)
+    options.move(machine, move)
+    options.close()
     plan = Plan(
         profile_text=text,
         where=profile.name,

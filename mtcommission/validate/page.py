@@ -1,4 +1,4 @@
-"""The whole comparison, and how it is shown: in 80 columns, as JSON, as one offline page."""
+"""The whole comparison, as JSON and as one offline page."""
 
 from __future__ import annotations
 
@@ -7,10 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.padding import Padding
-from rich.table import Table as Grid
-from rich.text import Text
 from scipy.linalg import expm
 
 from mtcommission.messages.catalogue import Catalogue
@@ -126,41 +122,8 @@ def validation_entry(validation: Validation) -> dict[str, object]:
     }
 
 
-def describe_validation(validation: Validation) -> Group:
-    """Return all rows for 80 columns: numbers as tables, claims as paragraphs."""
-    shown: list[RenderableType] = [Text(SOURCE)]
-    for heading, rows in validation.parts.items():
-        shown += [Text(), Text(heading, style="bold")]
-        numbers = [row for row in rows if not row.is_claim]
-        if numbers:
-            shown.append(_grid(numbers))
-            lines = (f"{row.quantity}: {row.reason}" for row in numbers if row.reason)
-            shown += [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
-        for row in rows:
-            if row.is_claim:
-                _, word, style = COUNTED[row.verdict]
-                shown.append(Text(f"{row.place}: {row.quantity}: ").append(word, style=style))
-                told = [f"paper: {row.printed}", row.corrected and f"correct: {row.corrected}"]
-                told += [f"ours: {row.ours} ({row.basis})", row.reason]
-                shown += [Padding(Text(line), (0, 0, 0, 2)) for line in told if line]
-    style = "bold green" if validation.is_met else "bold red"
-    return Group(*shown, Text(), Text(validation.count, style=style))
-
-
-def _grid(rows: Sequence[Row]) -> Grid:
-    grid = Grid(box=None, pad_edge=False, header_style="bold")
-    grid.add_column("Quantity", overflow="fold", ratio=1)
-    for head in ("Paper", "Ours", "Diff.", "Tol."):
-        grid.add_column(head, justify="right", no_wrap=True)
-    grid.add_column("Verdict", no_wrap=True)
-    for row in rows:
-        _, word, style = COUNTED[row.verdict]
-        size, bound = f"{row.difference:.1e}", f"{row.tolerance:.0e}"
-        grid.add_row(Text(_name(row)), row.printed, row.ours, size, bound, Text(word, style=style))
-    return grid
-
-
-def _name(row: Row) -> str:
+def name_of(row: Row) -> str:
+    """Return what a row compares, with its unit."""
     return f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
 
 
@@ -223,7 +186,7 @@ def _section(key: str, heading: str, rows: Sequence[Row]) -> Section:
     numbers, claims = ([row for row in rows if row.is_claim is kind] for kind in (False, True))
     if numbers:
         cells = [
-            (Column(head="Quantity", width=2.0), [_name(row) for row in numbers]),
+            (Column(head="Quantity", width=2.0), [name_of(row) for row in numbers]),
             (Column(head="Printed", is_number=True), [row.printed for row in numbers]),
             (Column(head="Correct", is_number=True), [row.corrected for row in numbers]),
             (Column(head="Ours", is_number=True), [row.ours for row in numbers]),

@@ -45,6 +45,8 @@ cli-no-epoch = erhalten "{ $got }", muss Sekunden seit 1970 sein; sonst die Vari
 cli-file-system = Standardausgabe oder Arbeitsordner
 cli-internal-error = interner Fehler, bitte mit dem Profil einsenden: { $error }
 cli-written = geschrieben: { $files }
+cli-written-into = geschrieben in { $folder }: { $files }
+cli-next-run = weiter: mtcommission run { $profile }
 cli-next-export = weiter: mtcommission export { $record } --control { $control }
 cli-list-of-controls = (--control ? nennt die Steuerungen)
 cli-failed-cases = { $count } gescheitert
@@ -67,12 +69,12 @@ stage-response = Zeitverlauf
 simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: simuliert mit einer Rampe von einem Takt, { TIME($cycle, digits: 3) }.
 option-jerk-needed = die Steuerung begrenzt den Ruck, der zu prüfende Grenzwert ist also nötig, z. B. --jerk 100m/s^3
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
-simulated-with-loop = Simuliert mit Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. Was das Profil offen lässt, wurde für diese Bewegungen abgestimmt, hier wie bei run; wo run nach anderen Größen oder Filtern gefragt wurde, dessen Verstärkungen in [control] angeben.
+simulated-with-loop = Regelkreis: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }; was das Profil offen lässt, ist für diese Bewegungen eingestellt.
 simulated-with-filters = Filter im { $axis ->
     [rotary] Momentensollwert
    *[linear] Kraftsollwert
-} darin: { $filters }.
-simulated-without-loop = Simuliert mit einem Motor, der dem Sollwert folgt: kein Regelkreis wurde abgestimmt.
+}: { $filters }.
+simulated-without-loop = Gesteuerte Achse: es gibt keinen Regelkreis einzustellen.
 
 # Ein Aufruf, der zu den Befehlen nicht passt.
 usage-see = { $wrong }; siehe { $command } --help

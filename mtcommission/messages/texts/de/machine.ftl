@@ -71,7 +71,7 @@ assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force)
    *[linear] der Kraft
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt drive.acceleration_curve bis { QUANTITY($velocity, $velocity_unit) }
-assumed-kind = die Art der Steuerung; die eigene nennen (control.kind)
+assumed-kind = die Art der Steuerung (control.kind)
 assumed-loop = Lageregelung { $place }
 loop-at-control = in der Steuerung
 loop-at-interpolated = in der Steuerung, Vorsteuerung interpoliert

@@ -130,7 +130,6 @@ verdict = Urteil
 where = Ungünstigster Fall
 warning = Warnung: { $warning }
 could-be-met = Erreichbar: { $requirement } { $value } statt { $limit }.
-sparkline = Beschleunigungssollwert, { $move }, { $duration }:
 
 ## Machine
 

@@ -2,6 +2,15 @@ terminal-head-mode = Eigenform
 terminal-head-frequency = Frequenz
 terminal-head-damping-ratio = Dämpfungsgrad
 terminal-head-seen = Vom Lagegeber gesehen
+terminal-head-tool-at-full-force = Werkzeug bei F_max
+terminal-head-payload = Zuladung
+terminal-head-frequencies = Freq.
+terminal-head-dampings = Dämpf.
+terminal-head-requirement = Anforderung
+terminal-head-largest = Höchstwert
+terminal-head-permitted = Erlaubt
+terminal-head-used = Genutzt
+terminal-head-verdict = Urteil
 terminal-head-rigid-body-limit = Grenze des starren Körpers
 terminal-head-value = Wert
 terminal-head-reason = Grund
@@ -18,8 +27,7 @@ terminal-head-j = j
 terminal-head-settling = Einschw.
 terminal-head-residual = Rest
 terminal-head-met = i.O.
-terminal-head-move = Bewegung
-terminal-head-corner = Ecke
+terminal-head-move = Bew.
 terminal-head-basis = Grundlage
 terminal-basis-control = Steuerung
 terminal-basis-loop = ihr Regelkreis
@@ -29,7 +37,6 @@ terminal-machine = { $name }, Achse { $axis_name }
 terminal-source = Quelle der Daten: { $source }
 terminal-controllable = Steuerbar: Kalman-Rang { $rank } von { $order } Zuständen.
 terminal-no-warnings = Keine Warnungen.
-terminal-at-full-force = { $value } bei F_max
 terminal-acceleration = Beschleunigung
 terminal-force-on-mass = { $force } an { $mass }
 terminal-time-of-move = Zeit der Bewegung { $number }
@@ -59,28 +66,19 @@ terminal-exceeded = zwischen den Punkten des Gitters um { PLAIN($percent, digits
 terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
-terminal-mode-surface = Oberfläche ({ $band })
-terminal-mode-accuracy = Genauigkeit ({ $band })
-terminal-mode-speed = Geschwindigkeit ({ $band })
 terminal-assumed = Angenommen: { $what }.
 terminal-today = heute
 terminal-recommended = empfohlen
 terminal-not-settled = schwingt noch
 terminal-bound-by = Begrenzt durch: { $what }.
-terminal-by-hand = Von Hand, mit der Inbetriebnahmeregel ({ $chosen }): a = { ACCELERATION($acceleration) }, j = { JERK($jerk) }.
-terminal-in-the-way = Begrenzende Anforderung: { $obstacle }; einzuhalten wäre { $value } statt { $limit }.
-terminal-no-size = keiner Größe
+terminal-worst = Ungünstigste Fälle: { $places }.
+terminal-more-rules = Nicht gezeigte Faustregeln: { $count }; { $missed } davon verfehlen eine Anforderung.
+terminal-more-notes = Weitere Hinweise: { $count }, siehe Blatt.
 terminal-response = Antwort des Regelkreises
 terminal-nominal = nominell
-terminal-corner = { $payload }, Frequenz x { PLAIN($frequency, digits: 6) }, Dämpfung x { PLAIN($damping, digits: 6) }
 terminal-saturated = { $force } in der Begrenzung
-terminal-check = { $verdict }: { $name } { $value }, { $share } von { $limit } ({ $where })
 
 -switching-law = Schaltgesetz F_set = -sign(lambda_F) F_max
-terminal-head-tool-per-force = { $axis ->
-    [rotary] Werkzeug je Moment, statisch
-   *[linear] Werkzeug je Kraft, statisch
-}
 terminal-jerk-law = Schaltgesetz Ruck = -sign(lambda_F) j_max: { $holds ->
     [yes] gilt, wo keine Schranke gehalten wird
    *[no] nicht bestätigt
@@ -96,13 +94,5 @@ terminal-weights = { $chosen ->
     [stated] Gewichte, aus dem Profil
    *[balanced] Gewichte, ausgewogen
 }: { $weights }
-terminal-size-missed = Bei { $sizes ->
-    [steps] Geschwindigkeitssprüngen
-   *[distances] Wegen
-} von { $own } lassen die empfohlenen Grenzwerte mehr als die erlaubte Abweichung.
-terminal-sizes-kept = Die empfohlenen Grenzwerte bleiben für { $sizes ->
-    [steps] Geschwindigkeitssprünge
-   *[distances] Wege
-} von { $least } bis { $largest } in der erlaubten Abweichung; der Beschleunigungsgrenzwert wird ab { $reached } erreicht.
 terminal-velocity = Geschwindigkeit
 terminal-of-motor = so weit folgt der Motor laut Profil

@@ -48,6 +48,8 @@ cli-no-epoch = got "{ $got }", must be seconds since 1970, or unset it
 cli-file-system = standard output or working folder
 cli-internal-error = internal error, please report it with the profile: { $error }
 cli-written = written: { $files }
+cli-written-into = written into { $folder }: { $files }
+cli-next-run = next: mtcommission run { $profile }
 cli-next-export = next: mtcommission export { $record } --control { $control }
 cli-list-of-controls = (--control ? lists the controls)
 cli-failed-cases = { $count } failed
@@ -71,12 +73,12 @@ stage-response = response
 simulated-ramp-of-a-cycle = The ramp a/j = { TIME($ramp, digits: 3) } is shorter than the position cycle, in which a control sends its setpoint: simulated with a ramp of one cycle, { TIME($cycle, digits: 3) }.
 option-jerk-needed = the control limits the jerk, so the limit to be tried is needed, e.g. --jerk 100m/s^3
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
-simulated-with-loop = Simulated with Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. What the profile leaves out was tuned for these moves, here and in run alike; where run was asked for other sizes or filters, state its gains in [control].
+simulated-with-loop = Loop: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }; what the profile leaves out is tuned for these moves.
 simulated-with-filters = Filters of the set { $axis ->
     [rotary] torque
    *[linear] force
-} in it: { $filters }.
-simulated-without-loop = Simulated with a motor that follows its setpoint: no loop was tuned.
+}: { $filters }.
+simulated-without-loop = Open-loop axis: there is no loop to tune.
 
 # A call that does not fit the commands.
 usage-see = { $wrong }; see { $command } --help

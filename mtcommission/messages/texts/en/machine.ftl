@@ -78,7 +78,7 @@ assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) }
    *[linear] force
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what drive.acceleration_curve leaves up to { QUANTITY($velocity, $velocity_unit) }
-assumed-kind = the kind of control; name yours by control.kind
+assumed-kind = the kind of control (control.kind)
 assumed-loop = position loop { $place }
 loop-at-control = in the control
 loop-at-interpolated = in the control, feed-forward interpolated

@@ -130,7 +130,6 @@ verdict = Verdict
 where = Worst case
 warning = Warning: { $warning }
 could-be-met = Could be met: { $requirement } { $value } instead of { $limit }.
-sparkline = Acceleration setpoint, { $move }, { $duration }:
 
 ## Machine
 

@@ -4,6 +4,15 @@ terminal-head-mode = Mode
 terminal-head-frequency = Frequency
 terminal-head-damping-ratio = Damping ratio
 terminal-head-seen = Seen by encoder
+terminal-head-tool-at-full-force = Tool at F_max
+terminal-head-payload = Payload
+terminal-head-frequencies = Freq.
+terminal-head-dampings = Damping
+terminal-head-requirement = Requirement
+terminal-head-largest = Largest
+terminal-head-permitted = Permitted
+terminal-head-used = Used
+terminal-head-verdict = Verdict
 terminal-head-rigid-body-limit = Rigid-body limit
 terminal-head-value = Value
 terminal-head-reason = Reason
@@ -21,7 +30,6 @@ terminal-head-settling = Settling
 terminal-head-residual = Residual
 terminal-head-met = Met
 terminal-head-move = Move
-terminal-head-corner = Corner
 terminal-head-basis = What it rests on
 terminal-basis-control = control
 terminal-basis-loop = its loop
@@ -31,7 +39,6 @@ terminal-machine = { $name }, axis { $axis_name }
 terminal-source = Source of the data: { $source }
 terminal-controllable = Controllable: Kalman rank { $rank } of { $order } states.
 terminal-no-warnings = No warnings.
-terminal-at-full-force = { $value } at F_max
 terminal-acceleration = acceleration
 terminal-force-on-mass = { $force } on { $mass }
 terminal-time-of-move = time of move { $number }
@@ -61,28 +68,21 @@ terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the poi
 terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
-terminal-mode-surface = surface ({ $band })
-terminal-mode-accuracy = accuracy ({ $band })
-terminal-mode-speed = speed ({ $band })
 terminal-assumed = Assumed: { $what }.
 terminal-today = today
 terminal-recommended = recommended
 terminal-not-settled = not settled
 terminal-bound-by = Bound by: { $what }.
-terminal-by-hand = By hand, with the commissioning rule ({ $chosen }): a = { ACCELERATION($acceleration) }, j = { JERK($jerk) }.
-terminal-in-the-way = Limiting requirement: { $obstacle }; could be met: { $value } instead of { $limit }.
-terminal-no-size = no size
+# $places: each requirement with its worst corner
+terminal-worst = Worst corners: { $places }.
+# $missed: how many of them miss a requirement
+terminal-more-rules = Rules of thumb not shown: { $count }; { $missed } of them miss a requirement.
+terminal-more-notes = More notes: { $count }, see the sheet.
 terminal-response = Response of the loop
 terminal-nominal = nominal
-terminal-corner = { $payload }, f x { PLAIN($frequency, digits: 6) }, zeta x { PLAIN($damping, digits: 6) }
 terminal-saturated = { $force } saturated
-terminal-check = { $verdict }: { $name } { $value }, { $share } of { $limit } ({ $where })
 
 -switching-law = Switching law F_set = -sign(lambda_F) F_max
-terminal-head-tool-per-force = { $axis ->
-    [rotary] Tool per torque, static
-   *[linear] Tool per force, static
-}
 # $grid, $boundary: yes or no
 terminal-jerk-law = Switching law jerk = -sign(lambda_F) j_max: { $holds ->
     [yes] holds where no bound is kept
@@ -100,13 +100,5 @@ terminal-weights = { $chosen ->
    *[balanced] Weights, balanced
 }: { $weights }
 # $sizes: steps or distances
-terminal-size-missed = { $sizes ->
-    [steps] With velocity steps
-   *[distances] With distances
-} of { $own } the recommended limits leave more than the permitted deviation.
-terminal-sizes-kept = The recommended limits stay within the permitted deviation for { $sizes ->
-    [steps] velocity steps
-   *[distances] distances
-} from { $least } to { $largest }; the acceleration limit is reached from { $reached } on.
 terminal-velocity = velocity
 terminal-of-motor = what the motor follows, as stated

@@ -1,0 +1,206 @@
+"""Limits and responses as the terminal shows them: what one screen holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from math import inf
+
+from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
+from mtcommission.machine.basis import list_assumed
+from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.limits import LimitsAnswer
+from mtcommission.record.schema.limits import RecommendedEntry, RuleResult, TodayEntry
+from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
+from mtcommission.sheet.limits import ROUNDED
+from mtcommission.sheet.tables import (
+    CORNER,
+    PEAK,
+    RESIDUAL,
+    SETTLING,
+    say_filter,
+    say_requirement,
+    show,
+)
+from mtcommission.sheet.verdict import share_used, verdict_on
+
+ROWS = 23
+"""Of a screen of 24 lines, below which the shell asks for the next command."""
+
+OF_LOOP = ("simulated-with-loop", "simulated-with-filters", "simulated-without-loop")
+"""Kinds of what is said of the loop, no warnings."""
+
+SETTLES, RESTS = (replace(one, missing="terminal-not-settled") for one in (SETTLING, RESIDUAL))
+
+ASSUMED_ROWS = 3
+"""Of what is assumed; ``check`` and page 1 of the sheet name all of it."""
+
+
+def describe_limits(
+    machine: Machine,
+    answer: LimitsAnswer,
+    spoken: Catalogue,
+    *,
+    further: Iterable[Message | str] = (),
+    rows: int = ROWS,
+) -> list[Line]:
+    """Return the answer of ``limits`` and ``run`` on one screen.
+
+    ``further``: what is said where there is room, the most important first; ``rows`` of the screen.
+    """
+    text, said, best, verdict = spoken.text, spoken.say, answer.recommended, answer.assessment
+    shown = [
+        heading(text("terminal-machine", name=machine.name, axis_name=machine.axis)),
+        (text("verdict-met"), "bold green") if verdict.met else
+        (text("verdict-not-met"), "bold red"),
+        *_obstacle(verdict, spoken),
+        *_limits_table(machine, answer, spoken),
+        _filter(machine, best, spoken),
+        text("terminal-bound-by", what=said(best.bound_by)),
+        *_checks(verdict, spoken),
+    ]  # fmt: skip
+    notes = [
+        _assumed(machine, spoken),
+        *warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)]),
+        *(said(one) for one in answer.warnings if _is_of_loop(one)),
+        *([said(answer.today.basis)] if answer.today else []),
+        *map(said, further),
+    ]
+    return [*shown, *_as_many(notes, rows - len(fold(shown)), spoken)]
+
+
+def _as_many(notes: Sequence[Line], room: int, spoken: Catalogue) -> Iterator[Line]:
+    """Yield the notes for which there is room, and how many there are more."""
+    sizes = [len(fold([note])) for note in notes]
+    left_out = 0
+    for place, (note, size) in enumerate(zip(notes, sizes, strict=True)):
+        is_last = place + 1 == len(notes) and not left_out
+        if size <= room - (0 if is_last else 1):
+            room -= size
+            yield note
+        else:
+            left_out += 1
+    if left_out:
+        yield spoken.text("terminal-more-notes", count=left_out)
+
+
+def _filter(machine: Machine, best: RecommendedEntry, spoken: Catalogue) -> str:
+    """The setpoint filter that belongs to the limits, and the jerk as a time where there is one."""
+    said = f"{spoken.text('setpoint-filter')}: {say_filter(best.setpoint_filter, spoken)}"
+    if not machine.control.kind.has_jerk_limit:
+        return said
+    return f"{said}; {spoken.text('jerk-time')}: {show(best.jerk_time, spoken, 's')}"
+
+
+def _is_of_loop(note: Message | str) -> bool:
+    return isinstance(note, Message) and note.kind in OF_LOOP
+
+
+def _obstacle(verdict: AssessmentPart, spoken: Catalogue) -> list[str]:
+    if not verdict.obstacle:
+        return []
+    return [spoken.text("obstacle", obstacle=say_requirement(verdict.obstacle, spoken))]
+
+
+Entry = RecommendedEntry | TodayEntry | RuleResult
+
+
+def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> list[Line]:
+    """Today's limits, the recommended ones, the rule by hand, and the best rule of thumb."""
+    text, today, rules = spoken.text, answer.today, answer.rules
+    rows: list[tuple[str, Entry, bool]] = [
+        (text("terminal-recommended"), answer.recommended, answer.assessment.met)
+    ]
+    if today:
+        rows.insert(0, (text("terminal-today"), today, today.meets_requirements))
+    kept = [one for one in rules[1:] if one.meets_requirements]
+    best = sorted(kept, key=lambda one: inf if one.settling_time is None else one.settling_time)
+    others = (*rules[:1], *best[:1])
+    rows += [(spoken.say(one.name), one, one.meets_requirements) for one in others]
+    names = heads(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
+    cells = ([name, *_row(machine, one, met, spoken)] for name, one, met in rows)
+    shown = table(names, cells, ["bold" if one is answer.recommended else "" for _, one, _ in rows])
+    if more := rules[len(others) :]:
+        missed = sum(not one.meets_requirements for one in rules if one not in others)
+        shown.append(text("terminal-more-rules", count=len(more), missed=missed))
+    return shown
+
+
+def _row(machine: Machine, entry: Entry, is_met: bool, spoken: Catalogue) -> list[str]:
+    no_limit = spoken.text("no-jerk-limit")
+    is_step = _is_step(machine, entry.acceleration, entry.jerk)
+    jerk = show(None if is_step else entry.jerk, spoken, "m/s^3")
+    return [
+        show(entry.acceleration, spoken, "m/s^2"),
+        no_limit if is_step or (entry.jerk is None and isinstance(entry, TodayEntry)) else jerk,
+        *(one.show(entry, spoken) for one in (SETTLES, RESTS, PEAK)),
+        spoken.text("yes" if is_met else "no"),
+    ]
+
+
+def _is_step(machine: Machine, acceleration: float | None, jerk: float | None) -> bool:
+    """Whether a jerk limits nothing: the control has none, and the ramp takes one cycle."""
+    if acceleration is None or jerk is None or machine.control.kind.has_jerk_limit:
+        return False
+    return acceleration < ROUNDED * machine.control.position_cycle * jerk
+
+
+def _assumed(machine: Machine, spoken: Catalogue) -> str:
+    """What nobody stated of the machine, as far as some lines hold it."""
+    named, more = list(map(spoken.say, list_assumed(machine))), 0
+    while True:
+        listed = "; ".join(named)
+        if more:
+            listed = spoken.text("assumed-more", names=listed, count=more)
+        said = spoken.text("terminal-assumed", what=listed)
+        if len(fold([said])) <= ASSUMED_ROWS or len(named) < 2:
+            return said
+        named, more = named[:-1], more + 1
+
+
+def _checks(verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
+    """Each requirement: what was found, what is permitted, and how much of that is used."""
+    rows = [
+        [
+            say_requirement(check.name, spoken),
+            show(check.value, spoken, check.unit, "terminal-not-settled"),
+            show(check.limit, spoken, check.unit),
+            share_used(check, spoken),
+            verdict_on(check, spoken),
+        ]
+        for check in verdict.checks
+    ]
+    styles = ["green" if check.met else "red" for check in verdict.checks]
+    names = heads(spoken, "requirement", "largest", "permitted", "used", "verdict")
+    return table(names, rows, styles)
+
+
+def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogue) -> list[Line]:
+    """Return the response of each move in each corner, and the verdict."""
+    names = heads(
+        spoken, "move", "payload", "frequencies", "dampings", "settling", "residual", "peak",
+        "set-force",
+    )  # fmt: skip
+    rows = list[list[str]]()
+    for number, move in enumerate(part.moves, start=1):
+        for response in move.corners:
+            force = show(response.max_force, spoken, "N")
+            if response.saturated:
+                force = spoken.text("terminal-saturated", force=force)
+            quantities = (*CORNER, SETTLES, RESTS, PEAK)
+            rows.append([str(number), *(one.show(response, spoken) for one in quantities), force])
+    worst = [
+        f"{say_requirement(check.name, spoken)}: {spoken.say(check.where)}"
+        for check in part.assessment.checks
+    ]
+    return [
+        heading(spoken.text("terminal-response")),
+        *table(names, rows),
+        *_checks(part.assessment, spoken),
+        spoken.text("terminal-worst", places="; ".join(worst)),
+        _assumed(machine, spoken),
+        *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),
+        *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
+    ]
