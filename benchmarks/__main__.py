@@ -1,10 +1,11 @@
-"""Run the benchmarks and renew docs/benchmarks.md: one command, everything side by side.
+"""Run the benchmarks and print them as one page: one command, everything side by side.
 
     python -m benchmarks [--quick] [race | jobs | quality | report ...]
 
-Without names everything runs. ``--quick`` takes coarse grids, the three main problems, a few
-machines, and writes nothing but what it prints, unless ``--output`` says where. With ``--tools`` or
-``--problems`` only those rows of an earlier race are renewed, and the page says when.
+Without names everything runs. ``--quick`` takes coarse grids, the three main problems and a few
+machines. The rows are kept in the folder of ``--output``, so that ``report`` can print them again;
+with ``--tools`` or ``--problems`` only those rows of an earlier race are renewed, and the page says
+when.
 """
 
 from __future__ import annotations
@@ -40,9 +41,6 @@ PACKAGES = (
 
 SECTIONS = ("race", "jobs", "quality", "report")
 
-RESULTS = Path("build")
-"""Where results of whole runs are kept between sections: a million numbers that nobody reads."""
-
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
@@ -53,16 +51,14 @@ def main() -> None:
     parser.add_argument("--problems", nargs="*", default=[], help="only these, by name")
     parser.add_argument("--count", type=int, default=100, help="machines for the quality of limits")
     parser.add_argument("--workers", type=int, default=1, help="processes at a time")
-    parser.add_argument("--output", type=Path, default=None, help="folder, default docs")
+    parser.add_argument("--output", type=Path, default=Path("build"), help="folder of the rows")
     options = parser.parse_args()
     wanted = options.sections or list(SECTIONS)
     unknown = sorted(set(wanted) - set(SECTIONS))
     if unknown:
         parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
     os.environ["OMP_NUM_THREADS"] = "1"
-    folder = options.output or (None if options.quick else Path("docs"))
-    kept = RESULTS if folder == Path("docs") else folder
-    results = read_results(kept)
+    results = read_results(options.output)
     for section in SECTIONS[:-1]:
         if section in wanted:
             limits = {"seconds": options.seconds, "workers": options.workers}
@@ -75,11 +71,11 @@ def main() -> None:
 
             def keep(row: dict[str, Any], section: str = section) -> None:
                 results[section]["rows"] = with_row(results[section]["rows"], row)
-                save(results, kept)
+                save(results, options.output)
 
             run_section(section, options, keep)
     if "report" in wanted:
-        write_report(results, folder)
+        print_report(results)
 
 
 def with_row(rows: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:
@@ -163,19 +159,17 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def read_results(folder: Path | None) -> dict[str, Any]:
+def read_results(folder: Path) -> dict[str, Any]:
     """Return the results of earlier sections."""
-    file = folder / "benchmarks.json" if folder else None
-    if file is None or not file.exists():
+    file = folder / "benchmarks.json"
+    if not file.exists():
         return {}
     found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return found
 
 
-def save(results: dict[str, Any], folder: Path | None) -> None:
+def save(results: dict[str, Any], folder: Path) -> None:
     """Write the results; nan, which JSON does not know, as null."""
-    if folder is None:
-        return
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(_plain(results), indent=1, allow_nan=False)
     (folder / "benchmarks.json").write_text(text + "\n", encoding="utf-8")
@@ -191,16 +185,10 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def write_report(results: dict[str, Any], folder: Path | None) -> None:
-    """Write docs/benchmarks.md and the plots, or print the text."""
-    from benchmarks.report import compose_report, draw_plots
+def print_report(results: dict[str, Any]) -> None:
+    from benchmarks.report import compose_report
 
-    text = compose_report(json.loads(json.dumps(_plain(results))))
-    if folder is None:
-        sys.stdout.write("\n" + text)
-        return
-    (folder / "benchmarks.md").write_text(text, encoding="utf-8")
-    draw_plots(results, folder)
+    sys.stdout.write("\n" + compose_report(json.loads(json.dumps(_plain(results)))))
 
 
 if __name__ == "__main__":

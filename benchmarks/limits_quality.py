@@ -14,7 +14,6 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from math import nan
 from multiprocessing import get_context
-from pathlib import Path
 from statistics import median
 from time import process_time
 
@@ -202,29 +201,3 @@ def _ratios(rows: Sequence[Score], ours: dict[int, Score]) -> Iterator[float]:
         own = ours[row.seed]
         if row.is_met and own.is_met:
             yield row.settling_time / own.settling_time
-
-
-def draw(scores: Sequence[Score], path: Path) -> None:
-    """Draw how often each source meets the requirements, and how much later than our search."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    matplotlib.rcParams["svg.hashsalt"] = "mtcommission"
-    import matplotlib.pyplot as plt
-
-    standings = rank(scores)[::-1]
-    ours = {score.seed: score for score in scores if score.source == SEARCH}
-    figure, (met, late) = plt.subplots(1, 2, figsize=(9.5, 4.5), sharey=True, layout="constrained")
-    names = [item.source for item in standings]
-    met.barh(names, [100 * item.share_met for item in standings], color="#1f4e79")
-    met.set(xlabel="machines on which all requirements are met [%]", xlim=(0, 100))
-    for place, name in enumerate(names):
-        rows = [score for score in scores if score.source == name]
-        ratios = np.array([100 * (ratio - 1) for ratio in _ratios(rows, ours)])
-        late.plot(np.clip(ratios, -10, 200), np.full(ratios.size, place), "|", color="#b03a2e")
-    late.set(xlabel="settling time above our search, where both meet [%]", xlim=(-12, 205))
-    late.axvline(0.0, color="black", linewidth=0.8)
-    for axis in (met, late):
-        axis.grid(alpha=0.3, axis="x")
-    figure.savefig(path, metadata={"Date": None})
-    plt.close(figure)

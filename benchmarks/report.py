@@ -1,15 +1,14 @@
-"""Results -> docs/benchmarks.md: ratios first, then times; failures in their own words."""
+"""Results to a printed page: ratios first, then times; failures in their own words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import isnan, nan
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 from benchmarks.child import Measurement
-from benchmarks.limits_quality import GRID, SEARCH, Score, draw, rank
+from benchmarks.limits_quality import GRID, SEARCH, Score, rank
 from benchmarks.problems import FORCES, MAIN, MEANING, MODES, REST
 from benchmarks.race import LADDER_SHARE
 from benchmarks.tools import LINES_RULE, TOOLS, user_lines
@@ -20,13 +19,7 @@ Results = dict[str, Any]
 
 
 def compose_report(results: Results) -> str:
-    """Return the page.
-
-    Parameters
-    ----------
-    results
-        As the sections return them; those that never ran are left out.
-    """
+    """Return the page; sections that never ran are left out."""
     lines = ["# Side by side", "", INTRODUCTION, ""]
     if "race" in results:
         rows = sorted((measurement(row) for row in results["race"]["rows"]), key=_place)
@@ -41,13 +34,6 @@ def compose_report(results: Results) -> str:
         lines += ["## Whole jobs", "", provenance(results["jobs"]), "", JOBS, ""]
         lines += _jobs(results["jobs"]["rows"])
     return "\n".join(lines).rstrip() + "\n"
-
-
-def draw_plots(results: Results, folder: Path) -> None:
-    """Draw the plots that the page shows."""
-    if "quality" in results:
-        scores = [Score(**_numbers(row)) for row in results["quality"]["rows"]]
-        draw(scores, folder / "benchmarks-limits.svg")
 
 
 INTRODUCTION = """\
@@ -306,8 +292,6 @@ def _quality(scores: Sequence[Score]) -> Iterator[str]:
             f"{later[1]} | {100 * item.sooner:.0f} % | "
             f"{_time(item.seconds) if item.seconds else '–'} |"
         )
-    yield ""
-    yield "![Requirements met and settling time by source of limits](benchmarks-limits.svg)"
     yield ""
     yield (
         "A source that is sooner than our search is not wrong: shapers change the setpoint itself, "

@@ -1,10 +1,10 @@
 """The commissioning rule on random machines, against the searched optimum.
 
-    python -m benchmarks.rule_validation --count 1000 --workers 2 --output docs
+    python -m benchmarks.rule_validation --count 1000 --workers 2
 
-Writes docs/commissioning-rule-validation.md (the printed table) and the figures, and the rows to
-build/. Each machine: tune the cascade, apply the rule, search limits and filter, and judge both
-(and j = a f) over every size in every corner. With --read it draws again from the CSV alone; with
+Prints a table, and keeps the rows as CSV (--table). Each machine: tune the cascade, apply the rule,
+search limits and filter, and judge both (and j = a f) over every size in every corner. With --read
+it prints the CSV's table again; with --chart FILE it draws the chart of the rule alone. With
 --rule-only the rule alone is applied and judged again, and the columns of search and j = a f, which
 do not depend on it, stay as the CSV has them. Only what the estimate says of the searched limits is
 left empty then.
@@ -17,7 +17,7 @@ import csv
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, fields, replace
-from math import hypot, isfinite, nan
+from math import hypot, nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -45,8 +45,6 @@ from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
-
-NAME = "commissioning-rule-validation"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -284,29 +282,6 @@ def _chosen(rows: Sequence[Row]) -> list[str]:
     return sorted({row.rule_chosen for row in rows})
 
 
-def draw_validation(rows: Sequence[Row], path: Path) -> None:
-    """Time above the optimum, and residual over the band, as distributions."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    matplotlib.rcParams["svg.hashsalt"] = "mtcommission"
-    import matplotlib.pyplot as plt
-
-    possible = [row for row in rows if row.search_met]
-    figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
-    ratios = np.sort(100 * (_ratios(possible) - 1))
-    axes[0].step(ratios, np.linspace(0, 100, len(ratios)), where="post", color="#1f4e79")
-    axes[0].set(xlabel="settling time above the searched optimum [%]", ylabel="machines [%]")
-    axes[0].set_xlim(-5, 150)
-    residual = np.sort([min(r.rule_residual, 1e3) for r in possible if isfinite(r.rule_residual)])
-    axes[1].step(residual, np.linspace(0, 100, len(residual)), where="post", color="#1f4e79")
-    axes[1].axvline(1.0, color="#b03a2e", linewidth=1)
-    axes[1].set(xlabel="residual deviation / band", ylabel="machines [%]", xlim=(0, 2))
-    for axis in axes:
-        axis.grid(alpha=0.3)
-    figure.savefig(path, metadata={"Date": None})
-
-
 def draw_chart(path: Path) -> None:
     """The chart of the rule: what a moving average lets through of a mode."""
     import matplotlib
@@ -346,14 +321,16 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--output", type=Path, default=Path("docs"))
-    parser.add_argument("--table", type=Path, default=Path("build") / f"{NAME}.csv")
-    parser.add_argument("--read", action="store_true", help="draw from the CSV, compute nothing")
+    parser.add_argument("--table", type=Path, default=Path("build") / "commissioning-rule.csv")
+    parser.add_argument("--read", action="store_true", help="print the CSV, compute nothing")
+    parser.add_argument("--chart", type=Path, help="draw the chart of the rule, compute nothing")
     parser.add_argument("--rule-only", action="store_true", help="keep the CSV's search")
     arguments = parser.parse_args()
-    for folder in (arguments.output, arguments.table.parent):
-        folder.mkdir(parents=True, exist_ok=True)
+    if arguments.chart:
+        draw_chart(arguments.chart)
+        return
     table = arguments.table
+    table.parent.mkdir(parents=True, exist_ok=True)
     if arguments.read:
         rows = read_rows(table)
     else:
@@ -364,11 +341,7 @@ def main() -> None:
         else:
             rows = run(validate, seeds, workers=arguments.workers)
         write_rows(rows, table)
-    text = "\n".join(summarise(rows))
-    print(text)
-    (arguments.output / f"{NAME}.md").write_text(text + "\n")
-    draw_validation(rows, arguments.output / f"{NAME}.svg")
-    draw_chart(arguments.output / "commissioning-rule-chart.svg")
+    print("\n".join(summarise(rows)))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Sweeps over F_max of the paper's machine: time, certificates and memory over the number of cases.
 
-Run as ``python -m benchmarks.sweep [--largest N] [--workers N] [--limits N] [--output docs]``,
-which renews the head of benchmarks-sweep.md, down to its picture, and benchmarks-sweep.svg.
+    python -m benchmarks.sweep [--largest N] [--workers N] [--limits N]
+
 Each size runs in a process of its own, so that the peak of its memory is its own; whole commands
 are measured besides, with start-up, files and page. Processor time is that of the process and its
 workers: on a busy machine it says more than the clock.
@@ -11,8 +11,6 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
-import os
-import platform
 import resource
 import subprocess
 import sys
@@ -20,7 +18,6 @@ import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 
 import polars as pl
@@ -108,49 +105,6 @@ def check(frame: pl.DataFrame) -> None:
         raise SystemExit("t_f does not fall strictly with F_max")
 
 
-HEAD = (
-    "| quantity | cases | wall [s] | CPU [s] | CPU per case [ms] | peak memory [MB] | "
-    "certified or met | worst gap |\n|---|---|---|---|---|---|---|---|"
-)
-
-
-def describe(row: Row) -> str:
-    return (
-        f"| {row.quantity} | {row.count} | {row.wall:.1f} | {row.processor:.1f} | "
-        f"{1e3 * row.processor / row.count:.3g} | {row.megabytes:.0f} | {row.passed} | "
-        f"{row.largest_gap:.0e} |"
-    )
-
-
-PICTURE = "![Time and memory](benchmarks-sweep.svg)"
-
-
-def write(rows: list[Row], workers: int, folder: Path) -> None:
-    lines = [
-        "# Sweeps: time and memory over the number of cases",
-        "",
-        "`python -m benchmarks.sweep --limits N --output docs`, the paper's machine over F_max: "
-        "300 N to 20 kN for `optimal`, 1 to 4 kN for `limits`.",
-        f"{workers} workers, Python {platform.python_version()}, {date.today().isoformat()}; CPU "
-        f"time includes start-up of every process. Load of the machine meanwhile: "
-        f"{os.getloadavg()[1]:.1f} on {os.cpu_count()} cores, so compare CPU time, not the clock.",
-        "",
-        HEAD,
-        *map(describe, rows),
-        "",
-        "Every `optimal` row is certified and t_f falls strictly with F_max, else the benchmark "
-        "stops. Memory is the sum of the parent's and the largest worker's peak; of whole commands "
-        "the largest process's of all before.",
-        "",
-    ]
-    path = folder / "benchmarks-sweep.md"
-    # What stands behind the picture is written by hand.
-    kept = path.read_text(encoding="utf-8").partition(PICTURE)[2] if path.exists() else "\n"
-    path.write_text("\n".join(lines) + "\n" + PICTURE + kept, encoding="utf-8")
-    optimal = [row for row in rows if row.quantity == Quantity.OPTIMAL.value]
-    plot(optimal, str(folder / "benchmarks-sweep.svg"))
-
-
 def report(row: Row) -> None:
     each = 1e3 * row.processor / row.count
     print(
@@ -158,18 +112,6 @@ def report(row: Row) -> None:
         f" {row.megabytes:9.0f} {row.passed:8d} {row.largest_gap:9.1e}",
         flush=True,
     )
-
-
-def plot(rows: list[Row], file: str) -> None:
-    import matplotlib.pyplot as plt  # would count as start-up of every measured process
-
-    figure, (times, memory) = plt.subplots(1, 2, figsize=(9, 3.5), layout="constrained")
-    counts = [row.count for row in rows]
-    times.loglog(counts, [row.processor for row in rows], "o-")
-    times.set(xlabel="cases", ylabel="processor time [s]")
-    memory.semilogx(counts, [row.megabytes for row in rows], "o-")
-    memory.set(xlabel="cases", ylabel="peak memory [MB]", ylim=(0, None))
-    figure.savefig(file, metadata={"Date": None})
 
 
 WHOLE = 10_000
@@ -181,7 +123,6 @@ def main() -> None:
     parser.add_argument("--largest", type=int, default=100_000)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--limits", type=int, default=0, help="choices of limits to time as well")
-    parser.add_argument("--output", type=Path, default=None, help="folder for table and plot")
     options = parser.parse_args()
     context = multiprocessing.get_context("spawn")
     print(f"{'quantity':24s}    cases  wall [s]   cpu [s]   each [ms]        MB   passed   gap")
@@ -189,20 +130,15 @@ def main() -> None:
     jobs = [(size, options.workers, Quantity.OPTIMAL) for size in sizes]
     if options.limits:
         jobs.append((options.limits, options.workers, Quantity.LIMITS))
-    rows = []
     commands = [(1, 1, Quantity.OPTIMAL), (1, 1, Quantity.LIMITS)]
     if options.largest >= WHOLE:
         commands.append((WHOLE, options.workers, Quantity.OPTIMAL))
     for command in commands:
-        rows.append(measure_command(*command))
-        report(rows[-1])
+        report(measure_command(*command))
     for job in jobs:
         # Not a Pool: its workers may have no children of their own.
         with ProcessPoolExecutor(1, mp_context=context) as executor:
-            rows.append(executor.submit(measure, *job).result())
-        report(rows[-1])
-    if options.output:
-        write(rows, options.workers, options.output)
+            report(executor.submit(measure, *job).result())
 
 
 if __name__ == "__main__":

@@ -27,8 +27,6 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import Bang, constant_arc
 from mtcommission.plant.plant import build_plant
 
-DOCS = Path(__file__).parent.parent / "docs"
-
 
 def solve(module: str, problem: str, cells: int) -> Answer:
     prepare = importlib.import_module(f"benchmarks.peers.{module}").prepare
@@ -258,9 +256,3 @@ def test_a_renewed_row_takes_the_place_of_the_old_one_and_the_page_says_so() -> 
     page = compose_report({"race": {**begun, "rows": rows, "renewed": renewed}})
     assert "Renewed tuesday, commit c2, load 1.0, at most 10 s each: ours." in page
     assert "| gekko | 200 | 20 × |" in page
-
-
-def test_the_printed_page_begins_as_the_program_prints_it() -> None:
-    """Else docs/benchmarks.md was edited by hand, or is of another program."""
-    page = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
-    assert page.startswith(compose_report({}).rstrip())
