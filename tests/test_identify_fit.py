@@ -152,13 +152,13 @@ def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
     )
 
 
-def test_payloads_make_the_spread_and_the_interval_holds_both() -> None:
+def test_payloads_are_states_and_the_interval_holds_both() -> None:
     light = _measured(_axis())
     heavy = _measured(_axis(frequency_hz=np.array([35.0, 80.0]), mass=360.0), seed=1)
     found = identify(Evidence(responses=(light, heavy), spectra=(), vibrations=(), records=()))
     assert len(found.states) == 2
-    assert found.spread.frequency == pytest.approx(0.035)
-    assert found.spread.because[0].kind == "identify-frequency-range"
+    assert found.spread.apart
+    assert found.spread.frequency == pytest.approx(0.01)
     first = found.modes[0].frequency_hz
     assert abs(first.value - 37.5) < 2 * first.sigma
     assert abs(first.value - 35.0) < 2 * first.sigma

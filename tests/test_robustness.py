@@ -18,7 +18,6 @@ from mtcommission.machine.machine import Machine, Peak, Positioning
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     Corner,
-    Variations,
     as_variations,
     corners,
     draw_variations,
@@ -145,11 +144,7 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
     band = machine.requirements.tcp_deviation
     assert 0.0 < found.share_in_band < 1.0
     assert found.share_in_band == np.count_nonzero(found.residual_deviation <= band) / 300
-    worst = Variations(
-        payload=np.array([found.variations.corner(found.worst).payload]),
-        frequency_factor=np.array([found.variations.corner(found.worst).frequency_factor]),
-        damping_factor=np.array([found.variations.corner(found.worst).damping_factor]),
-    )
+    worst = as_variations([found.variations.corner(found.worst)])
     alone = respond_varied(machine, tuned, limits, worst)
     assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
     late = found.settling_time > found.settling_time.min() + 1e-9

@@ -23,6 +23,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, 
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine, Move
+from mtcommission.machine.mechanics import MachineState
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
@@ -61,6 +62,7 @@ class Bench:
     html: str
 
 
+TWO_STATES = "ball-screw, measured in two states"
 SLOW_CYCLES = "honing-z, every millisecond"
 """Its force lag passes within a tenth of a velocity cycle, as with a control that runs on a PC."""
 
@@ -71,6 +73,11 @@ def read_machine(name: str) -> Machine:
         control = replace(machine.control, position_cycle=1e-3, velocity_cycle=1e-3)
         drive = replace(machine.drive, force_lag=1e-4)
         machine = replace(machine, control=control, drive=drive)
+    if name == TWO_STATES:
+        (mode,) = machine.mechanics.modes
+        mode = replace(mode, natural_frequency=0.7 * mode.natural_frequency, measured_gain=9e-4)
+        far = replace(machine.mechanics, moving_mass=2700.0, modes=(mode,))
+        machine = replace(machine, states=(MachineState(name="far", mechanics=far),))
     return machine
 
 
@@ -201,7 +208,7 @@ def run_in_page(bench: Bench, cases: list[Case], folder: Path) -> Any:
 
 
 @needs_browser
-@pytest.mark.parametrize("name", [*MACHINES, SLOW_CYCLES, FOLLOWED])
+@pytest.mark.parametrize("name", [*MACHINES, SLOW_CYCLES, TWO_STATES, FOLLOWED])
 def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> None:
     """Residual to 1 % of the band, settling to 0.1 ms, force and verdict, in all corners."""
     bench = build_bench(name)
@@ -250,7 +257,7 @@ addEventListener("load", () => {
 
 
 @needs_browser
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", [*MACHINES, TWO_STATES])
 def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_path: Path) -> None:
     """To 0.1 dB and 0.5 degrees; and a notch that makes the loop unstable is called so."""
     bench, rng = build_bench(name), np.random.default_rng(5)

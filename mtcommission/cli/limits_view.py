@@ -20,6 +20,7 @@ from mtcommission.sheet.tables import (
     PEAK,
     RESIDUAL,
     SETTLING,
+    STATE,
     say_filter,
     say_requirement,
     show,
@@ -179,9 +180,10 @@ def _checks(verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
 
 def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogue) -> list[Line]:
     """Return the response of each move in each corner, and the verdict."""
+    states = ["state"] if any(one.state for move in part.moves for one in move.corners) else []
     names = heads(
-        spoken, "move", "payload", "frequencies", "dampings", "settling", "residual", "peak",
-        "set-force",
+        spoken, "move", *states, "payload", "frequencies", "dampings", "settling", "residual",
+        "peak", "set-force",
     )  # fmt: skip
     rows = list[list[str]]()
     for number, move in enumerate(part.moves, start=1):
@@ -189,7 +191,7 @@ def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogu
             force = show(response.max_force, spoken, "N")
             if response.saturated:
                 force = spoken.text("terminal-saturated", force=force)
-            quantities = (*CORNER, SETTLES, RESTS, PEAK)
+            quantities = (*(STATE,) * len(states), *CORNER, SETTLES, RESTS, PEAK)
             rows.append([str(number), *(one.show(response, spoken) for one in quantities), force])
     worst = [
         f"{say_requirement(check.name, spoken)}: {spoken.say(check.where)}"

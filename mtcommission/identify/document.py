@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log
+from types import MappingProxyType
 from typing import Any
 
 import tomlkit
@@ -32,6 +34,8 @@ PRINTER = (
 """What a printer's resonance test does not tell, as assumed: the test itself drives the motor at
 60 mm/s^2 per Hz up to 135 Hz (klippy/extras/resonance_tester.py at 84104bbb), 8 m/s^2, older ones
 at 75 up to 133 Hz, 10 m/s^2; a short infill line; a ringing that can hardly be seen."""
+MOST_LETTERS = 70
+"""Of the name of a state."""
 TO_ASK = (
     "drive.max_force",
     "drive.force_lag",
@@ -109,6 +113,11 @@ def write_profile(found: Identified, how: Writing) -> str:
     if printer:
         lines += ["", "[control]", _line(_Row("kind", "klipper", ""))]
     stated = tomlkit.document()
+    if states := _state_tables(found):
+        lines += ["", f"# {words.text('identify-document-states')}"]
+        stated["machine_states"] = states
+        lines += [tomlkit.dumps(stated).rstrip()]
+        del stated["machine_states"]
     stated["identified"] = statement(how.part, evidence=how.evidence)
     lines += ["", f"# {words.text('identify-document-measured')}"]
     lines += tomlkit.dumps(stated).rstrip().splitlines()
@@ -161,6 +170,8 @@ def merge_profile(text: str, found: Identified, how: Writing) -> str:
     names: dict[str, str] = {}
     assumed = _merge_modes(plant, found, how, names)
     document["identified"] = statement(how.part, evidence=how.evidence, names=names)
+    if states := _state_tables(found, names):
+        document["machine_states"] = states
     requirements = document.setdefault("requirements", tomlkit.table())
     for row in _spread_rows(found, how):
         # Who stated a wider one knows more states of the machine than were measured.
@@ -312,6 +323,46 @@ def _tool_row(
     worst = max(abs(own), 1.0 / found.moving_mass.value)
     value = f"{-worst if own >= 0.0 else worst:.5g} {gain}"
     return _Row("tcp_gain", value, words.text("identify-document-tool-worst"), is_assumed=True)
+
+
+def _state_tables(found: Identified, names: Mapping[str, str] = MappingProxyType({})) -> AoT | None:
+    """[[machine_states]]: what each state has of its own; None where one description does."""
+    if not found.spread.apart:
+        return None
+    tables, unit, taken = tomlkit.aot(), _units(found), set[str]()
+    for place, state in enumerate(found.states):
+        without_folders = re.sub(r"[^,\s]*/", "", state.name)
+        name = "".join(letter for letter in without_folders if letter.isprintable())[-MOST_LETTERS:]
+        name = f"{name} ({place + 1})" if name in taken else name
+        taken.add(name)
+        table = tomlkit.table()
+        table["name"] = name
+        if found.moving_mass and state.moving_mass:
+            table["moving_mass"] = f"{state.moving_mass.value:.6g} {unit.mass.si}"
+        modes = tomlkit.aot()
+        for mode in _kept(found):
+            own = mode.seen[place]
+            if own is None:
+                continue
+            seen = state.modes[own]
+            inner = tomlkit.table()
+            inner["name"] = names.get(mode.name, mode.name)
+            inner["frequency"] = f"{seen.frequency_hz.value:.6g} Hz"
+            inner["damping_ratio"] = float(f"{seen.damping_ratio.value:.4g}")
+            if found.is_base_excited:
+                if seen.tcp_gain is not None and len(found.modes) > 1:
+                    inner["tcp_gain"] = float(f"{seen.tcp_gain.value:.4g}")
+            elif found.moving_mass:
+                for key, gain in (
+                    ("tcp_gain", seen.tcp_gain),
+                    ("measured_gain", seen.measured_gain),
+                ):
+                    if gain is not None:
+                        inner[key] = f"{gain.value:.5g} {unit.gain.si}"
+            modes.append(inner)
+        table["modes"] = modes
+        tables.append(table)
+    return tables
 
 
 def _mass_row(found: Identified, unit: AxisUnits) -> _Row | None:

@@ -56,6 +56,7 @@ class Spread:
     frequency: float
     damping: float
     because: tuple[Message, Message]  # For frequency and for damping
+    apart: bool  # Whether each state is judged by itself, so that no spread need span them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import ceil, log
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.optimize import linear_sum_assignment
 
 from mtcommission.identify.identified import IdentifiedMode, Spread, State
 from mtcommission.machine.identified import Estimate
+from mtcommission.machine.machine import MOST_STATES
 from mtcommission.messages.message import Message
 
 FARTHEST = 0.25
@@ -24,6 +26,8 @@ DAMPING_FLOOR = 0.15
 """Least spread of damping where several states were measured (empirical)."""
 DAMPING_FLOOR_OF_ONE = 0.3
 """Least spread of damping where one state was measured: that of a profile that states none."""
+APART = 3.0
+"""Difference of two states in its standard errors from which each is judged by itself."""
 STEP = 0.005
 """Spreads are rounded up to it."""
 
@@ -116,29 +120,50 @@ def middle_of(estimates: Sequence[Estimate | None]) -> Estimate | None:
 def find_spread(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> Spread:
     """Return the spreads that the corners must hold: the worst mode, at least a floor.
 
-    max(2 sigma, half of the range over the states, floor) by the middle, for each mode.
+    max(2 sigma, half of the range over the states, floor) by the middle, for each mode; without the
+    range where the states differ so much that each is judged by itself.
     """
-    n = len(states)
+    n, apart = len(states), _differ(states, modes)
     floor = FREQUENCY_FLOOR if n > 1 else FREQUENCY_FLOOR_OF_ONE
-    frequency = _Worst(floor, Message("identify-frequency-floor", floor=floor, states=n))
+    kind = "identify-frequency-apart" if apart else "identify-frequency-floor"
+    frequency = _Worst(floor, Message(kind, floor=floor, states=n))
     floor = DAMPING_FLOOR if n > 1 else DAMPING_FLOOR_OF_ONE
-    damping = _Worst(floor, Message("identify-damping-floor", floor=floor, states=n))
+    kind = "identify-damping-apart" if apart else "identify-damping-floor"
+    damping = _Worst(floor, Message(kind, floor=floor, states=n))
     for mode in modes:
         seen = [state.modes[k] for state, k in zip(states, mode.seen, strict=True) if k is not None]
-        low, high, by_range, by_sigma = _reach([one.frequency_hz for one in seen])
+        low, high, by_range, by_sigma = _reach([one.frequency_hz for one in seen], apart=apart)
         ends = {"low": low, "high": high, "states": len(seen)}
         frequency = frequency.or_if_worse(
             by_range, Message("identify-frequency-range", mode=mode.name, **ends)
         ).or_if_worse(
             by_sigma, Message("identify-frequency-sigma", mode=mode.name, spread=by_sigma)
         )
-        low, high, by_range, by_sigma = _reach([one.damping_ratio for one in seen])
+        low, high, by_range, by_sigma = _reach([one.damping_ratio for one in seen], apart=apart)
         ends = {"low": low, "high": high, "states": len(seen)}
         damping = damping.or_if_worse(
             by_range, Message("identify-damping-range", mode=mode.name, **ends)
         ).or_if_worse(by_sigma, Message("identify-damping-sigma", mode=mode.name, spread=by_sigma))
     return Spread(
-        frequency=frequency.rounded, damping=damping.rounded, because=(frequency.why, damping.why)
+        frequency=frequency.rounded,
+        damping=damping.rounded,
+        because=(frequency.why, damping.why),
+        apart=apart,
+    )
+
+
+def _differ(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> bool:
+    """Whether a mode or the mass differs between states by more than its intervals."""
+    if not 1 < len(states) <= MOST_STATES:
+        return False
+    known = [[state.moving_mass for state in states if state.moving_mass]]
+    for mode in modes:
+        pairs = zip(states, mode.seen, strict=True)
+        known.append([state.modes[k].frequency_hz for state, k in pairs if k is not None])
+    return any(
+        abs(one.value - other.value) > APART * float(np.hypot(one.sigma, other.sigma))
+        for values in known
+        for one, other in combinations(values, 2)
     )
 
 
@@ -157,8 +182,8 @@ class _Worst:
         return STEP * ceil(self.spread / STEP - 1e-9)
 
 
-def _reach(values: Sequence[Estimate]) -> tuple[float, float, float, float]:
+def _reach(values: Sequence[Estimate], *, apart: bool) -> tuple[float, float, float, float]:
     """Ends of some values, half of their range and two standard errors by the middle."""
     low, high = min(one.value for one in values), max(one.value for one in values)
     by_sigma = 2.0 * max(one.sigma for one in values) / (0.5 * (low + high))
-    return low, high, (high - low) / (high + low), by_sigma
+    return low, high, 0.0 if apart else (high - low) / (high + low), by_sigma

@@ -6,10 +6,12 @@ rounded to what is typed in and judged exactly, in every corner: only that verdi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import inf
+
+import numpy as np
 
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.explore import Found
@@ -135,7 +137,7 @@ def _judged(
         reserve=machine.requirements.reserve,
         ceiling=_say_ceiling(allowed, typed.limits),
         reserve_used=met and allowed is machine and keep_reserve(machine) is not machine,
-        explain=cache(partial(_explain, allowed, plant, tuned, candidate, largest_jerk)),
+        explain=cache(partial(_explain, allowed, plant, tuned, candidate, moves, largest_jerk)),
         chart=cache(partial(chart_landscape, machine, plant, tuned, typed.limits)),
     )
 
@@ -150,10 +152,15 @@ def _say_ceiling(machine: Machine, limits: MotionLimits) -> tuple[Message, ...]:
 
 
 def _explain(
-    machine: Machine, plant: Plant, tuned: TunedLoop, candidate: Candidate, largest_jerk: float
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    candidate: Candidate,
+    moves: Sequence[MoveResult],
+    largest_jerk: float,
 ) -> Message:
-    """Name what breaks when either limit is raised a little."""
-    limits, broken = candidate.limits, dict[Requirement, None]()
+    """Name what breaks when either limit is raised a little, and in which measured state."""
+    limits, broken = candidate.limits, dict[Requirement, str]()
     missed = [item.requirement for item in candidate.assessment.checks if not item.is_met]
     if any(item.yields is Yields.FIRST for item in missed):
         return Message("bound-by-nothing-met")
@@ -164,12 +171,18 @@ def _explain(
         raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
         for check in judge_sizes(machine, plant, tuned, raised):
             if check.share(machine) > 1.0:
-                broken[check.requirement] = None
-    named, motor = [item.message for item in broken], machine.drive.motion_force
+                broken.setdefault(check.requirement, check.corner.state)
+    named = [_in_state(item.message, state) for item, state in broken.items()]
+    motor = machine.drive.motion_force
     if _say_ceiling(machine, limits):
         named.append(Message("bound-by-ceiling", acceleration=practical_ceiling(machine)))
     if not named and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
         return Message("bound-by-motor", acceleration=motor)
     if not named:
-        return Message("bound-by-settling-later")
+        times = np.max([[one.settling_time for one in each.responses] for each in moves], axis=0)
+        return _in_state(Message("bound-by-settling-later"), tuned.corners[times.argmax()].state)
     return Message("bound-by-requirements", requirements=join_by_and(named))
+
+
+def _in_state(what: Message, state: str) -> Message:
+    return Message("bound-in-state", what=what, state=state) if state else what

@@ -130,6 +130,8 @@ def describe_place(move: int, corner: Corner, n_moves: int, size: Message | None
         parts.append(size)
     if corner == NOMINAL:
         return Message("place", parts=(*parts, Message("place-nominal")))
+    if corner.state:
+        parts.append(Message("place-state", name=corner.state))
     parts.append(Message("place-payload", payload=corner.payload))
     if corner.frequency_factor != 1.0:
         parts.append(Message("place-frequencies", factor=corner.frequency_factor))

@@ -27,7 +27,7 @@ from mtcommission.machine.keys import (
     read_table,
     table_schema,
 )
-from mtcommission.machine.mechanics import HELD, SOURCE, Mechanics, Plants
+from mtcommission.machine.mechanics import HELD, SOURCE, MachineState, Mechanics, Plants, States
 from mtcommission.machine.ranges import (
     ACCELERATIONS,
     ARMS,
@@ -68,6 +68,7 @@ from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import LINEAR, LINEAR_SOURCE, ROTARY, ROTARY_SOURCE, AxisUnits
 
 MOST_MOVES = 50
+MOST_STATES = 8
 MOST_ASSUMED = 300
 LARGEST_FREQUENCY_SPREAD = 0.5
 
@@ -542,12 +543,23 @@ class Machine:
         Table(DampingOptimal), "The damping-optimal control.", default=DampingOptimal()
     )
     control: Control = keyed(Table(Control), "The cascade.", default=Control(), left_out=EMPTY)
+    states: tuple[MachineState, ...] = keyed(
+        Array(States(), 0, MOST_STATES),
+        "States in which the machine was measured; limits must serve each of them.",
+        key="machine_states",
+        default=(),
+    )
     today: Today | None = keyed(
         Table(Today), "What the control holds now, to see before and after.", default=None
     )
     identified: Identification | None = keyed(
         Table(Identification), "What was measured; identify writes it.", default=None
     )
+
+    def mechanics_in(self, state: str) -> Mechanics:
+        """Return the mechanics in a state, by its name; "": as [plant] states them."""
+        own = (one.mechanics for one in self.states if one.name == state)
+        return next(own, self.mechanics)
 
     def is_assumed(self, key: str) -> bool:
         """Return whether a key, or a table that holds it, is one of ``assumed``."""
@@ -596,6 +608,10 @@ class Machine:
 
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterator[Misfit]:
         """Yield what does not fit together between the tables."""
+        names = [state.name for state in self.states]
+        for place, name in enumerate(names):
+            if name in names[:place]:
+                yield f"machine_states.{place}.name", Message("state-named-twice", name=name)
         spread = self.requirements.damping_spread
         most_damped = max(mode.damping_ratio for mode in self.mechanics.modes)
         largest = most_damped * (1.0 + spread)

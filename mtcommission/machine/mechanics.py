@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.keys import ELSEWHERE, Misfit, keyed, list_keys, read_table, table_schema
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
-from mtcommission.machine.readers import IDENTIFIER, KeyPath, Reading, describe, find_close, one_of
+from mtcommission.machine.readers import (
+    IDENTIFIER,
+    LONGEST_NAME,
+    KeyPath,
+    Reading,
+    Text,
+    describe,
+    find_close,
+    one_of,
+)
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
@@ -237,6 +246,80 @@ class Plants:
             own = {"description": "Form of the plant.", "const": kind.kind}
             tables[kind.__name__] = table_schema(kind, tables, before={"kind": own})
         return {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in kinds]}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineState:
+    """The mechanics in one position, or with one payload, at which the machine was measured."""
+
+    name: str
+    mechanics: Mechanics
+
+
+class States:
+    """Reader of a table of [[machine_states]]: a name, and the keys of [plant] that differ there.
+
+    A mode is named, with those of its keys that differ.
+    """
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> MachineState | None:
+        """Return the state; what is wrong with [plant] itself is noted there."""
+        if not isinstance(value, dict):
+            reading.refuse(place, Message("got-no-table", got=describe(value)))
+            return None
+        plant = reading.plant
+        given = value.get("modes", [])
+        stated = plant.get("modes", []) if isinstance(plant.get("modes"), list) else []
+        names = [mode.get("name") for mode in stated if isinstance(mode, dict)]
+        own: dict[int, int] = {}
+        for i, mode in enumerate(given if names and isinstance(given, list) else ()):
+            if isinstance(mode, dict) and mode.get("name") in names:
+                own[names.index(mode["name"])] = i
+            else:
+                message = Message("state-mode-unknown", names=one_of(tuple(map(str, names))))
+                reading.refuse((*place, "modes", i), message)
+        whole = {**plant, **{key: one for key, one in value.items() if key != "name"}}
+        if names:
+            whole["modes"] = [
+                {**mode, **given[own[k]]} if k in own else mode for k, mode in enumerate(stated)
+            ]
+        before = len(reading.faults)
+        mechanics = read_table(
+            kind_of(whole, follows=reading.follows), whole, place, reading, beside=("kind",)
+        )
+        found, reading.faults[before:] = reading.faults[before:], []
+        for path, message in found:
+            key, *below = path[len(place) :]
+            if key == "modes" and below and names:
+                if below[0] not in own:
+                    continue
+                below[0] = own[below[0]]
+            if key in value:
+                reading.refuse((*place, key, *below), message)
+        name = Text(LONGEST_NAME).read(value.get("name", ""), (*place, "name"), reading)
+        is_right = mechanics is not None and not found and name
+        return MachineState(name=name, mechanics=mechanics) if is_right else None
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema: a name, and any key of a plant."""
+        about = {"description": "Name of the state.", "type": "string", "examples": ['"far end"']}
+        properties: dict[str, Any] = {}
+        for kind in (*KINDS.values(), *HELD.values()):
+            properties |= table_schema(kind, tables)["properties"]
+        for form in (FlexibleMode, HeldMode):
+            key = f"{form.__name__}InState"
+            tables[key] = table_schema(form, tables) | {"required": ["name"]}
+        modes = [{"$ref": f"#/$defs/{form.__name__}InState"} for form in (FlexibleMode, HeldMode)]
+        items = {"type": "array", "items": {"anyOf": modes}}
+        properties["modes"] = properties["modes"] | items
+        tables["MachineState"] = {
+            "type": "object",
+            "description": (States.__doc__ or "").partition("\n")[0],
+            "properties": {"name": about, **properties},
+            "required": ["name"],
+            "additionalProperties": False,
+        }
+        return {"$ref": "#/$defs/MachineState"}
 
 
 _Mode = TypeVar("_Mode", FlexibleMode, HeldMode)

@@ -30,6 +30,7 @@ class Reading:
     axis: AxisUnits  # what masses, forces and lengths are
     states: Mapping[str, Dimension]  # of the plant, by name; empty if the plant is not known
     outputs: Mapping[str, Dimension]
+    plant: Mapping[str, Any] = field(default_factory=dict)  # [plant] as it stands there
     follows: bool = False  # whether the motor follows its setpoint
     faults: list[tuple[KeyPath, Message]] = field(default_factory=list)
 

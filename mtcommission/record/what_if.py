@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.motions import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.variations import Corner
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.variations import Corner, vary
+from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.schema.what_if import (
@@ -23,6 +24,7 @@ from mtcommission.record.schema.what_if import (
     NoisyCornerEntry,
     SampledEntry,
     SignalEntry,
+    StateEntry,
     VariedModeEntry,
     VariedPlantEntry,
     WhatIfPart,
@@ -55,12 +57,14 @@ def what_if_part(
     if today is not None and today.judged is not None:
         own = build_loop(plant, today.controller, model=plant) if today.stated else None
         entry = filter_entry(today.today.setpoint_filter)
-        known.insert(0, _known("today", today.limits, entry=entry, loop=own))
+        states = _states(machine, plant, today.controller) if today.stated else []
+        known.insert(0, _known("today", today.limits, entry=entry, loop=own, states=states))
     average = control.kind.find_filter(MOVING_AVERAGE)
     return WhatIfPart(
         jerk=control.kind.jerk.value,
         loop=sampled_entry(tuned.loops[0]),
         plant=_plant_entry(machine, plant),
+        states=_states(machine, plant, controller),
         corners=[
             _corner_entry(machine, corner, loop)
             for corner, loop in zip(tuned.corners, tuned.loops, strict=True)
@@ -120,6 +124,16 @@ def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
     )
 
 
+def _states(machine: Machine, model: Plant, controller: Controller) -> list[StateEntry]:
+    found = []
+    for state in machine.states:
+        own = vary(machine, Corner(state=state.name))
+        plant = build_plant(own)
+        loop = sampled_entry(build_loop(plant, controller, model=model))
+        found.append(StateEntry(name=state.name, plant=_plant_entry(own, plant), loop=loop))
+    return found
+
+
 def _motor_force(plant: Plant) -> SignalEntry:
     name = plant.states[plant.force]
     row = plant.row(name).tolist()
@@ -153,6 +167,7 @@ def _known(
     *,
     entry: SetpointFilterEntry | None,
     loop: SampledLoop | None = None,
+    states: Sequence[StateEntry] = (),
 ) -> KnownLimitsEntry:
     return entry_of(
         KnownLimitsEntry,
@@ -160,4 +175,5 @@ def _known(
         name=name,
         setpoint_filter=entry,
         loop=sampled_entry(loop) if loop else None,
+        states=list(states),
     )

@@ -156,9 +156,16 @@ const engine = (() => {
     });
   }
 
+  // Plant and loop at a place: those of the measured state that it names.
+  function inState(model, loop, place) {
+    const named = state => state.name === place.state;
+    const own = place.state ? (loop.in_states ?? model.states).find(named) : null;
+    return own ? {plant: own.plant, loop: own.loop} : {plant: model.plant, loop};
+  }
+
   // The loop at the position cycle: state one cycle later, and signals at each velocity cycle.
-  function lift(model, loop, place) {
-    const {plant} = model, cycle = cycleAt(plant, loop, place), n = cycle.length, N = loop.cycles;
+  function lift(model, around, place) {
+    const {plant, loop} = inState(model, around, place), cycle = cycleAt(plant, loop, place), n = cycle.length, N = loop.cycles;
     const over = row => { const own = new Float64Array(n); own.set(row); return own; };
     const force = new Float64Array(n);
     force[loop.pending] = 1;
@@ -354,8 +361,8 @@ const engine = (() => {
 
   // The loop cut at F_set, as a function of the frequency [Hz]: exact at the velocity cycle, the
   // position loop in its base band.
-  function openLoop(model, loop, place) {
-    const cycle = cycleAt(model.plant, loop, place), {pending, held, by_state} = loop, N = loop.cycles;
+  function openLoop(model, around, place) {
+    const {plant, loop} = inState(model, around, place), cycle = cycleAt(plant, loop, place), {pending, held, by_state} = loop, N = loop.cycles;
     const own = cycle.map((_, i) => i).filter(i => i !== pending && i < held), n = own.length;
     const demand = cycle[pending], b = own.map(i => cycle[i][pending]);
     const fed = own.map(i => own.map(k => by_state.reduce((sum, row, h) => sum + cycle[i][held + h] * row[k], 0)));
@@ -423,8 +430,9 @@ const engine = (() => {
   }
 
   // The open loop without the notch that is moved, to be multiplied by it.
-  function scanOpenLoop(model, loop, place, old) {
-    const exact = openLoop(model, loop, place), frequency = gridOf(model.plant, loop.velocity_cycle, place);
+  function scanOpenLoop(model, around, place, old) {
+    const {plant, loop} = inState(model, around, place);
+    const exact = openLoop(model, around, place), frequency = gridOf(plant, loop.velocity_cycle, place);
     const at = f => old ? divide(exact(f), notchAt(f, old, loop.velocity_cycle)) : exact(f);
     return {frequency, at, values: Array.from(frequency, at), T_v: loop.velocity_cycle, turns: null};
   }

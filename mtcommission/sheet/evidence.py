@@ -26,7 +26,6 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.responses import flexible_rates, named_optima
 from mtcommission.sheet.tables import (
-    CORNER,
     MAX_FORCE,
     PEAK,
     RESIDUAL,
@@ -34,6 +33,7 @@ from mtcommission.sheet.tables import (
     Quantity,
     member,
     pairs,
+    place_columns,
     show,
     table,
 )
@@ -89,7 +89,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
     said = "; ".join(f"{name}: {count}" for name, count in lost.items())
     columns = (
         Quantity("control", "control", width=1.4),
-        *CORNER,
+        *place_columns(settled),
         *(SETTLING, RESIDUAL, PEAK),
         Quantity("saturated-share", "saturated_share", "%"),
     )

@@ -49,7 +49,6 @@ from mtcommission.sheet.plots import (
 from mtcommission.sheet.robustness import held_range
 from mtcommission.sheet.tables import (
     BANDWIDTH,
-    CORNER,
     DASH,
     GAIN_MARGIN,
     MAX_FORCE,
@@ -62,6 +61,7 @@ from mtcommission.sheet.tables import (
     Quantity,
     beside,
     member,
+    place_columns,
     show,
     table,
     wide,
@@ -390,7 +390,14 @@ def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
 def _corners(record: Record, words: Catalogue) -> Iterator[Table]:
     corners = record.loop.corners
     bandwidth = wide(BANDWIDTH, 1.0, name="bandwidth-short")
-    columns = (*CORNER, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY, bandwidth, STIFFNESS)
+    columns = (
+        *place_columns(corners),
+        GAIN_MARGIN,
+        PHASE_MARGIN,
+        SENSITIVITY,
+        bandwidth,
+        STIFFNESS,
+    )
     if len(corners) > 1:
         yield table(words, "loop-corners-caption", columns, corners)
 

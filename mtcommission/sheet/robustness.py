@@ -14,13 +14,13 @@ from mtcommission.sheet.basis import find_band, kept_sentence
 from mtcommission.sheet.document import Block, LinePlot, Paragraph, Table, note
 from mtcommission.sheet.plots import Curve, Signals, line_plot
 from mtcommission.sheet.tables import (
-    CORNER,
     MAX_FORCE,
     PEAK,
     RESIDUAL,
     RMS_FORCE,
     SETTLING,
     Quantity,
+    place_columns,
     show,
     table,
     wide,
@@ -47,7 +47,7 @@ def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def _corners(move: MoveEntry, number: int, words: Catalogue) -> Table:
-    columns = (*CORNER, SETTLING, RESIDUAL, PEAK, MAX_FORCE, RMS_FORCE)
+    columns = (*place_columns(move.corners), SETTLING, RESIDUAL, PEAK, MAX_FORCE, RMS_FORCE)
     saturated = Quantity("saturated", "saturated")
     return table(
         words,
@@ -113,9 +113,10 @@ def _drawn(drawn: MonteCarloEntry, words: Catalogue) -> Iterator[Block]:
         Quantity("residual", lambda it: it[1].value, residual.unit, "not-settled"),
     )
     named = {text("worst-machine"): drawn.worst, text("slowest-machine"): drawn.slowest}
+    machines = place_columns(named.values())
     extremes = (
         Quantity("machine-row", lambda it: it[0], width=1.8),
-        *(_of_machine(quantity) for quantity in (*CORNER, SETTLING, RESIDUAL)),
+        *(_of_machine(quantity) for quantity in (*machines, SETTLING, RESIDUAL)),
     )
     both = zip(settling.quantiles, residual.quantiles, strict=True)
     yield Paragraph(text=drawn_sentence(drawn, words))

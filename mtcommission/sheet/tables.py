@@ -75,6 +75,7 @@ CORNER = (
     Quantity("frequencies", "frequency_factor", "%"),
     Quantity("dampings", "damping_factor", "%"),
 )
+STATE = Quantity("machine-state", lambda item: item.state or None, width=1.4)
 GAIN_MARGIN = Quantity("gain-margin", "gain_margin_db", "dB", "unlimited")
 PHASE_MARGIN = Quantity("phase-margin", "phase_margin_deg", "°", "unlimited")
 SENSITIVITY = Quantity("sensitivity-peak", "sensitivity_peak", "", digits=3)
@@ -85,6 +86,11 @@ PATH_GAINS = (
     Quantity("Kp", "Kp", "N s/m", width=1.2),
     Quantity("Tn", "Tn", "s", width=1.2),
 )
+
+
+def place_columns(items: Iterable[Any]) -> tuple[Quantity, ...]:
+    """Return the columns that tell a corner, with its state where one of them has one."""
+    return (STATE, *CORNER) if any(item.state for item in items) else CORNER
 
 
 def show(

@@ -84,8 +84,8 @@ const whatIf = (() => {
   }
 
   function say_place(place) {
-    if (!place.payload && place.frequency_factor === 1 && place.damping_factor === 1) return words.nominal;
-    const parts = [];
+    if (!place.state && !place.payload && place.frequency_factor === 1 && place.damping_factor === 1) return words.nominal;
+    const parts = place.state ? [place.state] : [];
     if (place.payload) parts.push(withUnit(place.payload, "payload"));
     if (place.frequency_factor !== 1) parts.push(say("frequencies", {factor: show(place.frequency_factor)}));
     if (place.damping_factor !== 1) parts.push(say("damping", {factor: show(place.damping_factor)}));

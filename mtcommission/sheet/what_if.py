@@ -216,7 +216,7 @@ def _known(item: KnownLimitsEntry, filters: dict[str, Any]) -> dict[str, Any]:
         "limits": {"acceleration": item.acceleration, "jerk": item.jerk},
         "filter": key if key in filters else "none",
         "time": item.setpoint_filter.time if item.setpoint_filter else 0.0,
-        "loop": to_plain(item.loop),
+        "loop": to_plain(item.loop) | {"in_states": to_plain(item.states)} if item.loop else None,
     }
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, inf, nan
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -193,8 +193,10 @@ def _find_range(
         payload=np.tile(places.payload, len(factor)),
         frequency_factor=np.tile(places.frequency_factor, len(factor)),
         damping_factor=np.tile(places.damping_factor, len(factor)),
+        state=places.state * len(factor),
     )
-    variations = replace(variations, **{of: np.repeat(factor, each)})
+    varied: dict[str, Any] = {of: np.repeat(factor, each)}
+    variations = replace(variations, **varied)
     found = respond_varied(known, tuned, limits, variations)
     kept = np.all(found.meets(known).reshape(-1, each), axis=1)
     low, high = _stretch_about(kept, len(kept) // 2)

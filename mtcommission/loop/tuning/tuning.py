@@ -244,7 +244,7 @@ def _name_corner(corner: Corner) -> tuple[Message, ...]:
     """What distinguishes a corner from the nominal machine."""
     if corner == NOMINAL:
         return (Message("loop-nominal-machine"),)
-    found = []
+    found = [Message("place-state", name=corner.state)] if corner.state else []
     if corner.payload:
         found.append(Message("loop-corner-payload", value=corner.payload))
     if corner.frequency_factor != 1.0:

@@ -116,6 +116,7 @@ class LoopCornerEntry(Margins):
     payload: float
     frequency_factor: float
     damping_factor: float
+    state: str = ""  # as the profile names it
     mode_damping: ByMode
 
 

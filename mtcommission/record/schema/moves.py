@@ -49,6 +49,7 @@ class ResponseEntry:
     payload: float
     frequency_factor: float
     damping_factor: float
+    state: str = ""  # as the profile names it
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float

@@ -60,6 +60,7 @@ class SampleEntry:
     payload: float
     frequency_factor: float
     damping_factor: float
+    state: str = ""  # as the profile names it
     settling_time: float | None
     residual_deviation: float | None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from mtcommission.machine.control import ForceFilter
@@ -79,8 +79,18 @@ class NoisyCornerEntry:
     payload: float
     frequency_factor: float
     damping_factor: float
+    state: str = ""  # as the profile names it
     tool_noise: float
     force_noise: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateEntry:
+    """The plant in a state in which it was measured, and the loop around it."""
+
+    name: str
+    plant: VariedPlantEntry
+    loop: SampledEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,13 +117,14 @@ class NeedsEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KnownLimitsEntry:
-    """Limits to begin with; ``loop`` where it is another one."""
+    """Limits to begin with; ``loop`` where it is another one, ``states``: in each state."""
 
     name: Annotated[str, one_of("today", "recommended")]
     acceleration: Positive
     jerk: Positive
     setpoint_filter: SetpointFilterEntry | None
     loop: SampledEntry | None
+    states: list[StateEntry] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,4 +139,5 @@ class WhatIfPart:
     requirements: NeedsEntry
     limits: Annotated[list[KnownLimitsEntry], filled]
     force_filters: list[ForceFilter]
+    states: list[StateEntry] = field(default_factory=list)
     averages: list[float] | None  # least and longest moving average; None: the control has none

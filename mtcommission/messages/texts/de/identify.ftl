@@ -42,6 +42,8 @@ identify-frequency-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
    *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
 }
+identify-frequency-apart = jeder der { $states } Zustände wird für sich beurteilt; { SHARE($floor) } ist das Mindeste, was Wiederholungen und Pegel an anderen Maschinen zeigten
+identify-damping-apart = { identify-frequency-apart }
 identify-damping-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
    *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
@@ -75,7 +77,7 @@ identify-friction-may-shift = { $file }: Unten zeigt sich Reibung. Falls die Ach
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
 identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.
 identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
-identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }: Das Profil enthält die Mitte. Ist das die Zuladung, die kleinste als moving_mass und den Unterschied als payload angeben.
+identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }; das Profil enthält jeden als Zustand und in [plant] die Mitte. Ist das nur die Zuladung, genügen auch die kleinste als moving_mass und der Unterschied als payload.
 # $spacing, $wanted [Hz], $window [s]
 identify-lines-too-far-apart = Bei { FREQUENCY($frequency) } liegen die Linien { FREQUENCY($spacing) } auseinander, mehr als 0,8 ζ f = { FREQUENCY($wanted) }: Die Dämpfung wird zu groß. Mit Fenstern von { TIME($window) } oder länger aufzeichnen.
 identify-model-error = Messpunkte und Modell weichen über das Rauschen hinaus um { SHARE($share) } des Betrags ab (nichtlineare Reibung, eine Eigenform außerhalb des Bereichs); die Intervalle enthalten das.
@@ -94,6 +96,7 @@ identify-document-printer-distance = angenommen: eine kurze Linie
 identify-document-printer-max-velocity = angenommen
 identify-document-printer-tcp-deviation = angenommen: kaum sichtbares Nachschwingen
 identify-document-name = Gemessene Achse
+identify-document-states = Zustände der Maschine: die Grenzen müssen in jedem gelten.
 identify-document-source = identifiziert aus { $files } am { $date }
 identify-document-tool-worst = kein Sensor am Werkzeug: ungünstigster Fall
 identify-document-tool-ratio = Anteil am Geber × { NUMBER($ratio) } (--tool-ratio)

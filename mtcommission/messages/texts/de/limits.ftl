@@ -6,6 +6,7 @@ bound-by-requirements = { $requirements }
 bound-by-nothing-met = kleinste Einschwingzeit; keine Grenzwerte erfüllen alle Anforderungen
 bound-by-motor = keine Anforderung; mehr als die eigene Beschleunigung des Motors abzüglich der Reserve, { ACCELERATION($acceleration) }, wird nicht gesucht
 bound-by-ceiling = eine praktische Obergrenze für Drucker, { ACCELERATION($acceleration) } (angenommen)
+bound-in-state = { $what } (Zustand { $state })
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
 bound-by-jerk-in-proportion = Ruck im Verhältnis zum Toleranzband (höchstens { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = mehr Ruck als mit breiterem Toleranzband: bis { JERK($jerk) } hielt nichts dieses ein

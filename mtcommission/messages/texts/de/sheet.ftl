@@ -396,6 +396,7 @@ remarks = Bemerkungen
 corners-caption = { $move }: Verlauf in jedem Eckfall
 payload = Zuladung
 frequencies = Frequenzen
+machine-state = Zustand
 dampings = Dämpfungen
 max-force = { $axis ->
     [rotary] Größtes Sollmoment

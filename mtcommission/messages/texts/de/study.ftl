@@ -14,6 +14,7 @@ place-move = Bewegung { $number }
 place-velocity-step = Sprung um { VELOCITY($size) }
 place-distance = Weg { LENGTH($size) }
 place-nominal = Nennfall
+place-state = Zustand { $name }
 place-payload = Zuladung { MASS($payload) }
 place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
 place-damping = Dämpfung × { NUMBER($factor, digits: 6) }

@@ -3,6 +3,7 @@ terminal-head-frequency = Frequenz
 terminal-head-damping-ratio = Dämpfungsgrad
 terminal-head-seen = Vom Lagegeber gesehen
 terminal-head-tool-at-full-force = Werkzeug bei F_max
+terminal-head-state = Zustand
 terminal-head-payload = Zuladung
 terminal-head-frequencies = Freq.
 terminal-head-dampings = Dämpf.

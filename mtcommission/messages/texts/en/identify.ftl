@@ -42,6 +42,8 @@ identify-frequency-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
    *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
 }
+identify-frequency-apart = each of the { $states } states is judged by itself; { SHARE($floor) } is the least that repeats and levels of other machines showed
+identify-damping-apart = { identify-frequency-apart }
 identify-damping-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
    *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
@@ -75,7 +77,7 @@ identify-friction-may-shift = { $file }: friction shows at the low end. If the a
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
 identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.
 identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
-identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }: the profile has the middle. If that is the payload, give the least one as moving_mass and the difference as payload.
+identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }; the profile holds each as a state, and in [plant] the middle. If that is the payload alone, the least one as moving_mass and the difference as payload do as well.
 # $spacing, $wanted [Hz], $window [s]
 identify-lines-too-far-apart = At { FREQUENCY($frequency) } lines are { FREQUENCY($spacing) } apart, more than 0.8 ζ f = { FREQUENCY($wanted) }: the damping comes out too large. Record with windows of { TIME($window) } or longer.
 identify-model-error = Measured points and model differ by { SHARE($share) } of the magnitude beyond the noise (nonlinear friction, a mode outside the band); the intervals contain it.
@@ -94,6 +96,7 @@ identify-document-printer-distance = assumed: a short line
 identify-document-printer-max-velocity = assumed
 identify-document-printer-tcp-deviation = assumed: ringing that can hardly be seen
 identify-document-name = Measured axis
+identify-document-states = States of the machine: limits are to serve each of them.
 identify-document-source = identified from { $files } on { $date }
 identify-document-tool-worst = no sensor at the tool: worst case
 identify-document-tool-ratio = encoder's share × { NUMBER($ratio) } (--tool-ratio)

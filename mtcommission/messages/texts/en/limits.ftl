@@ -8,6 +8,7 @@ bound-by-requirements = { $requirements }
 bound-by-nothing-met = least settling time; no limits meet all requirements
 bound-by-motor = no requirement; more than the motor's own acceleration less the reserve, { ACCELERATION($acceleration) }, is not looked for
 bound-by-ceiling = a practical ceiling for printers, { ACCELERATION($acceleration) } (assumed)
+bound-in-state = { $what } (state { $state })
 bound-by-settling-later = settling time (higher limits settle later)
 bound-by-jerk-in-proportion = jerk in proportion to the band (at most { JERK($jerk) })
 bound-by-less-jerk-meets-nothing = more jerk than with a wider band: up to { JERK($jerk) } nothing met this one

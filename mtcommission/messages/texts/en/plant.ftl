@@ -14,6 +14,8 @@ modes-at-one-frequency = modes { $one } and { $other } at { PLAIN($frequency, di
 # $modes: modes-at-one-frequency
 equal-poles = { $modes }: { modes-have-equal-poles }
 mode-not-driven = mode { $mode } is not driven by the force (lever arm 0)
+state-mode-unknown = names none of the modes of [plant], must be { $names }
+state-named-twice = got "{ $name }" twice, states must have different names
 mode-named-twice = got "{ $name }" twice, names must differ
 lever-arm-zero = got 0, but the force must turn the tower; give the arm, or describe the axis as kind = "modal"
 # $got, $most: in $unit

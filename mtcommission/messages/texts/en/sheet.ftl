@@ -393,6 +393,7 @@ remarks = Remarks
 corners-caption = { $move }: response in every corner
 payload = Payload
 frequencies = Frequencies
+machine-state = State
 dampings = Damping
 max-force = { $axis ->
     [rotary] Largest set torque

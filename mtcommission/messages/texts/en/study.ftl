@@ -16,6 +16,7 @@ place-move = move { $number }
 place-velocity-step = step of { VELOCITY($size) }
 place-distance = distance of { LENGTH($size) }
 place-nominal = nominal
+place-state = state { $name }
 place-payload = payload { MASS($payload) }
 place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
 place-damping = damping × { NUMBER($factor, digits: 6) }

@@ -5,6 +5,7 @@ terminal-head-frequency = Frequency
 terminal-head-damping-ratio = Damping ratio
 terminal-head-seen = Seen by encoder
 terminal-head-tool-at-full-force = Tool at F_max
+terminal-head-state = State
 terminal-head-payload = Payload
 terminal-head-frequencies = Freq.
 terminal-head-dampings = Damping
