@@ -113,7 +113,8 @@ def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
             code, said = call("wizard", "--yes", *map(str, arguments))
             assert code in (0, 2), (seed, arguments, code, said)
             assert "Traceback" not in said, (seed, said)
-            assert code == 2 or call("check", str(arguments[1]))[0] == 0, (seed, arguments)
+            # 3: a move that is valid, but too long to be followed.
+            assert code == 2 or call("check", str(arguments[1]))[0] in (0, 3), (seed, arguments)
             codes[code] = codes.get(code, 0) + 1
     assert codes[0] > 0.05 * COUNT / 5
     assert codes[2] > 0.05 * COUNT / 5

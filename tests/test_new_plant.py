@@ -17,7 +17,7 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.errors import InputError
-from mtcommission.machine.keys import Misfit, keyed
+from mtcommission.machine.keys import Misfit, keyed, list_keys
 from mtcommission.machine.mechanics import KINDS, Array, FlexibleMode, ModeStates, register
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.ranges import MASSES, RATIOS, STIFFNESSES
@@ -30,6 +30,7 @@ from mtcommission.record.files import load_record
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
 from mtcommission.verify.prediction import rebuild
+from mtcommission.wizard.script import find_question, list_questions
 from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_verify import limits_of
 
@@ -228,12 +229,15 @@ def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
     assert new.moving_mass == pytest.approx(80.0, rel=0.01)
 
 
-def test_the_wizard_refuses_by_name_what_it_has_no_questions_for(
+def test_the_wizard_asks_for_it_from_its_schema(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It took every kind but one for the manipulator of the paper."""
     monkeypatch.chdir(tmp_path)
     Path("belt.toml").write_text(PROFILE, encoding="utf-8")
-    assert call(monkeypatch, "wizard", "--yes", "-o", "belt.toml") == 2
-    assert 'change this profile (kind = "belt") in an editor' in capsys.readouterr().err
+    assert call(monkeypatch, "wizard", "--yes", "-o", "belt.toml") == 0
     assert Path("belt.toml").read_text(encoding="utf-8") == PROFILE
+    answers = {"wizard.way": "belt"}
+    assert "belt" in find_question("wizard.way", {}).choices
+    asked = [one.key for one in list_questions(answers) if one.key.startswith("plant.")]
+    assert asked == [f"plant.{key}" for key, _, about in list_keys(Belt) if about.is_required]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
@@ -154,56 +153,45 @@ def _identify(
 
     from mtcommission.cli.identified_view import describe_identified, refusal
     from mtcommission.files import write_text
-    from mtcommission.identify.check import check_records
-    from mtcommission.identify.document import Writing, kind_replaced, merge_profile, write_profile
-    from mtcommission.identify.entry import identified_json, identified_part
-    from mtcommission.identify.gather import gather
+    from mtcommission.identify.job import identify_files, name_from
     from mtcommission.identify.page import print_identified
-    from mtcommission.identify.states import identify as identify_axis
-    from mtcommission.record.files import dump_json
 
-    _, profile, output, page, json_file, axis = job
+    output, beside = job.output, job.beside
     with show_stage() as progress:
         progress(Message("identify-stage"))
-        evidence = gather(job.files, given)
-        found = identify_axis(evidence, band_hz=limits, count=count)
-        checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
-    created = now()
-    part = identified_part(found, checks=checks, created=created)
-    part = replace(part, warnings=[*part.warnings, *kind_replaced(before)])
-    beside = job.beside
-    target = output or (str(profile) if profile else "machine.toml")
-    how = Writing(
-        date=created[:10],
-        file=target,
-        tool_ratio=ratio,
-        words=words(rotary=found.rotary),
-        part=part,
-        evidence=_seen_from(output, job.beside),
-        axis=axis or "X",
-    )
-    is_sound = found.doubt is None or force
-    text = ""
-    if is_sound:
-        text = merge_profile(before, found, how) if before else write_profile(found, how)
-    else:
-        beside, output = json_file, ""
-    if page:
-        write_text(page, print_identified(part, profile=text, language=language))
+        axis = identify_files(
+            job.files,
+            given,
+            words=lambda rotary: words(rotary=rotary),
+            created=now(),
+            target=output or str(job.profile or "machine.toml"),
+            evidence=name_from(output, beside),
+            before=before,
+            axis=job.axis or "X",
+            tool_ratio=ratio,
+            band_hz=limits,
+            count=count,
+            forced=force,
+        )
+    is_sound = axis.found.doubt is None or force
+    if not is_sound:
+        beside, output = job.json_file, ""
+    if job.page:
+        page = print_identified(axis.part, profile=axis.profile, language=language)
+        write_text(job.page, page)
     if output:
-        write_text(output, text)
+        write_text(output, axis.profile)
     if beside:
-        write_text(beside, dump_json(identified_json(part, profile=text)))
-    if "-" in (json_file, job.output, page):
-        if found.doubt:
-            sys.stderr.write("\n".join(refusal(part, forced=force)) + "\n")
+        write_text(beside, axis.json)
+    if "-" in (job.json_file, job.output, job.page):
+        if axis.found.doubt:
+            sys.stderr.write("\n".join(refusal(axis.part, forced=force)) + "\n")
         return is_sound
-    show(describe_identified(part, forced=force))
-    if written := [name for name in (output, page, beside) if name]:
+    show(describe_identified(axis.part, forced=force))
+    if written := [name for name in (output, job.page, beside) if name]:
         print_written(Path(), written)
     if output:
-        kind = "identify-next-run" if part.proposals else "identify-next"
-        print_said(kind, file=output)
+        print_said("identify-next-run" if axis.part.proposals else "identify-next", file=output)
     return is_sound
 
 
@@ -214,14 +202,6 @@ def _keep_others(output: str, profile: Path | None) -> None:
         return
     if "[identified]" not in file.read_text(encoding="utf-8", errors="replace"):
         _refuse("-o", Message("identify-profile-there", file=output))
-
-
-def _seen_from(profile: str, other: str) -> str:
-    """The name of a file as a profile states it; "" where one of them is no file."""
-    if {profile, other} & {"", "-"}:
-        return ""
-    place, folder = Path(other).resolve(), Path(profile).resolve().parent
-    return place.name if place.parent == folder else str(place)
 
 
 def _read_given(

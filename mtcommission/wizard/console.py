@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from math import inf
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.units.quantities import wrap_whole
-from mtcommission.wizard.question import Question, show_common, title
+from mtcommission.wizard.question import Question, title
 
 if TYPE_CHECKING:
     from prompt_toolkit.application import Application
@@ -35,22 +34,12 @@ class Console(Protocol):
 class LineConsole:
     """Prompts and replies line by line: works in a pipe and in any terminal.
 
-    Parameters
-    ----------
-    read
-        Returns a line with its end; "" at the end of input.
-    write
-        Shows a text.
-    is_interactive
-        Whether somebody sits in front of it.
+    ``read`` returns a line with its end, "" at the end of input; ``write`` shows a text;
+    ``is_interactive``: whether somebody sits in front of it.
     """
 
     def __init__(
-        self,
-        *,
-        read: Callable[[], str],
-        write: Callable[[str], object],
-        is_interactive: bool,
+        self, *, read: Callable[[], str], write: Callable[[str], object], is_interactive: bool
     ) -> None:
         self._read, self._write, self._interactive = read, write, is_interactive
 
@@ -62,8 +51,8 @@ class LineConsole:
     def ask(self, question: Question, *, default: str, words: Catalogue) -> str:
         """Return the next line of input."""
         for number, choice in enumerate(question.choices, start=1):
-            self._write(f"    {number}  {words.say(title(choice))}\n")
-        self._write(f"{words.say(question.text)}{hint(question, default, words)}: ")
+            self._write(f"    {number}  {title(choice, words)}\n")
+        self._write(f"{question.say(words)}{hint(question, default, words)}: ")
         line = self._read()
         if not line:
             raise EOFError
@@ -79,10 +68,7 @@ class LineConsole:
 class RichConsole:
     """Prompts with line editing and choices by arrow keys.
 
-    Parameters
-    ----------
-    fallback
-        Used once questionary finds no console that it can drive.
+    ``fallback`` is used once questionary finds no console that it can drive.
     """
 
     def __init__(self, fallback: LineConsole) -> None:
@@ -113,24 +99,24 @@ class RichConsole:
     def _ask(self, question: Question, default: str, words: Catalogue) -> str:
         import questionary
 
-        if question.choices:
-            choices = [
-                questionary.Choice(title=words.say(title(choice)), value=choice)
-                for choice in question.choices
-            ]
-            commands = [
-                questionary.Choice(title=f"{sign}  {words.text(f'wizard-{name}')}", value=sign)
-                for sign, name in (BACK, HELP, QUIT)
-            ]
-            asked = questionary.select(
-                words.say(question.text),
-                choices=[*choices, *commands],
-                default=default if default in question.choices else None,
-            )
-            _take_signs(asked.application)
-            return str(asked.unsafe_ask())
-        prompt = f"{words.say(question.text)}{hint(question, default, words)}:"
-        return str(questionary.text(prompt).unsafe_ask())
+        if not question.choices:
+            prompt = f"{question.say(words)}{hint(question, default, words)}:"
+            return str(questionary.text(prompt).unsafe_ask())
+        choices = [
+            questionary.Choice(title=title(choice, words), value=choice)
+            for choice in question.choices
+        ]
+        commands = [
+            questionary.Choice(title=f"{sign}  {words.text(f'wizard-{name}')}", value=sign)
+            for sign, name in (BACK, HELP, QUIT)
+        ]
+        asked = questionary.select(
+            question.say(words),
+            choices=[*choices, *commands],
+            default=default if default in question.choices else None,
+        )
+        _take_signs(asked.application)
+        return str(asked.unsafe_ask())
 
 
 def _take_signs(application: Application[Any]) -> None:
@@ -168,31 +154,23 @@ def open_console() -> Console:
 def hint(question: Question, default: str, words: Catalogue) -> str:
     """Return the default, or an example, in brackets."""
     if default in question.choices:
-        return f" [{words.say(title(default))}]"
+        return f" [{title(default, words)}]"
     if default:
         return f" [{default}]"
     example = words.text("wizard-example-behind", example=question.example)
     return f" ({example})" if question.example else ""
 
 
-def introduce(question: Question, words: Catalogue) -> str:
-    """Return where to find the value and what is common, for the line above the prompt."""
-    where = words.say(question.where)
-    if question.dimension is None or question.high == inf:
-        return where
-    return f"{where} {words.text('wizard-common', span=show_common(question))}"
-
-
 def explain(question: Question, words: Catalogue) -> str:
     """Return all that is known about a question, for ``?``."""
-    lines = [introduce(question, words)]
-    if question.dimension is not None:
-        lines.append(words.text("wizard-expected", what=question.dimension.described))
-    if question.example:
-        lines.append(words.text("wizard-example", example=question.example))
-    if question.is_optional:
-        lines.append(words.text("wizard-leave-out"))
-    return " ".join(lines)
+    allowed = question.allowed
+    lines = [
+        question.where(words),
+        words.text("wizard-expected", what=allowed.dimension.described) if allowed else "",
+        words.text("wizard-example", example=question.example) if question.example else "",
+        words.text("wizard-leave-out") if question.is_optional else "",
+    ]
+    return " ".join(line for line in lines if line)
 
 
 def fold(text: str) -> str:

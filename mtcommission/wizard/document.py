@@ -10,10 +10,8 @@ from typing import Any
 import tomlkit
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.wizard.axis_units import WAYS
-from mtcommission.wizard.convert import Data, as_text
-from mtcommission.wizard.question import Answers, list_accepted, slug
-from mtcommission.wizard.script import list_questions
+from mtcommission.wizard.answers import Answers, Data, as_text
+from mtcommission.wizard.question import title
 
 TABLES = ("requirements.peaks", "requirements.modes")
 """Tables below a table that get a header of their own; others stand in one line."""
@@ -22,51 +20,35 @@ COLUMN = 34
 """Where the comments begin, if the line leaves room."""
 
 
-def write_document(data: Data, answers: Answers, words: Catalogue) -> str:
-    """Return a new, commented profile.
-
-    Parameters
-    ----------
-    data
-        The profile's tables.
-    answers
-        Where they come from; for the comments.
-    words
-        Language of the comments.
-
-    Returns
-    -------
-    str
-        TOML.
-    """
-    comments = {question.key: words.say(question.plain) for question in list_questions(answers)}
-    comments["machine.assumed"] = words.text("document-assumed-key")
+def write_document(data: Data, answers: Answers, defaults: Answers, words: Catalogue) -> str:
+    """Return a new profile; each key is commented by its name, [plant] by what was typed for it."""
     lines = [
         *(f"# {words.text(f'document-{line}')}" for line in ("head", "check", "assumed")),
         "",
         f"schema = {data['schema']}",
     ]
     for name, table in data.items():
+        if name == "plant":
+            lines += ["", *_origins(answers, defaults, words)]
         if name != "schema":
-            lines += _table(name, table, comments)
-    way = answers.get("wizard.way", "")
-    if way in WAYS and "[plant]" in lines:
-        lines.insert(lines.index("[plant]"), f"# {words.text(f'document-{slug(way)}')}:")
-        for key, text in _origins(answers, words.text("document-default-accepted")):
-            lines.insert(lines.index("[plant]"), f"#   {key} = {text}")
+            lines += _table(name, table, words)[name == "plant" :]
     return "\n".join(lines) + "\n"
 
 
-def update_document(text: str, data: Data) -> str:
-    """Return a profile with other values; comments, order and unchanged lines stay.
+def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[str]:
+    """What was typed where the profile holds derived values."""
+    typed = {**answers, **defaults}
+    derived = {key: text for key, text in typed.items() if key.startswith(("measured.", "pair."))}
+    if way := answers.get("wizard.way", ""):
+        yield f"# {title(way, words)}"
+    for key, text in derived.items():
+        if text:
+            mark = f" ({words.text('document-default-accepted')})" if key in defaults else ""
+            yield f"#   {key.partition('.')[2]} = {text}{mark}"
 
-    Parameters
-    ----------
-    text
-        Valid TOML.
-    data
-        What it shall say.
-    """
+
+def update_document(text: str, data: Data) -> str:
+    """Return a profile with other values; comments, order and unchanged lines stay."""
     document = tomlkit.parse(text)
     if _kind_of(document) != _kind_of(data) and "plant" in document:
         document["plant"] = data["plant"]  # another kind shares no key with it
@@ -115,41 +97,28 @@ def _is_tables(value: object) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
 
 
-def _origins(answers: Answers, accepted: str) -> Iterator[tuple[str, str]]:
-    """What was typed where the profile holds derived values."""
-    for key, text in answers.items():
-        is_number = not key.endswith((".further", ".more"))
-        if key.startswith(("measured.", "pair.")) and text and is_number:
-            mark = f" ({accepted})" if key in list_accepted(answers) else ""
-            yield key.partition(".")[2], f"{text}{mark}"
-
-
-def _table(name: str, table: object, comments: Mapping[str, str]) -> list[str]:
+def _table(name: str, table: object, words: Catalogue) -> list[str]:
     if _is_tables(table) and isinstance(table, list):
-        lines = []
-        for i, item in enumerate(table):
-            lines += ["", f"[[{name}]]", *_rows(f"{name}.{i}", item, comments)]
-        return lines
+        found = (["", f"[[{name}]]", *_rows(name, item, words)] for item in table)
+        return [line for lines in found for line in lines]
     if not isinstance(table, dict):
         return [f"{_key(name)} = {_inline(table)}"]
     own: Data = {}
     below: Data = {}
     for key, value in table.items():
-        has_header = f"{name}.{key}" in TABLES or (name == "plant" and key == "modes")
+        has_header = f"{name}.{key}" in TABLES or (name == "plant" and _is_tables(value))
         (below if has_header else own)[key] = value
-    lines = ["", f"[{name}]", *_rows(name, own, comments)]
+    lines = ["", f"[{name}]", *_rows(name, own, words)]
     for key, value in below.items():
-        lines += _table(f"{name}.{key}", value, comments)
+        lines += _table(f"{name}.{key}", value, words)
     return lines
 
 
-def _rows(path: str, table: Mapping[str, object], comments: Mapping[str, str]) -> list[str]:
-    rows = []
+def _rows(path: str, table: Mapping[str, object], words: Catalogue) -> Iterator[str]:
     for key, value in table.items():
-        row = f"{_key(key)} = {_inline(value)}"
-        comment = comments.get(f"{path}.{key}", "")
-        rows.append(f"{row:<{COLUMN}} # {comment}" if comment else row)
-    return rows
+        row, name = f"{_key(key)} = {_inline(value)}", words.name(f"{path}.{key}")
+        is_named = name != key and (key, path) != ("kind", "plant")
+        yield f"{row:<{COLUMN}} # {name}" if is_named else row
 
 
 def _key(key: str) -> str:

@@ -1,9 +1,8 @@
-"""The wizard's session: ask, keep, convert, check, write."""
+"""The wizard's session: ask what is open, show what is settled, check, write."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -15,32 +14,30 @@ from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.readers import read_path
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.profile.describe import may_be_left_out
 from mtcommission.profile.lines import read_key, show_key
 from mtcommission.profile.read import parse_profile
-from mtcommission.wizard.axis_units import MEASURED, NO, YES, is_rotary
-from mtcommission.wizard.console import (
-    BACK,
-    HELP,
-    QUIT,
-    Console,
-    explain,
-    introduce,
-)
-from mtcommission.wizard.convert import to_profile
-from mtcommission.wizard.document import update_document, write_document
-from mtcommission.wizard.gather import KEPT, Source, gather, keep
-from mtcommission.wizard.insight import Insight, find_insights
-from mtcommission.wizard.measured import identify_files
-from mtcommission.wizard.question import (
+from mtcommission.wizard.answers import (
+    FILES,
+    MEASURED,
+    MODAL,
+    SERVO,
     Answers,
-    Question,
+    is_rotary,
     note_accepted,
     note_stated,
-    read_reply,
-    title,
+    to_profile,
 )
-from mtcommission.wizard.script import list_questions
+from mtcommission.wizard.console import BACK, HELP, QUIT, Console, explain
+from mtcommission.wizard.document import update_document, write_document
+from mtcommission.wizard.insight import find_insights
+from mtcommission.wizard.question import Question, Reply, read_reply, title
+from mtcommission.wizard.script import (
+    find_question,
+    list_defaults,
+    list_questions,
+    list_settled,
+)
+from mtcommission.wizard.source import KEPT, Source, gather, keep, measure
 
 
 class Ending(Enum):
@@ -52,49 +49,33 @@ class Ending(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Session:
-    """What a session left behind.
-
-    Parameters
-    ----------
-    ending
-        Whether there is a profile.
-    wants_run
-        Whether the user asked for the computation.
-    """
+    """What a session left behind."""
 
     ending: Ending
-    wants_run: bool
+    wants_run: bool  # whether the user asked for the computation
 
 
 class _Left(Exception):
-    """The user left; carries the answers and how."""
+    """The user left; carries how, and the key of the question."""
 
-    def __init__(self, answers: Answers, how: Message, where: str) -> None:
+    def __init__(self, how: Message, where: str) -> None:
         super().__init__(how)
-        self.answers, self.how, self.where = answers, how, where
+        self.how, self.where = how, where
 
 
 USER_LEFT = Message("wizard-left-by-user")
 INTERRUPTED_BY_USER = Message("wizard-interrupted")
+INPUT_ENDED = Message("wizard-input-ended")
 
+CHANGE = Question(key="wizard.change", is_optional=True)
+"""Asked below what is settled: the number or key of what is to be changed."""
 
-@dataclass(frozen=True, slots=True)
-class _Speaker:
-    """A console that speaks a language, for the axis that the answers describe."""
-
-    console: Console
-    language: str
-
-    def words(self, answers: Answers) -> Catalogue:
-        return _catalogue(self.language, is_rotary(answers))
-
-    def tell(self, answers: Answers, message: Message, *, indent: str = "  ") -> None:
-        self.console.tell(f"{indent}{self.words(answers).say(message)}")
+YES, NO = "yes", "no"
 
 
 @cache
-def _catalogue(language: str, is_rotary: bool) -> Catalogue:
-    return Catalogue(language, rotary=is_rotary)
+def _catalogue(language: str, *, rotary: bool) -> Catalogue:
+    return Catalogue(language, rotary=rotary)
 
 
 def run_wizard(
@@ -106,22 +87,10 @@ def run_wizard(
     offers_run: bool,
     language: str = "en",
 ) -> Session:
-    """Ask for a machine and write its profile.
+    """Ask for a machine and write its profile; one that exists is changed and keeps its comments.
 
-    Parameters
-    ----------
-    output
-        Profile to write; one that exists is changed and keeps its comments.
-    console
-        Where to ask.
-    answers_file
-        TOML with answers by the profile's own keys.
-    take_defaults
-        Whether to take defaults instead of asking.
-    offers_run
-        Whether to ask at the end if the limits shall be computed.
-    language
-        Of questions, messages and the comments of the profile.
+    ``answers_file``: TOML with answers by the profile's own keys; ``take_defaults``: instead of
+    asking; ``offers_run``: ask at the end if the limits shall be computed.
 
     Raises
     ------
@@ -129,96 +98,258 @@ def run_wizard(
         If answers are missing or wrong where nobody can be asked, or input ends; the answers
         so far are kept beside the output.
     """
-    source, speaker = gather(output, answers_file), _Speaker(console, language)
-    if source.measured:
-        source = _take_measured(source, speaker, output, source.measured, answers_file)
-    if take_defaults:
-        answers = _fill(source)
-        text = _compose(source, answers, speaker)
-        try:
-            machine = parse_profile(text, where=str(output))
-        except InputError as error:
-            raise InputError([source.locate(fault) for fault in error.faults]) from error
-    else:
-        try:
-            answers, text, machine = _interview(source, speaker, output)
-        except _Left as left:
-            keep(output, left.answers, place=left.where)
-            message = Message("wizard-kept", how=left.how, where=left.where, file=f"{output}{KEPT}")
-            if left.how == USER_LEFT:
-                speaker.tell(left.answers, message, indent="")
-                return Session(ending=Ending.QUIT, wants_run=False)
-            ending = InputError([Fault(where="wizard", message=message)])
-            if left.how == INTERRUPTED_BY_USER:
-                ending.exit_code = INTERRUPTED
-            raise ending from left
+    talk = _Interview(console, language, output, gather(output, answers_file))
+    try:
+        if talk.answers.get(MEASURED):
+            talk.take_measured()
+        if take_defaults:
+            talk.take_defaults()
+            text = talk.compose()
+            try:
+                machine = parse_profile(text, where=str(output))
+            except InputError as error:
+                faults = map(talk.source.locate, error.faults)
+                raise InputError(list(faults)) from error
+        else:
+            text, machine = talk.hold()
+    except _Left as left:
+        keep(output, talk.answers)
+        message = Message("wizard-kept", how=left.how, where=left.where, file=f"{output}{KEPT}")
+        if left.how == USER_LEFT:
+            talk.tell(message, indent="")
+            return Session(ending=Ending.QUIT, wants_run=False)
+        ending = InputError([Fault(where="wizard", message=message)])
+        if left.how == INTERRUPTED_BY_USER:
+            ending.exit_code = INTERRUPTED
+        raise ending from left
     write_text(str(output), text)
     Path(f"{output}{KEPT}").unlink(missing_ok=True)
-    _summarise(speaker, answers, machine, output)
+    talk.summarise(machine)
     may_ask = offers_run and not take_defaults and console.is_interactive
-    wants_run = may_ask and _offer_run(speaker, answers)
+    wants_run = may_ask and talk.offer_run()
     if offers_run and not wants_run:
-        speaker.tell(answers, Message("wizard-compute-with", file=str(output)), indent="")
+        talk.tell(Message("wizard-compute-with", file=str(output)), indent="")
     return Session(ending=Ending.WRITTEN, wants_run=wants_run)
 
 
-def _fill(source: Source) -> dict[str, str]:
-    """Take defaults for all that is open; every fault at once."""
-    filled, faults = dict(source.answers), []
-    place = 0
-    while place < len(questions := list_questions(filled)):
-        question = questions[place]
-        typed, text = filled.get(question.key, ""), ""
+class _Interview:
+    """The answers so far, and how they are asked for."""
+
+    def __init__(self, console: Console, language: str, output: Path, source: Source) -> None:
+        self.console, self.language, self.output, self.source = console, language, output, source
+        self.answers: dict[str, str] = dict(source.answers)
+        self.said: set[Message] = set()
+
+    @property
+    def words(self) -> Catalogue:
+        return _catalogue(self.language, rotary=is_rotary(self.answers))
+
+    def tell(self, message: Message, *, indent: str = "  ") -> None:
+        self.console.tell(f"{indent}{self.words.say(message)}")
+
+    def take_defaults(self) -> None:
+        """Take defaults for all that is open; every fault at once."""
+        faults = []
+        place = 0
+        while place < len(questions := list_questions(self.answers)):
+            question, place = questions[place], place + 1
+            typed = self.answers.get(question.key, "")
+            try:
+                self.put(question, read_reply(question, typed), is_stated=bool(typed))
+            except Refused as error:
+                key = show_key(read_path(question.key))
+                faults.append(self.source.locate(Fault(where="", key=key, message=error.message)))
+                self.answers[question.key] = ""
+        if faults:
+            raise InputError(faults)
+
+    def put(self, question: Question, reply: Reply, *, is_stated: bool) -> None:
+        """Keep a reply; a word that a profile means anyway need not stand in it."""
+        text = reply.text
+        if not is_stated and question.choices and text in (question.meant, SERVO):
+            text = ""
+        if not is_stated and text and question.key == "control.kind":
+            self.answers = note_accepted(self.answers, question.key)
+        self.answers.setdefault(question.key, "")
+        self.answers[reply.key] = text
+
+    def hold(self) -> tuple[str, Machine]:
+        """Ask until the profile is valid."""
+        begin = self.words.text("wizard-begin", file=str(self.output))
+        self.console.tell(f"{begin}\n{self.words.text('wizard-commands')}")
+        wanted: str | None = None  # a question that is asked again
+        while True:
+            questions = list_questions(self.answers)
+            keys = [question.key for question in questions]
+            open_ones = [key for key in keys if key not in self.answers]
+            key = wanted or next(iter(open_ones), None)
+            if key is not None:
+                place = keys.index(key) if key in keys else len(keys)
+                question = find_question(key, self.answers)
+                wanted = self.ask(question, before=keys[place - 1] if place else None)
+                continue
+            wanted = self.ask_for_changes(before=keys[-1])
+            if wanted:
+                continue
+            text = self.compose()
+            try:
+                return text, parse_profile(text, where=str(self.output))
+            except InputError as error:
+                if not self.console.is_interactive:
+                    keep(self.output, self.answers)
+                    raise
+                faults = [not_possible(fault) for fault in error.faults]
+                self.console.tell("\n".join(map(self.words.say, faults)))
+                wanted = _asked_for(read_key(error.faults[0].key), self.answers)
+
+    def ask(self, question: Question, *, before: str | None) -> str | None:
+        """Ask one question; return the one that is asked next, None for the first open one."""
+        self.console.tell("")
+        if where := question.where(self.words):
+            self.console.tell(where)
+        while True:
+            typed = self._typed(question)
+            if typed.lower() in BACK:
+                if before is None:
+                    self.tell(Message("wizard-first-question"))
+                return before or question.key
+            if self.take(question, typed):
+                return None
+
+    def take(self, question: Question, typed: str) -> bool:
+        """Read a reply, keep it, and say what follows from it; False: it must be asked again."""
+        known = self.answers.get(question.key, "")
+        if typed == "-" and question.is_optional:
+            self.put(question, Reply(key=question.key, text=""), is_stated=True)
+            self.answers = note_stated(self.answers, question.key)
+            return True
+        titles = [title(choice, self.words) for choice in question.choices]
         try:
-            text = read_reply(question, typed).text
+            reply = read_reply(question, typed or known, titles=titles)
         except Refused as error:
-            fault = Fault(where="", key=_shown(question.key), message=error.message)
-            faults.append(source.locate(fault))
-        filled[question.key] = text
-        if text and not typed and question.decides:
-            filled = note_accepted(filled, question.key)
-        place += 1
-    if faults:
-        raise InputError(faults)
-    return filled
+            self.tell(error.message)
+            return False
+        if known and typed in ("", known):
+            return True  # a value that was only confirmed stays as it is written in the file
+        self.put(question, reply, is_stated=bool(typed))
+        if typed:
+            self.answers = note_stated(self.answers, reply.key)
+        if typed and reply.taken_as:
+            self.tell(Message("wizard-taken-as", what=reply.taken_as))
+        if question.key == MEASURED:
+            return self._measure()
+        self._tell_insights()
+        return True
 
+    def ask_for_changes(self, *, before: str) -> str | None:
+        """Show what is settled; return the key of what is to be changed, None: nothing."""
+        settled, words = list_settled(self.answers), self.words
+        defaults = list_defaults(self.answers)
+        self.console.tell("")
+        self.console.tell(words.text("wizard-settled"))
+        for number, question in enumerate(settled, start=1):
+            stated = self.answers.get(question.key, "")
+            mark = words.text("wizard-assumed-mark") if question.key in defaults else ""
+            name = replace(question, is_optional=False).say(words)
+            value = stated or question.shown_default(words)
+            self.console.tell(f"{number:>3}  {name}: {value}{mark}")
+        while True:
+            typed = self._typed(CHANGE)
+            if not typed or typed.lower() in BACK:
+                return before if typed else None
+            numbers = {str(n): question.key for n, question in enumerate(settled, start=1)}
+            key = numbers.get(typed) or read_key(typed)
+            if _exists(key, self.answers):
+                return key
+            self.tell(Message("wizard-no-such-key", got=typed))
 
-def _shown(key: str) -> str:
-    """A dotted key as messages spell it."""
-    return show_key(read_path(key))
+    def _typed(self, question: Question) -> str:
+        """What was typed, help apart."""
+        default = self.answers.get(question.key, "") or question.default
+        while True:
+            try:
+                typed = self.console.ask(question, default=default, words=self.words).strip()
+            except EOFError as error:
+                raise _Left(INPUT_ENDED, question.key) from error
+            except KeyboardInterrupt as error:
+                raise _Left(INTERRUPTED_BY_USER, question.key) from error
+            if typed.lower() in QUIT:
+                raise _Left(USER_LEFT, question.key)
+            if typed.lower() not in HELP:
+                return typed
+            self.console.tell(explain(question, self.words))
 
+    def _tell_insights(self) -> None:
+        for insight in find_insights(self.answers, list_defaults(self.answers)):
+            if insight not in self.said:
+                self.said.add(insight)
+                self.tell(Message("wizard-follows", what=insight))
 
-def _interview(
-    source: Source, speaker: _Speaker, output: Path
-) -> tuple[dict[str, str], str, Machine]:
-    """Ask until the profile is valid."""
-    answers, console = dict(source.answers), speaker.console
-    words = speaker.words(answers)
-    begin, commands = words.text("wizard-begin", file=str(output)), words.text("wizard-commands")
-    console.tell(f"{begin}\n{commands}")
-    place = _first_place(source)
-    if source.is_resumed and place:
-        speaker.tell(answers, Message("wizard-going-on"), indent="")
-    while True:
-        answers = _ask_from(place, answers, speaker, passed=source.passed)
-        files = answers.get(MEASURED, "")
-        if files != source.answers.get(MEASURED, ""):
-            if files:
-                source, answers = _measure(source, answers, speaker, output)
-            else:
-                source = replace(source, answers=answers, passed=frozenset())
-            place = _first_place(source)
-            continue
-        text = _compose(source, answers, speaker)
+    def take_measured(self) -> None:
+        """Identify the axis from the files that were named."""
+        measured = measure(
+            self.answers,
+            before=self.source.text,
+            output=self.output,
+            words=lambda rotary: _catalogue(self.language, rotary=rotary),
+        )
+        write_text(measured.evidence_file, measured.axis.json)
+        found = gather(self.output, None, identified=measured.axis.profile)
+        replaced = (MEASURED, "plant.", "pair.")
+        kept = {key: text for key, text in self.answers.items() if not key.startswith(replaced)}
+        motion = "rotary" if measured.axis.found.rotary else "linear"
+        self.source = replace(found, where=self.source.where, lines=self.source.lines)
+        self.answers = {**found.answers, **kept, "machine.motion": motion}
+        if self.answers.get("wizard.way") == FILES:
+            self.answers["wizard.way"] = MODAL
+        self.tell(Message("wizard-identified", count=len(measured.axis.found.modes)))
+        for doubt in measured.doubts:
+            self.tell(Message("wizard-warning", what=doubt))
+
+    def _measure(self) -> bool:
+        """Identify the files that were just named; where that fails, they are asked for again."""
         try:
-            return answers, text, parse_profile(text, where=str(output))
+            self.take_measured()
         except InputError as error:
-            if not console.is_interactive:
-                keep(output, answers, place="")
+            self.answers.pop(MEASURED, None)
+            if not self.console.is_interactive:
+                keep(self.output, self.answers)
                 raise
-            faults = [not_possible(fault) for fault in error.faults]
-            console.tell("\n".join(map(speaker.words(answers).say, faults)))
-            place = _place_of(read_key(error.faults[0].key), answers)
+            self.console.tell(error.text(self.words))
+            self.tell(Message("wizard-not-identified", file=str(self.output)))
+            return False
+        write_text(str(self.output), self.source.text)  # who leaves now keeps it with its intervals
+        return True
+
+    def compose(self) -> str:
+        defaults = list_defaults(self.answers)
+        data = to_profile(self.answers, defaults)
+        if not self.source.text:
+            return write_document(data, self.answers, defaults, self.words)
+        return update_document(self.source.text, data)
+
+    def summarise(self, machine: Machine) -> None:
+        written = {"file": str(self.output), "name": machine.name, "letter": machine.axis}
+        self.tell(Message("wizard-written", **written), indent="")
+        self.said.clear()
+        self._tell_insights()
+        if machine.assumed:
+            named = (self.words.name(read_key(key)) for key in machine.assumed)
+            self.tell(Message("wizard-assumed", keys=", ".join(dict.fromkeys(named))))
+        for remark in check_plausibility(machine):
+            self.tell(Message("wizard-warning", what=remark.with_key()))
+
+    def offer_run(self) -> bool:
+        question = Question(key="wizard.run", choices=(YES, NO), default=YES)
+        titles = [title(choice, self.words) for choice in question.choices]
+        while True:
+            try:
+                typed = self._typed(question)
+                return typed not in BACK and read_reply(question, typed, titles=titles).text == YES
+            except _Left:
+                return False  # the profile is written, nothing is lost
+            except Refused as error:
+                self.tell(error.message)
 
 
 def not_possible(fault: Fault) -> Message:
@@ -226,194 +357,25 @@ def not_possible(fault: Fault) -> Message:
     return Message("wizard-not-possible", key=fault.key, message=fault.message)
 
 
-def _take_measured(
-    source: Source, speaker: _Speaker, output: Path, typed: str, answers_file: Path | None
-) -> Source:
-    """Identify the axis from files; what is known afterwards."""
-    measured = identify_files(
-        typed,
-        before=source.text,
-        answers=source.answers,
-        output=output,
-        date=datetime.now(UTC).date().isoformat(),
-        words=speaker.words,
-    )
-    write_text(measured.evidence_file, measured.evidence)
-    found = gather(output, answers_file, identified=measured.text)
-    known = {"machine.motion": measured.motion, **found.answers, MEASURED: typed}
-    speaker.tell(known, measured.found)
-    for doubt in measured.doubts:
-        speaker.tell(known, Message("wizard-warning", what=doubt))
-    passed = found.passed | {"machine.motion", MEASURED}
-    return replace(found, answers=known, passed=passed)
-
-
-def _measure(
-    source: Source, answers: dict[str, str], speaker: _Speaker, output: Path
-) -> tuple[Source, dict[str, str]]:
-    """Identify the files that were just named; where that fails, they are asked for again."""
-    before = replace(source, answers=answers)
-    try:
-        found = _take_measured(before, speaker, output, answers[MEASURED], None)
-    except InputError as error:
-        left = {key: text for key, text in answers.items() if key != MEASURED}
-        if not speaker.console.is_interactive:
-            keep(output, left, place=MEASURED)
-            raise
-        speaker.console.tell(error.text(speaker.words(answers)))
-        speaker.tell(answers, Message("wizard-not-identified", file=str(output)))
-        return source, left
-    write_text(str(output), found.text)  # who leaves now keeps it with its intervals
-    typed = {key: text for key, text in answers.items() if key not in found.passed}
-    return found, {**found.answers, **typed}
-
-
-def _ask_from(
-    place: int, answers: dict[str, str], speaker: _Speaker, *, passed: frozenset[str]
-) -> dict[str, str]:
-    """Ask every question from a place on but those that are passed; return early with files.
-
-    Back, help and quit move about.
-    """
-    known, shown, asks_passed = dict(answers), -1, False
-    while place < len(questions := list_questions(known)):
-        question = questions[place]
-        if question.key in passed and not asks_passed:
-            place += 1
-            continue
-        try:
-            typed = _ask(question, known, speaker, is_new=place != shown)
-            shown = place
-            if typed.lower() in QUIT:
-                raise _Left(known, USER_LEFT, question.key)
-            if typed.lower() in BACK and place:
-                place, asks_passed = place - 1, True
-            elif typed.lower() in BACK:
-                speaker.tell(known, Message("wizard-first-question"))
-            elif typed.lower() in HELP:
-                speaker.console.tell(explain(question, speaker.words(known)))
-            else:
-                files = known.get(MEASURED, "")
-                known, is_taken = _take(question, typed, known, speaker)
-                place, asks_passed = place + is_taken, asks_passed and not is_taken
-                if known.get(MEASURED, "") != files:
-                    return known
-        except EOFError as error:
-            raise _Left(known, Message("wizard-input-ended"), question.key) from error
-        except KeyboardInterrupt as error:
-            raise _Left(known, INTERRUPTED_BY_USER, question.key) from error
-    return known
-
-
-def _ask(question: Question, known: Answers, speaker: _Speaker, *, is_new: bool) -> str:
-    """Show a question, with where to look above it the first time, and return what was typed."""
-    words, console = speaker.words(known), speaker.console
-    if is_new:
-        console.tell("")
-        console.tell(introduce(question, words))
-    default = known.get(question.key, "") or question.default
-    return console.ask(question, default=default, words=words).strip()
-
-
-def _take(
-    question: Question, typed: str, known: dict[str, str], speaker: _Speaker
-) -> tuple[dict[str, str], bool]:
-    """Read a reply, keep it, and say what follows from it."""
-    before = known.get(question.key, "")
-    if typed == "-" and question.is_optional:
-        return note_stated({**known, question.key: ""}, question.key), True
-    titles = [speaker.words(known).say(title(choice)) for choice in question.choices]
-    try:
-        reply = read_reply(question, typed or before, titles=titles)
-    except Refused as error:
-        speaker.tell(known, error.message)
-        return known, False
-    # A value that was only confirmed stays as it is written in the file.
-    text = before if before and typed in ("", before) else reply.text
-    found = {**known, question.key: text}
-    if typed:
-        found = note_stated(found, question.key)
-    elif not before and text and question.decides:
-        found = note_accepted(found, question.key)
-    if reply.warning:
-        speaker.tell(found, Message("wizard-warning", what=reply.warning))
-    elif typed and reply.taken_as:
-        speaker.tell(found, Message("wizard-taken-as", what=reply.taken_as))
-    said = set(find_insights(known))
-    for insight in find_insights(found):
-        if insight not in said:
-            _tell_insight(speaker, found, insight)
-    return found, True
-
-
-def _tell_insight(speaker: _Speaker, answers: Answers, insight: Insight) -> None:
-    kind = "wizard-warning" if insight.is_warning else "wizard-follows"
-    speaker.tell(answers, Message(kind, what=insight.text))
-
-
-def _first_place(source: Source) -> int:
-    """Where the user left, or the first open question; the first of all in a new session."""
-    if not source.is_resumed:
-        return 0  # what a measurement answered is passed
-    keys = [question.key for question in list_questions(source.answers)]
-    if source.place in keys:
-        return keys.index(source.place)
-    return next((i for i, key in enumerate(keys) if key not in source.answers), len(keys))
-
-
-def _place_of(key: str, answers: Answers) -> int:
+def _asked_for(key: str, answers: Answers) -> str:
     """The question that a fault belongs to; derived keys belong to where they come from."""
     keys = [question.key for question in list_questions(answers)]
-    if key in keys:
-        return keys.index(key)
-    for start in (key, key.rpartition(".")[0], "wizard.way" if key.startswith("plant") else key):
-        for place, asked in enumerate(keys):
+    if key in keys or not key.startswith(("plant", "moves")):
+        return key if key in keys or _exists(key, answers) else keys[0]
+    for start in (
+        key,
+        key.rpartition(".")[0],
+        "wizard.way" if key.startswith("plant") else "moves",
+    ):
+        for asked in keys:
             if start and asked.startswith(start):
-                return place
-    return 0
+                return asked
+    return keys[0]
 
 
-def _compose(source: Source, answers: Answers, speaker: _Speaker) -> str:
-    if not source.text:
-        return write_document(to_profile(answers), answers, speaker.words(answers))
-    # What the user never wrote and only confirmed need not appear in his file.
-    defaults = {question.key: question.default for question in list_questions(answers)}
-    kept = {
-        key: text
-        for key, text in answers.items()
-        if key in source.in_profile
-        or text != defaults.get(key)
-        or not may_be_left_out(key.split("."))
-    }
-    return update_document(source.text, to_profile(kept))
-
-
-def _summarise(speaker: _Speaker, answers: Answers, machine: Machine, output: Path) -> None:
-    written = Message("wizard-written", file=str(output), name=machine.name, letter=machine.axis)
-    speaker.tell(answers, written, indent="")
-    for insight in find_insights(answers):
-        _tell_insight(speaker, answers, insight)
-    if machine.assumed:
-        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(machine.assumed)))
-    for remark in check_plausibility(machine):
-        speaker.tell(answers, Message("wizard-warning", what=remark.with_key()))
-
-
-def _offer_run(speaker: _Speaker, answers: Answers) -> bool:
-    question = Question(key="wizard.run", choices=(YES, NO), default=YES)
-    words = speaker.words(answers)
-    titles = [words.say(title(choice)) for choice in question.choices]
-    while True:
-        try:
-            typed = speaker.console.ask(question, default=YES, words=words).strip().lower()
-        except (EOFError, KeyboardInterrupt):
-            return False  # the profile is written, nothing is lost
-        if typed in (*QUIT, *BACK):
-            return False
-        if typed in HELP:
-            speaker.console.tell(explain(question, words))
-            continue
-        try:
-            return read_reply(question, typed, titles=titles).text == YES
-        except Refused as error:
-            speaker.tell(answers, error.message)
+def _exists(key: str, answers: Answers) -> bool:
+    try:
+        find_question(key, answers)
+    except KeyError:
+        return False
+    return True

@@ -1,6 +1,5 @@
 ask-wizard-measured = Dateien mit gemessenem Frequenzgang der Achse
-ask-wizard-measured-empty = keine
-ask-wizard-measured-where = Vom Antrieb, Analysator oder als Aufzeichnung; mehrere mit ; getrennt, DATEI@tcp für einen Sensor am Werkzeug. Sie ersetzen die Fragen zur Mechanik.
+ask-wizard-measured-where = Vom Antrieb, Analysator oder als Aufzeichnung; mehrere mit ; getrennt, DATEI@tcp für einen Sensor am Werkzeug.
 ask-machine-name = Name der Maschine
 ask-machine-name-where = Das Typenschild; steht über dem Blatt.
 ask-machine-axis = Name der Achse
@@ -9,15 +8,15 @@ ask-machine-motion = Linear- oder Drehachse
 ask-machine-motion-where = Eine Drehachse nimmt Trägheitsmoment für Masse, Drehmoment für Kraft und Winkel für Längen.
 ask-machine-source = Woher die Zahlen stammen
 ask-machine-source-where = Z. B. Datenblatt und Datum, oder an der Maschine gemessen; steht auf dem Blatt.
-ask-drive-kind = Servo, oder folgt der Motor einfach (Schrittmotor)
-ask-drive-kind-where = position_source: ungeregelter Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei festgehaltenem Motor, wie ein Beschleunigungssensor sie zeigt.
+ask-drive-kind = Servo oder gesteuerte Achse (Schrittmotor)
+ask-drive-kind-where = Gesteuert: ein Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei gehaltenem Motor, wie ein Beschleunigungsaufnehmer sie zeigt.
 ask-drive-max-acceleration = Größte Beschleunigung, der der Motor folgt
 ask-drive-max-acceleration-where = Was er bei größter Geschwindigkeit ohne Schrittverlust schafft; nach Datenblatt: Moment dort / (r x bewegte Masse).
 ask-drive-max-velocity = Größte Geschwindigkeit, der der Motor folgt
 ask-drive-max-velocity-where = Schritte je Sekunde der Steuerung x Weg je Schritt, oder wo das Moment endet.
 ask-drive-max-velocity-empty = die jeder Bewegung
 choice-servo = Servo
-choice-position-source = Lagequelle
+choice-position-source = gesteuert (Lagequelle)
 ask-drive-max-force = { $axis ->
     [rotary] Größtes Drehmoment des Antriebs an der Achse
    *[linear] Größte Kraft des Antriebs an der Achse
@@ -49,9 +48,7 @@ ask-drive-static-load-where = { $axis ->
 }
 ask-wizard-way = Von der Mechanik bekannt
 ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder, dazu weitere gemessene Resonanzen. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
-ask-plant-base-mass = Masse des Gestells
 ask-plant-base-mass-where = Gewichte der Stückliste oder CAD.
-ask-plant-slider-mass = Masse des Schlittens
 ask-plant-slider-mass-where = Gewichte der Stückliste oder CAD.
 ask-plant-rotary-inertia = Trägheitsmoment des Turms um sein Gelenk
 ask-plant-rotary-inertia-where = CAD; oder aus gemessener Kippfrequenz und Drehsteifigkeit.
@@ -59,29 +56,21 @@ ask-plant-lever-arm = Höhe vom Gelenk zur Antriebskraft
 ask-plant-lever-arm-where = Zeichnung: Linie des Motors oder der Spindel gegen die Führungen.
 ask-plant-tcp-height = Höhe des Werkzeugs über dem Gelenk, mit Vorzeichen
 ask-plant-tcp-height-where = Zeichnung; negativ, wenn der Turm rückwärts kippt, wenn er vorwärts geschoben wird.
-ask-plant-base-stiffness = Steifigkeit des Gestells
 ask-plant-base-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = m (2 pi f)^2.
-ask-plant-base-damping = Dämpfung des Gestells
 ask-plant-base-damping-where = d = 2 x Dämpfungsgrad x sqrt(k m); üblich sind 0,02 bis 0,05.
-ask-plant-rotary-stiffness = Drehsteifigkeit des Turms
 ask-plant-rotary-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = J (2 pi f)^2.
-ask-plant-rotary-damping = Drehdämpfung des Turms
 ask-plant-rotary-damping-where = d = 2 x Dämpfungsgrad x sqrt(k J); üblich sind 0,02 bis 0,05.
-ask-moves-kind = Art der Bewegung { $number }
-ask-moves-kind-where = Die Grenzwerte gelten für alle Bewegungen der Liste: die typische und die schwerste nehmen.
-ask-moves-distance = Weg
-ask-moves-distance-where = Ein typischer Schritt zwischen zwei Arbeitsgängen.
-ask-moves-max-velocity = Geschwindigkeitsgrenze
+ask-moves-distance = Bewegung { $number }: Weg, oder Geschwindigkeit am Ende
+ask-moves-distance-empty = keine mehr
+ask-moves-distance-where = Die Grenzwerte gelten für alle Bewegungen der Liste: die typische und die schwerste, z. B. eine kurze und eine lange.
 ask-moves-max-velocity-where = Eilgang der Achse, aus der Steuerung oder ihrem Datenblatt.
 ask-moves-max-velocity-empty = keine
-ask-moves-dwell = Ruhezeit danach, bis zur nächsten
+ask-moves-dwell = Ruhezeit nach Bewegung { $number }
 ask-moves-dwell-where = Kühlt den Motor: mit 0 s fährt die Achse ohne Pause, und { $axis ->
     [rotary] das Dauermoment
    *[linear] die Dauerkraft
 } kann Beschleunigung kosten. Enter allein gilt als angenommen.
-ask-moves-more = Noch eine Bewegung
-ask-moves-more-where = Z. B. eine kurze und eine lange.
-ask-moves-velocity-step = Geschwindigkeit am Ende
+ask-moves-velocity-step = Bewegung { $number }: Geschwindigkeit am Ende
 ask-moves-velocity-step-where = Vorschub oder Eilgang, der erreicht wird; die Endlage ist frei.
 ask-requirements-tcp-deviation = Erlaubte Abweichung des Werkzeugs danach
 ask-requirements-tcp-deviation-where = Die halbe Toleranz, die der Schwingung bleibt, nicht die ganze Toleranz des Teils.
@@ -93,20 +82,21 @@ ask-requirements-frequency-spread-where = 5 % für gemessene Werte, 10 bis 20 % 
 ask-requirements-damping-spread = Unsicherheit der Dämpfungsgrade
 ask-requirements-damping-spread-where = Dämpfung ist selten besser als auf 30 % bekannt, aber es macht wenig aus.
 ask-requirements-payload = Größte Zuladung
+ask-requirements-payload-empty = keine
 ask-requirements-payload-where = Werkstück, Palette oder Werkzeug; die Grenzwerte gelten dann von leer bis zu dieser.
 ask-requirements-contour-deviation = Erlaubte Abweichung auf der Bahn
 ask-requirements-contour-deviation-where = Während der Bewegung. Nur für ein Werkzeug, das unterwegs arbeitet (Kontur); wer am Ende stillstehen muss, braucht keine.
 ask-requirements-contour-deviation-empty = am Ende still
-ask-requirements-contour-feed = Größter Vorschub auf der Kontur
-ask-requirements-contour-feed-where = Der größte Vorschub beim Schlichten; der Eilgang hinterlässt keine Spur.
-ask-requirements-contour-feed-empty = jedes Tempo
 ask-control-kind = Steuerung
 ask-control-kind-where = Was sie nicht hat, wird weder benutzt noch versprochen; fehlt die eigene, die allgemeine Kaskade nehmen. mtcommission export druckt Grenzwerte und Verstärkungen in ihren Namen.
 ask-control-position-loop = Wo der Lageregelkreis schließt
+ask-control-position-loop-empty = wie die Steuerung ihn hat
 ask-control-position-loop-where = Im Antrieb heißt DSC (SINUMERIK: MD32640 = 1); damit darf Kv höher sein. Unbekannt nimmt, was die Steuerung ohne Vorgabe tut, die nächste Zeile, und kennzeichnet es als angenommen.
 ask-control-position-cycle = Takt des Lagereglers
+ask-control-position-cycle-empty = wie die Steuerung ihn hat
 ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
 ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
+ask-control-velocity-cycle-empty = wie die Steuerung ihn hat
 ask-control-velocity-cycle-where = Antrieb: Takt des Drehzahlreglers; der Lagereglertakt ist ein ganzes Vielfaches.
 ask-control-position-gain = Lageverstärkung Kv
 ask-control-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.
@@ -118,12 +108,9 @@ ask-control-velocity-gain-where = { $axis ->
 }
 ask-control-velocity-gain-empty = wird eingestellt
 ask-control-integral-time = Nachstellzeit Tn
+ask-control-state-feedback = Zustandsrückführung
 ask-control-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
 ask-control-integral-time-empty = wird eingestellt
-ask-control-tcp-sensor = Zweiter Lagegeber nahe am Werkzeug
-ask-control-tcp-sensor-where = Ein direktes Messsystem am Werkzeug, das der Regler nutzen könnte.
-ask-control-state-feedback = Zustandsrückführung
-ask-control-state-feedback-where = Ein freier Regler dämpft die Eigenformen über einen Beobachter; aus lässt die reine Kaskade.
 ask-drive-lead = Weg je Umdrehung von Spindel oder Ritzel
 ask-drive-lead-where = Spindel: Steigung; Ritzel: Teilkreis x pi. Rechnet Moment, Trägheit und Verstärkung an der Motorwelle auf die Achse um, und zurück.
 ask-drive-lead-empty = Linearmotor
@@ -144,40 +131,14 @@ ask-today-acceleration-empty = unbekannt
 ask-today-jerk = Ruck in der Steuerung heute
 ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
 ask-today-jerk-empty = unbekannt
-ask-today-position-gain = Lageverstärkung Kv heute
-ask-today-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.
-ask-today-position-gain-empty = wie empfohlen
-ask-today-velocity-gain = Verstärkung Kp heute
-ask-today-velocity-gain-where = { $axis ->
-    [rotary] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (Übersetzung)^2.
-   *[linear] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (2 pi / Steigung)^2.
-}
-ask-today-velocity-gain-empty = wie empfohlen
-ask-today-integral-time = Nachstellzeit Tn heute
-ask-today-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
-ask-today-integral-time-empty = wie empfohlen
-ask-wizard-experts = Einzelheiten der dämpfungsoptimalen Steuerung
-ask-wizard-experts-where = Endzeit und Gewichte, wie in Abschnitt 6 der Veröffentlichung; die Vorgaben genügen.
-ask-damping-optimal-t-f = Ihre Endzeit
-ask-damping-optimal-t-f-where = Mindestens die zeitoptimale.
-ask-damping-optimal-t-f-empty = nach Regel
-ask-damping-optimal-weights = Gewicht von { $name } zum Quadrat
-ask-damping-optimal-weights-where = Der Gl. (17) der Veröffentlichung, in N^2 je SI-Einheit des Zustands zum Quadrat.
-ask-damping-optimal-weights-empty = ausgewogen
 ask-measured-base-frequency = Eigenfrequenz des Gestells
 ask-measured-base-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-measured-base-damping-ratio = Dämpfungsgrad des Gestells
 ask-measured-base-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
-ask-measured-base-stiffness = Steifigkeit des Gestells
-ask-measured-base-stiffness-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
-ask-measured-base-stiffness-empty = unbekannt
 ask-measured-rotary-frequency = Eigenfrequenz des Turms
 ask-measured-rotary-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-measured-rotary-damping-ratio = Dämpfungsgrad des Turms
 ask-measured-rotary-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
-ask-measured-rotary-stiffness = Drehsteifigkeit des Turms
-ask-measured-rotary-stiffness-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
-ask-measured-rotary-stiffness-empty = unbekannt
 ask-pair-motor-mass = { $axis ->
     [rotary] Trägheitsmoment auf der Motorseite, an der Achse
    *[linear] Masse auf der Motorseite, an der Achse gesehen
@@ -204,17 +165,10 @@ ask-pair-damping-ratio = Dämpfungsgrad der Last gegen den gehaltenen Motor
 ask-pair-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
-ask-pair-further = Weitere gemessene Resonanz
-ask-pair-further-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last. Was sie am Werkzeug bewirkt, wird im ungünstigsten Fall genommen und als angenommen gekennzeichnet.
-ask-pair-modes-frequency = Ihre Frequenz
-ask-pair-modes-frequency-where = Die Spitze im Bode-Diagramm, nicht die Antiresonanz davor.
-ask-pair-modes-damping-ratio = Ihr Dämpfungsgrad
+ask-pair-modes-frequency = Frequenz der weiteren gemessenen Resonanz { $number }
+ask-pair-modes-frequency-empty = keine mehr
+ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen.
 ask-pair-modes-damping-ratio-where = Halbe relative 3-dB-Breite der Spitze; Maschinenstrukturen zeigen 0,01 bis 0,1.
-ask-pair-modes-more = Weitere gemessene Resonanz
-ask-pair-modes-more-where = Bis zu sieben; die oberhalb der Bandbreite des Regelkreises zählen kaum.
-ask-pair-stiffness-check = Steifigkeit zwischen beiden
-ask-pair-stiffness-check-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
-ask-pair-stiffness-check-empty = unbekannt
 ask-plant-moving-mass = { $axis ->
     [rotary] Ganzes starres Trägheitsmoment
    *[linear] Ganze starre Masse
@@ -224,26 +178,19 @@ ask-plant-moving-mass-where = { $axis ->
    *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
 }
 ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
-ask-wizard-rotor = Trägheit an der Motorwelle
-ask-wizard-rotor-where = Läufer, Kupplung und Spindel: Datenblätter. Die ganze starre Masse, nach der dann gefragt wird, enthält sie und wird daran geprüft.
-ask-wizard-rotor-empty = unbekannt
-ask-plant-modes-name = Name der Eigenform { $number }
-ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
-ask-plant-modes-frequency = Ihre Eigenfrequenz
+ask-plant-modes-frequency = Eigenfrequenz der Eigenform { $number }
+ask-plant-modes-frequency-empty = keine mehr
 ask-plant-modes-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.
-ask-plant-modes-damping-ratio = Dämpfungsgrad dieser Eigenform
 ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
-ask-plant-modes-tcp-gain = Ihr Anteil an der Werkzeuglage, mit Vorzeichen
 ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist. Enter nimmt den ungünstigsten Fall eines Werkzeugs jenseits davon, als angenommen gekennzeichnet.
-ask-plant-modes-tcp-gain-held-where = Wie weit das Werkzeug schwingt, wenn die Beschleunigung des Motors diese Eigenform anregt; 1, wenn sie die einzige ist. Die Anteile aller ergeben zusammen 1.
-ask-plant-modes-measured-gain = Ihr Anteil an der Geberlage, mit Vorzeichen
-ask-plant-modes-measured-gain-where = Dasselbe von Kraft zu Lagegeber; 0, wenn der Geber die Eigenform nicht sieht.
-ask-plant-modes-more = Noch eine Eigenform
-ask-plant-modes-more-where = Bis zu acht; die über der Bandbreite des Regelkreises machen kaum etwas aus.
-ask-plant-modes-more-held-where = Bis zu acht; jede weitere Spitze, die der Aufnehmer zeigt.
 
 ask-or-leave-empty = { $text } (leer: { $meaning })
+ask-left-out = weggelassen
+ask-of-mode = Eigenform { $number }: { $name }
+ask-wizard-change = Nummer oder Schlüssel dessen, was zu ändern ist
+ask-wizard-change-empty = Profil schreiben
+ask-wizard-change-where = Eine Nummer der Liste oder ein Schlüssel des Profils, z. B. drive.max_force; < geht zu den Fragen zurück.
 ask-wizard-run = Die Grenzwerte jetzt berechnen
 ask-wizard-run-where = Dasselbe wie mtcommission run mit diesem Profil; einige Sekunden bis eine Minute.
 
@@ -251,35 +198,31 @@ choice-linear = linear
 choice-rotary = drehend
 choice-yes = ja
 choice-no = nein
-choice-auto = Eigenformen dämpfen
 choice-off = aus
-choice-none = keiner
-choice-not-known = unbekannt
 choice-control = in der Steuerung
 choice-interpolated = in der Steuerung, Vorsteuerung interpoliert
 choice-drive = im Antrieb (DSC)
-choice-position = Lage
-choice-positioning-from-rest-to-rest = Positionieren von Ruhe zu Ruhe
-choice-acceleration-to-a-velocity = Beschleunigen auf eine Geschwindigkeit
 choice-tower-masses-and-stiffness = Turm: Massen und Steifigkeit
 choice-tower-masses-and-measured-eigenfrequencies = Turm: Massen und gemessene Eigenfrequenzen
 choice-motor-and-load-masses-and-stiffness = Motor und Last: Massen und Steifigkeit
 choice-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last: Massen und gemessene Eigenfrequenz
 choice-modes-from-a-bode-plot = Eigenformen aus einem Bode-Diagramm
+choice-files-with-a-measured-response = Dateien mit gemessenem Frequenzgang
 
 wizard-begin = Profil { $file }. Die Eingabetaste übernimmt den Wert in [Klammern].
 wizard-commands = Bei jeder Frage: ? Hilfe, < zurück, q Ende.
 wizard-back = zurück
 wizard-help = Hilfe
 wizard-quit = Ende
-wizard-going-on = Weiter mit den bekannten Antworten; < geht zu ihnen zurück.
 wizard-first-question = Das ist die erste Frage.
+wizard-settled = Nicht gefragt, da es eine brauchbare Vorgabe hat oder fehlen darf:
+wizard-assumed-mark = { " " }(angenommen)
+wizard-no-such-key = „{ $got }“ angegeben; eine Nummer der Liste oder einen Schlüssel des Profils eingeben
 wizard-identified = Aus den Dateien bestimmt: { $count ->
         [one] eine Eigenform
        *[other] { $count } Eigenformen
     }. Es folgt, was noch fehlt; < geht zu den Werten zurück.
 wizard-not-identified = Andere Dateien nennen oder leer lassen; oder das Fehlende mit den Optionen von mtcommission identify -o { $file } angeben und danach wiederkommen.
-wizard-kind-not-asked = der Assistent fragt nur nach kind = { $kinds }; dieses Profil (kind = "{ $kind }") im Editor ändern, seine Schlüssel stehen in check --schema
 wizard-not-possible = Nicht möglich: { $key }: { $message }
 wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
 wizard-left-by-user = beendet
@@ -294,26 +237,16 @@ wizard-assumed = Angenommen, weder angegeben noch gemessen: { $keys }
 wizard-example = Beispiel: { $example }.
 wizard-example-behind = z. B. { $example }
 wizard-expected = Erwartet: { $what }.
-wizard-common = Üblich: { $span }.
 wizard-leave-out = Die Eingabetaste allein lässt es weg; - entfernt einen früheren Wert.
-wizard-span = { $low } bis { $high }
 
-reply-missing = hier ist eine Antwort nötig
-reply-missing-example = hier ist eine Antwort nötig, z. B. { $example }
+reply-missing = hier ist eine Antwort nötig, z. B. { $example }
 reply-no-choice = „{ $got }“ angegeben; eines wählen: { $choices }
 reply-unprintable = Steuerzeichen oder Bytes einer anderen Kodierung angegeben; einfachen Text eingeben
 reply-too-long = { $length } Zeichen angegeben, höchstens { $most } sind erlaubt
-reply-not-positive = { $got } angegeben, muss > 0{ $unit } sein
-reply-negative = { $got } angegeben, muss >= 0{ $unit } sein
-reply-beyond-one = { $got } angegeben{ $percent }; muss unter 100 % liegen{ $meant }
-reply-percent-is = , das sind { $percent } %
-reply-percent-meant = ; sind „{ $meant } %“ gemeint?
-reply-unusual = { $got } ist ungewöhnlich; üblich sind { $common }. Zahl und Einheit prüfen, < zum Ändern.
 
 wizard-several-axes = an mehreren Achsen gemessen ({ $axes }), von denen jede ihr eigenes Profil hat: die Dateien von einer angeben, oder alle Profile auf einmal schreiben: mtcommission identify DATEI... -o NEU.toml
 
-insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz
-insight-mode-damped = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
+insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
     [rotary] urad
    *[linear] um
@@ -328,28 +261,11 @@ insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } 
 insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })
 # mass at the axis, $inertia [kg cm^2] at the motor's shaft
 insight-shaft = { PLAIN($mass) } kg auf der Motorseite sind { PLAIN($inertia) } kg cm^2 an seiner Welle
-insight-rotor = Läufer und Spindel sind an der Achse { PLAIN($rotor) } kg, { SHARE($share) } der ganzen starren Masse von { PLAIN($mass) } kg
-insight-rotor-missing = Läufer und Spindel allein sind an der Achse { PLAIN($rotor) } kg, mehr als die ganze starre Masse von { PLAIN($mass) } kg: ist das nur die Last, sind es zusammen { PLAIN($whole) } kg; mit < zurückgehen und das angeben
 insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg
 insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen keine 10 % auseinander: sind sie eine Resonanz, zählt sie jetzt doppelt; mit < zurückgehen und eine weglassen
 # $rest, $enough [s]
-insight-rest = mit einer Ruhezeit von { TIME($rest) } nach Bewegung { $number } erlaubt { $axis ->
-    [rotary] das Dauermoment
-   *[linear] die Dauerkraft
-} etwa { PLAIN($acceleration) } von { PLAIN($most) } { $rate } (starrer Körper); ganz ab einer Ruhezeit von { TIME($enough) }
-insight-contradiction = { $part }: Masse und Steifigkeit ergeben { PLAIN($expected) } Hz, gemessen sind { PLAIN($measured) } Hz; das Profil nimmt den gemessenen Wert, aber eines der drei ist falsch
-part-base = Gestell
-part-tower = Turm
-part-load = Last
-mode-of-pair = drive (Motor und Last frei)
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.
 document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.
-document-assumed-key = Vorgaben übernommen, nicht gemessen
 document-default-accepted = Vorgabe übernommen, nicht gemessen
-document-tower-masses-and-stiffness = ein Turm auf nachgiebigem Gestell
-document-tower-masses-and-measured-eigenfrequencies = Steifigkeit und Dämpfung aus gemessenen Eigenfrequenzen
-document-motor-and-load-masses-and-stiffness = Motor und Last an einer Feder, als starre Masse mit einer Eigenform
-document-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last, gemessen, als starre Masse mit einer Eigenform
-document-modes-from-a-bode-plot = Eigenformen, wie aus einem Frequenzgang gelesen

@@ -2,8 +2,7 @@
 # $number: which element of an array, $name: the last part of the key
 
 ask-wizard-measured = Files with a measured response of this axis
-ask-wizard-measured-empty = none
-ask-wizard-measured-where = From the drive, an analyser or a record; with ; between several, FILE@tcp for a sensor at the tool. It answers for the mechanics.
+ask-wizard-measured-where = From the drive, an analyser or a record; with ; between several, FILE@tcp for a sensor at the tool.
 ask-machine-name = Name of the machine
 ask-machine-name-where = The type plate; it heads the sheet.
 ask-machine-axis = Name of the axis
@@ -12,15 +11,15 @@ ask-machine-motion = Linear or rotary axis
 ask-machine-motion-where = A rotary axis takes inertia for mass, torque for force and angles for lengths.
 ask-machine-source = Where the numbers come from
 ask-machine-source-where = E.g. data sheet and date, or measured on the machine; printed on the sheet.
-ask-drive-kind = Servo, or does the motor simply follow (stepper)
-ask-drive-kind-where = position_source: an open-loop stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
+ask-drive-kind = Servo, or an open-loop axis (stepper)
+ask-drive-kind-where = Open loop: a stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
 ask-drive-max-acceleration = Largest acceleration that the motor follows
 ask-drive-max-acceleration-where = What it does without losing steps at the top speed; by data sheet: torque there / (r x moved mass).
 ask-drive-max-velocity = Largest velocity that the motor follows
 ask-drive-max-velocity-where = The steps per second of the control x the travel per step, or where the torque ends.
 ask-drive-max-velocity-empty = that of each move
 choice-servo = servo
-choice-position-source = position source
+choice-position-source = open loop (position source)
 ask-drive-max-force = { $axis ->
     [rotary] Largest torque of the drive at the axis
    *[linear] Largest force of the drive at the axis
@@ -52,9 +51,7 @@ ask-drive-static-load-where = { $axis ->
 }
 ask-wizard-way = Known of the mechanics
 ask-wizard-way-where = Motor and load: two masses with a spring, further measured resonances where there are any. Bode plot: mode by mode, with its share at the tool. Tower: slider with a tool column on a base that gives way (the paper's machine).
-ask-plant-base-mass = Mass of the base
 ask-plant-base-mass-where = Weights of the parts list or CAD.
-ask-plant-slider-mass = Mass of the slider
 ask-plant-slider-mass-where = Weights of the parts list or CAD.
 ask-plant-rotary-inertia = Inertia of the tower about its joint
 ask-plant-rotary-inertia-where = CAD; or from the measured tilting frequency and the rotary stiffness.
@@ -62,29 +59,21 @@ ask-plant-lever-arm = Height from the joint to the drive force
 ask-plant-lever-arm-where = Drawing: line of motor or ball screw against the guideways.
 ask-plant-tcp-height = Height of the tool above the joint, signed
 ask-plant-tcp-height-where = Drawing; negative if the tower tilts backwards when it is pushed forwards.
-ask-plant-base-stiffness = Stiffness of the base
 ask-plant-base-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = m (2 pi f)^2.
-ask-plant-base-damping = Damping of the base
 ask-plant-base-damping-where = d = 2 x damping ratio x sqrt(k m); ratios of 0.02 to 0.05 are common.
-ask-plant-rotary-stiffness = Rotary stiffness of the tower
 ask-plant-rotary-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = J (2 pi f)^2.
-ask-plant-rotary-damping = Rotary damping of the tower
 ask-plant-rotary-damping-where = d = 2 x damping ratio x sqrt(k J); ratios of 0.02 to 0.05 are common.
-ask-moves-kind = Kind of move { $number }
-ask-moves-kind-where = The limits serve all moves that you list: take the typical and the hardest.
-ask-moves-distance = Distance
-ask-moves-distance-where = A typical step between two operations.
-ask-moves-max-velocity = Velocity limit
+ask-moves-distance = Move { $number }: distance, or the velocity it accelerates to
+ask-moves-distance-empty = no more
+ask-moves-distance-where = The limits serve all moves that you list: take the typical and the hardest, e.g. a short and a long one.
 ask-moves-max-velocity-where = Rapid traverse of the axis, from the control or its data sheet.
 ask-moves-max-velocity-empty = none
-ask-moves-dwell = Rest after it, until the next one
+ask-moves-dwell = Rest after move { $number }
 ask-moves-dwell-where = Cools the motor: with 0 s the axis never pauses, and the continuous { $axis ->
     [rotary] torque
    *[linear] force
 } may cost acceleration. Enter alone marks it as assumed.
-ask-moves-more = Another move
-ask-moves-more-where = E.g. a short and a long one.
-ask-moves-velocity-step = Velocity at the end
+ask-moves-velocity-step = Move { $number }: velocity at the end
 ask-moves-velocity-step-where = Feed or rapid traverse that is reached; the end position is free.
 ask-requirements-tcp-deviation = Allowed deviation of the tool after a move
 ask-requirements-tcp-deviation-where = Half the tolerance that you leave to vibration, not the whole tolerance of the part.
@@ -96,20 +85,21 @@ ask-requirements-frequency-spread-where = 5 % for measured values, 10 to 20 % fo
 ask-requirements-damping-spread = Uncertainty of the damping ratios
 ask-requirements-damping-spread-where = Damping is rarely known to better than 30 %, but it matters little.
 ask-requirements-payload = Largest payload
+ask-requirements-payload-empty = none
 ask-requirements-payload-where = Workpiece, pallet or tool; the limits then hold from empty to this.
 ask-requirements-contour-deviation = Allowed deviation along a path
 ask-requirements-contour-deviation-where = While the tool moves. Only for a tool that works on its way (contours); one that must be still at the end needs none.
 ask-requirements-contour-deviation-empty = quiet at the end
-ask-requirements-contour-feed = Fastest feed on a contour
-ask-requirements-contour-feed-where = The largest feed of a finishing cut; rapid traverse leaves no mark.
-ask-requirements-contour-feed-empty = any velocity
 ask-control-kind = Control
 ask-control-kind-where = What it lacks is neither used nor promised; where yours is not listed, take the generic cascade. Limits and gains are printed in its own names by mtcommission export.
 ask-control-position-loop = Where the position loop closes
+ask-control-position-loop-empty = as the control has it
 ask-control-position-loop-where = In the drive is DSC (SINUMERIK: MD32640 = 1); it lets Kv rise. Not known takes what the control does unless told otherwise, the next line, and marks it as assumed.
 ask-control-position-cycle = Cycle of the position controller
+ask-control-position-cycle-empty = as the control has it
 ask-control-position-cycle-where = Control: interpolation or position cycle, 0.5 to 4 ms.
 ask-control-velocity-cycle = Cycle of the velocity controller
+ask-control-velocity-cycle-empty = as the control has it
 ask-control-velocity-cycle-where = Drive: speed controller cycle; the position cycle is a whole multiple.
 ask-control-position-gain = Position gain Kv
 ask-control-position-gain-where = Control: Kv factor, servo gain; (m/min)/mm or 1/s.
@@ -121,12 +111,9 @@ ask-control-velocity-gain-where = { $axis ->
 }
 ask-control-velocity-gain-empty = tune it
 ask-control-integral-time = Integral time Tn
+ask-control-state-feedback = State feedback
 ask-control-integral-time-where = Drive: reset time of the speed controller.
 ask-control-integral-time-empty = tune it
-ask-control-tcp-sensor = Second encoder near the tool
-ask-control-tcp-sensor-where = A direct measuring system at the tool that the controller could use.
-ask-control-state-feedback = State feedback
-ask-control-state-feedback-where = A free controller damps the modes through an observer; off leaves the plain cascade.
 ask-drive-lead = Travel per turn of screw or pinion
 ask-drive-lead-where = Screw: lead; pinion: pitch circle x pi. Turns torque, inertia and gains at the motor shaft into values at the axis, and back.
 ask-drive-lead-empty = linear motor
@@ -147,40 +134,14 @@ ask-today-acceleration-empty = not known
 ask-today-jerk = Jerk limit in the control now
 ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
 ask-today-jerk-empty = not known
-ask-today-position-gain = Position gain Kv now
-ask-today-position-gain-where = Control: Kv factor, servo gain; (m/min)/mm or 1/s.
-ask-today-position-gain-empty = recommended
-ask-today-velocity-gain = Gain Kp at the axis now
-ask-today-velocity-gain-where = { $axis ->
-    [rotary] Drive: speed controller gain, turned to the axis: x (gear ratio)^2.
-   *[linear] Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.
-}
-ask-today-velocity-gain-empty = recommended
-ask-today-integral-time = Integral time Tn now
-ask-today-integral-time-where = Drive: reset time of the speed controller.
-ask-today-integral-time-empty = recommended
-ask-wizard-experts = Details of the damping-optimal control
-ask-wizard-experts-where = Final time and weights, as in the paper's section 6; the defaults serve well.
-ask-damping-optimal-t-f = Its final time
-ask-damping-optimal-t-f-where = At least the time-optimal one.
-ask-damping-optimal-t-f-empty = by rule
-ask-damping-optimal-weights = Weight of { $name } squared
-ask-damping-optimal-weights-where = Of the paper's eq. (17), in N^2 per squared SI unit of the state.
-ask-damping-optimal-weights-empty = balanced
 ask-measured-base-frequency = Eigenfrequency of the base
 ask-measured-base-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-measured-base-damping-ratio = Damping ratio of the base
 ask-measured-base-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
-ask-measured-base-stiffness = Stiffness of the base
-ask-measured-base-stiffness-where = Only to check it against the frequency; leave empty if unknown.
-ask-measured-base-stiffness-empty = unknown
 ask-measured-rotary-frequency = Eigenfrequency of the tower
 ask-measured-rotary-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-measured-rotary-damping-ratio = Damping ratio of the tower
 ask-measured-rotary-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
-ask-measured-rotary-stiffness = Rotary stiffness of the tower
-ask-measured-rotary-stiffness-where = Only to check it against the frequency; leave empty if unknown.
-ask-measured-rotary-stiffness-empty = unknown
 ask-pair-motor-mass = { $axis ->
     [rotary] Inertia on the motor's side, seen at the axis
    *[linear] Mass on the motor's side, seen at the axis
@@ -207,17 +168,10 @@ ask-pair-damping-ratio = Damping ratio of the load against the held motor
 ask-pair-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
-ask-pair-further = Another measured resonance
-ask-pair-further-where = A peak in the Bode plot besides that of motor and load. What it does at the tool is then taken for the worst case, and marked as assumed.
-ask-pair-modes-frequency = Its frequency
-ask-pair-modes-frequency-where = The peak in the Bode plot, not the antiresonance before it.
-ask-pair-modes-damping-ratio = Its damping ratio
+ask-pair-modes-frequency = Frequency of measured resonance { $number } besides
+ask-pair-modes-frequency-empty = no more
+ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and marked as assumed.
 ask-pair-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
-ask-pair-modes-more = Another measured resonance
-ask-pair-modes-more-where = Up to seven; those above the bandwidth of the loop hardly matter.
-ask-pair-stiffness-check = Stiffness between the two
-ask-pair-stiffness-check-where = Only to check it against the frequency; leave empty if unknown.
-ask-pair-stiffness-check-empty = unknown
 ask-plant-moving-mass = { $axis ->
     [rotary] Whole rigid inertia
    *[linear] Whole rigid mass
@@ -227,27 +181,21 @@ ask-plant-moving-mass-where = { $axis ->
    *[linear] Force over acceleration at low frequencies.
 }
 ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
-ask-wizard-rotor = Inertia at the motor shaft
-ask-wizard-rotor-where = Rotor, coupling and screw: data sheets. The whole rigid mass that comes next contains it, and is checked against it.
-ask-wizard-rotor-empty = not known
-ask-plant-modes-name = Name of mode { $number }
-ask-plant-modes-name-where = What moves: column, ram, table, ...; letters, digits and _.
-ask-plant-modes-frequency = Its eigenfrequency
+ask-plant-modes-frequency = Eigenfrequency of mode { $number }
+ask-plant-modes-frequency-empty = no more modes
 ask-plant-modes-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-plant-modes-frequency-held-where = With the motor held: the peak of an accelerometer at the tool (resonances_x.csv), or after a tap.
-ask-plant-modes-damping-ratio = Damping ratio of this mode
 ask-plant-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
-ask-plant-modes-tcp-gain = Its share in the tool position, signed
 ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool. Enter takes the worst case of a tool on its far side, marked as assumed.
-ask-plant-modes-tcp-gain-held-where = How far the tool swings where the acceleration of the motor excites this mode; 1 where it is the only one. The shares of all modes add up to 1.
-ask-plant-modes-measured-gain = Its share in the encoder position, signed
-ask-plant-modes-measured-gain-where = The same from force to encoder; 0 if the encoder does not see the mode.
-ask-plant-modes-more = Another mode
-ask-plant-modes-more-where = Up to eight; those above the bandwidth of the loop hardly matter.
-ask-plant-modes-more-held-where = Up to eight; each further peak that the accelerometer shows.
 
 # $text: a question; $meaning: its -empty
 ask-or-leave-empty = { $text } (empty: { $meaning })
+ask-left-out = left out
+# $name: of the quantity, $number: of the mode
+ask-of-mode = Mode { $number }: { $name }
+ask-wizard-change = Number or key of what is to be changed
+ask-wizard-change-empty = write the profile
+ask-wizard-change-where = A number of the list, or any key of a profile, e.g. drive.max_force; < goes back to the questions.
 ask-wizard-run = Compute the limits now
 ask-wizard-run-where = The same as mtcommission run with this profile; some seconds to a minute.
 
@@ -256,21 +204,16 @@ choice-linear = linear
 choice-rotary = rotary
 choice-yes = yes
 choice-no = no
-choice-auto = damp the modes
 choice-off = off
-choice-none = none
-choice-not-known = not known
 choice-control = in the control
 choice-interpolated = in the control, feed-forward interpolated
 choice-drive = in the drive (DSC)
-choice-position = position
-choice-positioning-from-rest-to-rest = positioning from rest to rest
-choice-acceleration-to-a-velocity = acceleration to a velocity
 choice-tower-masses-and-stiffness = tower: masses and stiffness
 choice-tower-masses-and-measured-eigenfrequencies = tower: masses and measured eigenfrequencies
 choice-motor-and-load-masses-and-stiffness = motor and load: masses and stiffness
 choice-motor-and-load-masses-and-measured-eigenfrequency = motor and load: masses and measured eigenfrequency
 choice-modes-from-a-bode-plot = modes from a Bode plot
+choice-files-with-a-measured-response = files with a measured response
 
 # At every question.
 wizard-begin = Profile { $file }. Enter takes the value in [brackets].
@@ -278,8 +221,10 @@ wizard-commands = At every question: ? help, < back, q quit.
 wizard-back = back
 wizard-help = help
 wizard-quit = quit
-wizard-going-on = Going on with the answers that are known; < goes back to them.
 wizard-first-question = This is the first question.
+wizard-settled = Not asked, since it has a sound default or can be left out:
+wizard-assumed-mark = { " " }(assumed)
+wizard-no-such-key = got "{ $got }"; type a number of the list or a key of a profile
 # $count: modes
 wizard-identified = Identified from the files: { $count ->
         [one] one mode
@@ -287,7 +232,6 @@ wizard-identified = Identified from the files: { $count ->
     }. What is still missing follows; < goes back to what was found.
 wizard-not-identified = Name other files or leave it empty; or say what is missing with the options of mtcommission identify -o { $file }, and come back.
 # $key, $message: of a fault
-wizard-kind-not-asked = the wizard asks for kind = { $kinds } only; change this profile (kind = "{ $kind }") in an editor, its keys stand in check --schema
 wizard-not-possible = Not possible: { $key }: { $message }
 # $how: wizard-left-by-user, wizard-input-ended or wizard-interrupted; $where: key of a question
 wizard-kept = { $how } at { $where }; answers kept in { $file }, the same command goes on from there
@@ -303,30 +247,20 @@ wizard-assumed = Assumed, neither stated nor measured: { $keys }
 wizard-example = Example: { $example }.
 wizard-example-behind = e.g. { $example }
 wizard-expected = Expected: { $what }.
-wizard-common = Common: { $span }.
 wizard-leave-out = Enter alone leaves it out; - removes a value given before.
-wizard-span = { $low } to { $high }
 
 # What is wrong or unusual about a reply.
-reply-missing = an answer is needed here
-reply-missing-example = an answer is needed here, e.g. { $example }
+reply-missing = an answer is needed here, e.g. { $example }
 reply-no-choice = got "{ $got }"; choose one of: { $choices }
 reply-unprintable = got control characters or bytes of another encoding; type plain text
 reply-too-long = got { $length } characters, at most { $most } are allowed
 # $unit: with a blank before it, or empty
-reply-not-positive = got { $got }, must be > 0{ $unit }
-reply-negative = got { $got }, must be >= 0{ $unit }
-reply-beyond-one = got { $got }{ $percent }; must be below 100 %{ $meant }
-reply-percent-is = , which is { $percent } %
-reply-percent-meant = ; did you mean "{ $meant } %"?
 # $common: span
-reply-unusual = { $got } is unusual; common are { $common }. Check number and unit, type < to change it.
 
 wizard-several-axes = measured on several axes ({ $axes }), each of which has a profile of its own: give the files of one, or write all profiles at once by mtcommission identify FILE... -o NEW.toml
 
 # What follows from the answers; $frequency [Hz].
-insight-mode = mode { $mode } at { PLAIN($frequency) } Hz
-insight-mode-damped = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
+insight-mode = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit: "us") } { $axis ->
     [rotary] urad
    *[linear] um
@@ -338,29 +272,12 @@ insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of 
 insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
 # mass at the axis, $inertia [kg cm^2] at the motor's shaft
 insight-shaft = { PLAIN($mass) } kg on the motor's side are { PLAIN($inertia) } kg cm^2 at its shaft
-insight-rotor = rotor and screw are { PLAIN($rotor) } kg at the axis, { SHARE($share) } of the whole rigid mass of { PLAIN($mass) } kg
-insight-rotor-missing = rotor and screw alone are { PLAIN($rotor) } kg at the axis, more than the whole rigid mass of { PLAIN($mass) } kg: if that is the load alone, the whole is { PLAIN($whole) } kg; go back with < and state it
 insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
 insight-twice-measured = { PLAIN($first) } Hz and { PLAIN($second) } Hz are less than 10 % apart: if they are one resonance, it counts twice now; go back with < and remove one
 # $rest, $enough [s]
-insight-rest = with a rest of { TIME($rest) } after move { $number } the continuous { $axis ->
-    [rotary] torque
-   *[linear] force
-} allows about { PLAIN($acceleration) } of { PLAIN($most) } { $rate } (rigid body); all of it from a rest of { TIME($enough) } on
-insight-contradiction = { $part }: mass and stiffness give { PLAIN($expected) } Hz, measured are { PLAIN($measured) } Hz; the profile takes the measured value, but one of the three is wrong
-part-base = base
-part-tower = tower
-part-load = load
-mode-of-pair = drive (motor and load free)
 
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
 document-check = Check it with: mtcommission check FILE; compute with: mtcommission run FILE.
 document-assumed = Take a key out of assumed as soon as somebody knows its value.
-document-assumed-key = Defaults accepted, not measured
 document-default-accepted = default accepted, not measured
-document-tower-masses-and-stiffness = a tower on a base that gives way
-document-tower-masses-and-measured-eigenfrequencies = stiffness and damping from measured eigenfrequencies
-document-motor-and-load-masses-and-stiffness = motor and load on a spring, as a rigid mass and one mode
-document-motor-and-load-masses-and-measured-eigenfrequency = motor and load, measured, as a rigid mass and one mode
-document-modes-from-a-bode-plot = modes as read from a frequency response

@@ -1,0 +1,180 @@
+"""What is known before the first question: the profile, kept answers, a file of answers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import tomlkit
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.files import write_text
+from mtcommission.machine.readers import propose
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.profile.describe import find_unknown
+from mtcommission.profile.lines import find_key_lines, read_key
+from mtcommission.profile.read import load_toml, parse_profile, read_profile_text
+from mtcommission.units.quantities import LENGTH, RATIO, TIME
+from mtcommission.wizard.answers import (
+    ACCEPTED,
+    MEASURED,
+    Answers,
+    close_arrays,
+    is_rotary,
+    note_accepted,
+    si_value,
+    to_answers,
+)
+from mtcommission.wizard.answers import OWN as OWN_TABLES
+from mtcommission.wizard.script import OWN, list_questions
+
+if TYPE_CHECKING:
+    from mtcommission.identify.job import MeasuredAxis
+
+KEPT = ".answers"
+"""Ending of the file beside the profile that keeps answers of an unfinished session."""
+
+DELAYS = ("identified.delay.0", "identified.lag.0")
+"""Keys of a profile that was identified, whose times are a lag of the force."""
+
+LAG, LEAST_LAG = "drive.force_lag", 5e-5
+"""A shorter delay [s] is that of a sensor: the response comes from the actual force."""
+
+OPEN = re.compile(r"\n\n# [^\n]*\n(#   [\w.\[\]]+\n)+\Z")
+"""The list of open questions at the end of an identified profile: the wizard asks them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """What was known before the first question."""
+
+    answers: dict[str, str]  # from all sources; later ones win
+    text: str  # of the profile that is changed; "" for a new one
+    where: str  # name of the file of answers; "" without one
+    lines: Mapping[str, int]  # line of each key in that file
+
+    def locate(self, fault: Fault) -> Fault:
+        """Return a fault with its place in the file of answers; the profile is not written."""
+        key = read_key(fault.key)
+        return replace(fault, where=self.where or "answers", line=self.lines.get(key, 0))
+
+
+def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> Source:
+    """Return what is known: existing profile, then kept answers, then the file of answers.
+
+    ``identified``: profile from a measurement that takes the place of the existing one.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or the file of answers has a key that nobody knows.
+    """
+    text, answers = "", dict[str, str]()
+    if identified or output.exists():
+        text = OPEN.sub("\n", identified or read_profile_text(output))
+        answers = _of_profile(to_answers(load_toml(text, where=str(output))))
+    kept = Path(f"{output}{KEPT}")
+    if kept.exists():
+        answers |= to_answers(load_toml(read_profile_text(kept), where=str(kept)))
+    lines: dict[str, int] = {}
+    if answers_file is not None:
+        given, where = read_profile_text(answers_file), str(answers_file)
+        data = load_toml(given, where=where)
+        found = find_key_lines(given).lines
+        lines = {".".join(map(str, path)): line for path, line in found.items()}
+        answers |= close_arrays(_known(to_answers(data), where=where, lines=lines))
+    return Source(answers=answers, text=text, where=str(answers_file or ""), lines=lines)
+
+
+def _of_profile(answers: dict[str, str]) -> dict[str, str]:
+    """The answers of a profile: one with moves says of all that is optional that it is left out."""
+    answers = close_arrays(answers)
+    is_whole = any(key.startswith("moves.") and text for key, text in answers.items())
+    for question in list_questions(answers):
+        is_open = question.is_optional or question.choices
+        if is_open and (is_whole or question.key in ("machine.motion", "drive.kind")):
+            answers.setdefault(question.key, "")
+    lag = sum(max(si_value(answers, key, TIME) or 0.0, 0.0) for key in DELAYS)
+    if LAG not in answers and lag >= LEAST_LAG:
+        answers = note_accepted({**answers, LAG: f"{1e3 * lag:.3g} ms"}, LAG)
+    return answers
+
+
+def keep(output: Path, answers: Answers) -> None:
+    """Write the answers of an unfinished session beside the profile."""
+    write_text(f"{output}{KEPT}", tomlkit.dumps(dict(answers)))
+
+
+def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> dict[str, str]:
+    """The answers, if each has a key of the profile or of the wizard."""
+    own = (*OWN, "wizard.way", MEASURED, ACCEPTED)
+    faults = []
+    for key in answers:
+        if re.sub(r"\.\d+(?=\.)", ".0", key) in own:
+            continue
+        is_own = key.startswith(OWN_TABLES)
+        wrong = propose(key, own) if is_own else find_unknown(tuple(key.split(".")))
+        if wrong:
+            message = Message("key-unknown", hint=wrong)
+            faults.append(Fault(where=where, line=lines.get(key, 0), key=key, message=message))
+    if faults:
+        raise InputError(sorted(faults, key=lambda fault: fault.line))
+    return answers
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """A profile from measurements."""
+
+    axis: MeasuredAxis
+    doubts: tuple[Message, ...]  # what to mind about it
+    evidence_file: str
+
+
+def measure(
+    answers: Answers, *, before: str, output: Path, words: Callable[[bool], Catalogue]
+) -> Measured:
+    """Identify an axis from the files that the answers name, as ``mtcommission identify`` does.
+
+    ``before``: profile that takes the modes in; ``output``: where the profile will stand.
+    """
+    from mtcommission.identify.axes import by_axis
+    from mtcommission.identify.given import Given
+    from mtcommission.identify.job import identify_files
+    from mtcommission.identify.statement import evidence_file
+    from mtcommission.sheet.identified import doubts_and_notes
+
+    typed = answers[MEASURED]
+    if before:
+        parse_profile(before, where=str(output))
+    names = [name.strip().strip("'\"") for name in re.split("[;,]", typed) if name.strip()]
+    axes = list(by_axis([name.partition("@")[0] for name in names]))
+    if len(axes) > 1:
+        message = Message("wizard-several-axes", axes=", ".join(axes))
+        raise InputError([Fault(where=typed, message=message)])
+    lead = si_value(answers, "drive.lead", LENGTH)
+    gear = si_value(answers, "drive.gear", RATIO) or 1.0
+    given = Given(
+        rotary=is_rotary(answers) if before or answers.get("machine.motion") else None,
+        motor_turn=2.0 * pi * gear / lead if lead and not is_rotary(answers) else 0.0,
+    )
+    evidence = evidence_file(str(output))
+    axis = identify_files(
+        names,
+        given,
+        words=words,
+        created=datetime.now(UTC).date().isoformat(),
+        target=str(output),
+        evidence=Path(evidence).name,
+        before=before,
+        axis=(axes and axes[0]) or "X",
+    )
+    if axis.found.doubt:
+        raise InputError([Fault(where=typed, message=axis.found.doubt)])
+    return Measured(axis=axis, doubts=doubts_and_notes(axis.part)[0], evidence_file=evidence)
