@@ -23,7 +23,6 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.machine.variations import as_variations
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
@@ -87,7 +86,6 @@ def examine_verdict(seed: int, *, grid: bool = True) -> VerdictRow | None:
 def promising(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[MotionLimits]:
     """Limits of a coarse grid that seem to meet everything, known to no search."""
     largest = machine.drive.motion_force / moving_mass(machine)
-    places = as_variations(tuned.corners)
     for share in GRID_SHARES:
         for jerk_time in GRID_TIMES:
             a = float(largest * share)
@@ -95,8 +93,8 @@ def promising(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Moti
             longest = max(plan_setpoint(move, limits).duration for move in machine.moves)
             if longest > min(machine.requirements.max_settling_time, LONGEST):
                 continue
-            found = respond_varied(machine, tuned, limits, places)
-            if found.meets(machine).all():
+            found = respond_varied(machine, tuned, limits, tuned.corners)
+            if not found.is_missed.any():
                 yield limits
 
 

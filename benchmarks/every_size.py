@@ -32,7 +32,6 @@ from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGE
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.extremes import extremes
 from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.motions import outputs_at, set_in_motion
@@ -43,6 +42,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
+from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of

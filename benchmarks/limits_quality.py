@@ -23,12 +23,11 @@ from benchmarks.population import random_machine
 from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.machine.variations import as_variations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -121,13 +120,12 @@ def score_machine(seed: int) -> list[Score]:
 def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate:
     """Return the soonest point of a plain grid that meets all requirements, else the last tried."""
     largest = machine.drive.motion_force / moving_mass(machine)
-    places = as_variations(tuned.corners)
     points = []
     for a in largest * np.geomspace(1.0, LEAST_SHARE, GRID):
         for jerk_time in np.geomspace(*JERK_TIMES, GRID):
             limits = MotionLimits(acceleration=float(a), jerk=float(a / jerk_time))
-            found = respond_varied(machine, tuned, limits, places)
-            is_missed = not found.meets(machine).all()
+            found = respond_varied(machine, tuned, limits, tuned.corners)
+            is_missed = bool(found.is_missed.any())
             points.append((is_missed, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])
     for _, _, limits in points[:TRIES]:

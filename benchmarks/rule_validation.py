@@ -28,14 +28,14 @@ from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.commissioning_rule.estimate import (
+from mtcommission.limits.commissioning_rule import (
     ModeEstimate,
+    apply_commissioning_rule,
     count_ramps,
     estimate_axis,
     passed_by_average,
     servo_sensitivity,
 )
-from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Positioning, moving_mass

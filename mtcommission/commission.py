@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.commissioning_rule.rule import RuleResult
+from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Assessment, Candidate, MoveResult
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
 from mtcommission.loop.tuning.tuned import TunedLoop

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mtcommission.limits.choose import Choice, choose_limits
-from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.limits.commissioning_rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine

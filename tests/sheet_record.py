@@ -19,8 +19,7 @@ from mtcommission.control_kinds.syntax import Entry
 from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import Export
-from mtcommission.limits.commissioning_rule.by_hand import formulas_for
-from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY, formulas_for
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep

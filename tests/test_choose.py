@@ -13,7 +13,7 @@ from benchmarks.population import random_machine
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
-from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Assessment, assess, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.analysis.quantisation import encoder_noise

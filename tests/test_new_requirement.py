@@ -22,7 +22,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
 from mtcommission.machine.machine import Machine, Requirements
 from mtcommission.machine.ranges import VELOCITIES
-from mtcommission.machine.variations import Corner, as_variations, corners
+from mtcommission.machine.variations import Corner, corners
 from mtcommission.messages.message import Message, parts_of
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
@@ -112,7 +112,7 @@ def test_what_the_judge_takes_is_the_derivative_of_the_tool(axis: Machine) -> No
     """By poles and simulated it is the same, and that of the positions that were simulated."""
     tuned = tune_loop(axis)
     limits = MotionLimits(acceleration=9.0, jerk=280.0)
-    varied = respond_varied(axis, tuned, limits, as_variations(corners(axis))).values[:, -1]
+    varied = respond_varied(axis, tuned, limits, corners(axis)).values[:, -1]
     results = simulate_moves(axis, tuned, limits)
     assert np.max([one.values[-1] for one in results], axis=0) == pytest.approx(varied, rel=5e-3)
     for result in results:

@@ -17,7 +17,6 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import find_time_optimum
-from mtcommission.limits.reserve import keep_reserve
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -30,6 +29,7 @@ from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.data import list_data
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
+from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.sheet.limits import shown_jerk

@@ -18,21 +18,19 @@ from scipy.signal import impulse
 
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.commissioning_rule.estimate import (
+from mtcommission.limits.commissioning_rule import (
     ALL_STEPS,
+    RESERVE,
     SMOOTHED,
     ModeEstimate,
+    RuleResult,
+    apply_commissioning_rule,
     count_ramps,
     estimate_axis,
     force_acceleration,
     passed_by_average,
     ramp_vibration,
     servo_sensitivity,
-)
-from mtcommission.limits.commissioning_rule.rule import (
-    RESERVE,
-    RuleResult,
-    apply_commissioning_rule,
 )
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import evaluate

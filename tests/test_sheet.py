@@ -28,8 +28,11 @@ from mtcommission.cli import app
 from mtcommission.cli.limits_view import describe_simulation
 from mtcommission.cli.terminal import fold
 from mtcommission.errors import ComputationError, InputError, Outcome
-from mtcommission.limits.commissioning_rule.by_hand import RuleFormula, formulas_for
-from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.commissioning_rule import (
+    RuleFormula,
+    apply_commissioning_rule,
+    formulas_for,
+)
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Positioning
 from mtcommission.messages.catalogue import Catalogue

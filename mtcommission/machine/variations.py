@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -69,48 +68,22 @@ def corners(machine: Machine) -> tuple[Corner, ...]:
     return tuple(dict.fromkeys([NOMINAL, *outer]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Variations:
-    """Machines that differ from the nominal one."""
-
-    payload: Array  # shape (n_samples,) [kg]
-    frequency_factor: Array  # on all eigenfrequencies, shape (n_samples,) [-]
-    damping_factor: Array  # on all damping ratios, shape (n_samples,) [-]
-    state: tuple[str, ...]  # of each sample
-
-    def corner(self, index: int) -> Corner:
-        """Return one sample as a corner."""
-        return Corner(
-            payload=float(self.payload[index]),
-            frequency_factor=float(self.frequency_factor[index]),
-            damping_factor=float(self.damping_factor[index]),
-            state=self.state[index],
-        )
-
-
-def draw_variations(machine: Machine, *, samples: int, seed: int) -> Variations:
+def draw_variations(machine: Machine, *, samples: int, seed: int) -> tuple[Corner, ...]:
     """Return machines drawn uniformly from payloads, spreads and measured states."""
     generator, needs = np.random.default_rng(seed), machine.requirements
-
-    def factor(spread: float) -> Array:
-        return generator.uniform(1.0 - spread, 1.0 + spread, samples)
-
-    states = ("", *(state.name for state in machine.states))
-    return Variations(
-        payload=generator.uniform(*needs.payload, samples),
-        frequency_factor=factor(needs.frequency_spread),
-        damping_factor=factor(needs.damping_spread),
-        state=tuple(generator.choice(states, samples).tolist())
-        if machine.states
-        else ("",) * samples,
+    payload = generator.uniform(*needs.payload, samples)
+    frequency, damping = (
+        generator.uniform(1.0 - spread, 1.0 + spread, samples)
+        for spread in (needs.frequency_spread, needs.damping_spread)
     )
-
-
-def as_variations(places: Sequence[Corner]) -> Variations:
-    """Return corners as variations, in the same order."""
-    return Variations(
-        payload=np.array([corner.payload for corner in places]),
-        frequency_factor=np.array([corner.frequency_factor for corner in places]),
-        damping_factor=np.array([corner.damping_factor for corner in places]),
-        state=tuple(corner.state for corner in places),
+    state = ["", *(each.name for each in machine.states)]
+    places = generator.integers(len(state), size=samples) if machine.states else [0] * samples
+    return tuple(
+        Corner(
+            payload=float(payload[i]),
+            frequency_factor=float(frequency[i]),
+            damping_factor=float(damping[i]),
+            state=state[place],
+        )
+        for i, place in enumerate(places)
     )

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.limits.commissioning_rule.rule import RuleResult as RuleOutcome
+from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.limits.commissioning_rule import RuleResult as RuleOutcome
 from mtcommission.limits.judge import Candidate
 from mtcommission.machine.machine import Machine
 from mtcommission.recommend import Recommendation

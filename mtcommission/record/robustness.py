@@ -48,7 +48,7 @@ def _monte_carlo_entry(drawn: MonteCarlo, length: str) -> MonteCarloEntry:
     def sample(index: int) -> SampleEntry:
         return entry_of(
             SampleEntry,
-            drawn.variations.corner(index),
+            drawn.variations[index],
             settling_time=drawn.settling_time[index],
             residual_deviation=drawn.residual_deviation[index],
         )

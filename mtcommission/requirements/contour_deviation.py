@@ -16,13 +16,7 @@ def _with_deviation(machine: Machine, deviation: float) -> Machine:
 
 
 def slow_to_feed(move: Move, feed: float) -> Move:
-    """Return the move at which the contour must hold: no faster than a feed [m/s]; inf: itself.
-
-    Examples
-    --------
-    >>> slow_to_feed(VelocityStep(velocity_step=0.5), 0.1)
-    VelocityStep(velocity_step=0.1, dwell=0.0)
-    """
+    """Return the move at which the contour must hold: no faster than a feed [m/s]; inf: itself."""
     if isinstance(move, VelocityStep):
         return replace(move, velocity_step=min(move.velocity_step, feed))
     return replace(move, max_velocity=min(move.max_velocity, feed))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from math import isfinite
 
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import NO_RESERVE, Machine
 from mtcommission.requirements.contour_deviation import CONTOUR_DEVIATION
 from mtcommission.requirements.peak import peak_of, peaks_of
 from mtcommission.requirements.requirement import Requirement
@@ -36,17 +37,8 @@ def requirements_of(machine: Machine) -> tuple[Requirement, ...]:
 
 
 def read_requirement(key: str) -> Requirement:
-    """Return the requirement of a record's name for it.
+    """Return the requirement of a record's name for it; ValueError: there is none.
 
-    Raises
-    ------
-    ValueError
-        There is no such requirement.
-
-    Examples
-    --------
-    >>> read_requirement("peak v_phi") == peak_of("v_phi")
-    True
     >>> read_requirement("RMS force").message
     Message('requirement-rms-force')
     """
@@ -57,3 +49,13 @@ def read_requirement(key: str) -> Requirement:
         if isinstance(entry, Requirement) and entry.key == key:
             return entry
     raise ValueError(key)
+
+
+def keep_reserve(machine: Machine) -> Machine:
+    """Return the machine with requirements as much stricter as its reserve; itself without one."""
+    reserve, strict = machine.requirements.reserve, machine
+    if reserve == NO_RESERVE:
+        return machine
+    for item in requirements_of(machine):
+        strict = item.with_bound(strict, item.share(reserve) * item.bound(machine))
+    return replace(strict, requirements=replace(strict.requirements, reserve=NO_RESERVE))

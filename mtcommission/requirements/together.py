@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,36 +39,23 @@ class Asked:
 
 def sort_requirements(machine: Machine, plant: Plant) -> Asked:
     """Return what a machine asks for."""
-    settling = list[Requirement]()
-    after = list[tuple[Requirement, Signal]]()
-    during = dict[tuple[int | None, tuple[Move, ...]], Swings]()
-    means = list[tuple[Requirement, Mean]]()
-    for one in requirements_of(machine):
-        way = one.by_poles(plant)
-        if isinstance(way, Settling):
-            settling.append(one)
-        elif isinstance(way, Mean):
-            means.append((one, way))
-        elif way.is_after:
-            after.append((one, way.signal))
-        else:
-            moves = tuple(one.judged(machine, move) for move in machine.moves)
-            row, place = way.signal.row[None], (way.signal.less, moves)
-            found = during.get(place)
-            during[place] = (
-                Swings(requirements=(one,), rows=row, less=way.signal.less, moves=moves)
-                if found is None
-                else replace(
-                    found,
-                    requirements=(*found.requirements, one),
-                    rows=np.vstack([found.rows, row]),
-                )
-            )
+    ways = [(one, one.by_poles(plant)) for one in requirements_of(machine)]
+    swings = [(one, way) for one, way in ways if isinstance(way, Swing)]
+    during: dict[tuple[int | None, tuple[Move, ...]], dict[Requirement, Array]] = {}
+    for one, way in swings:
+        if not way.is_after:
+            place = way.signal.less, tuple(one.judged(machine, move) for move in machine.moves)
+            during.setdefault(place, {})[one] = way.signal.row
     return Asked(
-        settling=tuple(settling),
-        after=tuple(after),
-        during=tuple(during.values()),
-        means=tuple(means),
+        settling=tuple(one for one, way in ways if isinstance(way, Settling)),
+        after=tuple((one, way.signal) for one, way in swings if way.is_after),
+        during=tuple(
+            Swings(
+                requirements=tuple(own), rows=np.array(list(own.values())), less=less, moves=moves
+            )
+            for (less, moves), own in during.items()
+        ),
+        means=tuple((one, way) for one, way in ways if isinstance(way, Mean)),
     )
 
 

@@ -171,10 +171,9 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     """
     machine = proposals.family.machine
     looked = _look_at_all(machine, proposals)
-    finalists = [
-        item if item.is_explored else _explore(machine, item) for item in looked[: STUDY.finalists]
-    ]
-    finalists.sort(key=_price)
+    finalists = looked[: STUDY.finalists]
+    finalists = [one if one.is_explored else _explore(machine, one) for one in finalists]
+    finalists.sort(key=lambda one: one.price)
     best: LoopTrial | None = None
     for item in finalists:
         trial = _judge(machine, item)
@@ -199,7 +198,10 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
 
 
 def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
-    """All proposals, and those near the best of them, at a first look; the best first."""
+    """All proposals, and those near the best of them, at a first look; the best first.
+
+    Once a loop has limits, others are looked at near these, and behind its best filters.
+    """
     found: list[LoopTrial] = []
 
     def look_at(loops: Sequence[Proposal]) -> None:
@@ -207,21 +209,16 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
             is_classic = each.tuned is proposals.classic
             item = LoopTrial(shape=each.shape, tuned=each.tuned, is_classic=is_classic)
             known = next((other for other in found if other.limits), None)
-            found.append(_look_like(machine, item, known) if known else _explore(machine, item))
+            if known is None:
+                found.append(_explore(machine, item))
+            else:
+                beside = _best_filters(known)[1:]
+                found.append(_explore(machine, item, near=known.limits, beside=beside, refined=0))
 
     look_at(proposals.loops)
-    for best in sorted(found, key=_price)[: STUDY.centres]:
+    for best in sorted(found, key=lambda one: one.price)[: STUDY.centres]:
         look_at(propose_near(proposals, best.shape))
-    return sorted(found, key=_price)
-
-
-def _price(item: LoopTrial) -> float:
-    return item.price
-
-
-def _look_like(machine: Machine, loop: LoopTrial, known: LoopTrial) -> LoopTrial:
-    """A loop at a first look, near the limits of another, and behind the best filters of others."""
-    return _explore(machine, loop, near=known.limits, beside=_best_filters(known)[1:], refined=0)
+    return sorted(found, key=lambda one: one.price)
 
 
 def _best_filters(known: LoopTrial) -> list[SetpointFilter | None]:
@@ -434,28 +431,27 @@ def _with_jerk_feedforward(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits, *, weight: float
 ) -> JerkFeedforward:
     """With another weight the same gains, and the delay that belongs to it."""
-    controller, own = tuned.controller, tuned.controller.jerk_feedforward
-    if weight != own:
-        tau = controller.reference_delay
+    used = tuned.controller.jerk_feedforward
+    if weight != used:
+        controller = replace(tuned.controller, jerk_feedforward=weight)
         if machine.control.reference_delay is None:
-            tau = feedforward_delay(
+            delay = feedforward_delay(
                 handing_down=controller.handing_down_delay,
                 velocity_cycle=controller.velocity_cycle,
                 force_lag=controller.force_lag,
                 jerk_feedforward=weight,
                 force_filters=controller.force_filters,
             )
-        controller = replace(controller, jerk_feedforward=weight, reference_delay=tau)
+            controller = replace(controller, reference_delay=delay)
         tuned = close_loop(corner_plants(machine), controller)
     # Without a limit the force asked for is the linear one, which is what is compared.
     strong = replace(machine, drive=replace(machine.drive, max_force=inf))
-    moves = simulate_moves(strong, tuned, limits)
-    found = [response for result in moves for response in result.responses]
+    found = [one for move in simulate_moves(strong, tuned, limits) for one in move.responses]
     return JerkFeedforward(
         weight=weight,
-        is_used=weight == own,
+        is_used=weight == used,
         reference_delay=tuned.controller.reference_delay,
-        max_force=max(response.max_force for response in found),
-        settling_time=max(response.settling_time for response in found),
-        residual_deviation=max(response.residual_deviation for response in found),
+        max_force=max(one.max_force for one in found),
+        settling_time=max(one.settling_time for one in found),
+        residual_deviation=max(one.residual_deviation for one in found),
     )

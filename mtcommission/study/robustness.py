@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from math import ceil, inf, nan
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,16 +28,10 @@ from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.motions import set_in_motion
 from mtcommission.loop.nonlinear import drive_loop, find_friction
-from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.poles import find_poles
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
-from mtcommission.machine.variations import (
-    Variations,
-    as_variations,
-    corners,
-    draw_variations,
-    vary,
-)
+from mtcommission.machine.variations import Corner, corners, draw_variations, vary
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.register import requirements_of
@@ -60,28 +54,14 @@ class VariedResponse:
     settling_time: Array  # slowest move, shape (n_samples,) [s]; inf: not within the horizon
     residual_deviation: Array  # worst move, the nominal encoder noise included, (n_samples,) [m]
     values: Array  # of each requirement, likewise, shape (n_samples, n_requirements) [own units]
-    requirements: tuple[Requirement, ...]
-
-    def shares(self, machine: Machine) -> Array:
-        """Return the shares of each bound, shape (n_samples, n_requirements) [-]."""
-        return np.asarray(self.values / [item.bound(machine) for item in self.requirements])
-
-    def meets(self, machine: Machine) -> NDArray[np.bool_]:
-        """Return which samples keep all requirements, shape (n_samples,)."""
-        return np.asarray((self.shares(machine) <= 1.0).all(axis=1))
-
-    def missed(self, machine: Machine, samples: slice) -> tuple[Requirement, ...]:
-        """Return the requirements that any of some samples misses."""
-        is_missed = self.shares(machine)[samples] > 1.0
-        each = zip(self.requirements, is_missed.T, strict=True)
-        return tuple(requirement for requirement, own in each if own.any())
+    is_missed: NDArray[np.bool_]  # likewise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MonteCarlo:
     """Distribution of settling time and residual deviation over the stated spread."""
 
-    variations: Variations  # the machines drawn
+    variations: tuple[Corner, ...]  # the machines drawn
     settling_time: Array  # of the slowest move, shape (n_samples,) [s]; inf: not settled
     residual_deviation: Array  # of the worst move, shape (n_samples,) [m]
     share_met: float  # of samples that keep all requirements [-]
@@ -143,10 +123,7 @@ def examine_robustness(
 def run_monte_carlo(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
 ) -> MonteCarlo:
-    """Return what limits do on machines drawn uniformly and independently from the stated spread.
-
-    The controller is the same on every sample.
-    """
+    """Return what limits do on machines drawn from the stated spread, under the same controller."""
     variations = draw_variations(machine, samples=settings.samples, seed=settings.seed)
     found = respond_varied(machine, tuned, limits, variations)
     band = machine.requirements.tcp_deviation
@@ -154,7 +131,7 @@ def run_monte_carlo(
         variations=variations,
         settling_time=found.settling_time,
         residual_deviation=found.residual_deviation,
-        share_met=float(np.mean(found.meets(machine))),
+        share_met=float(np.mean(~found.is_missed.any(axis=1))),
         share_in_band=float(np.mean(found.residual_deviation <= band)),
         seed=settings.seed,
     )
@@ -179,38 +156,31 @@ def find_damping_range(machine: Machine, tuned: TunedLoop, limits: MotionLimits)
 
 
 def _find_range(
-    known: Machine,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    factor: Array,
-    *,
-    of: Literal["frequency_factor", "damping_factor"],
+    known: Machine, tuned: TunedLoop, limits: MotionLimits, factor: Array, *, of: str
 ) -> KeptRange:
     """Every corner of a machine, the spread of one quantity apart, at every factor on that."""
-    places = as_variations(corners(known))
-    each = len(places.payload)
-    variations = Variations(
-        payload=np.tile(places.payload, len(factor)),
-        frequency_factor=np.tile(places.frequency_factor, len(factor)),
-        damping_factor=np.tile(places.damping_factor, len(factor)),
-        state=places.state * len(factor),
-    )
-    varied: dict[str, Any] = {of: np.repeat(factor, each)}
-    variations = replace(variations, **varied)
-    found = respond_varied(known, tuned, limits, variations)
-    kept = np.all(found.meets(known).reshape(-1, each), axis=1)
-    low, high = _stretch_about(kept, len(kept) // 2)
-    is_kept = low <= high
-    below = slice(max(low - 1, 0) * each, low * each)
-    above = slice((high + 1) * each, (high + 2) * each)
+    places, requirements = corners(known), requirements_of(known)
+    each = [replace(place, **{of: one}) for one in factor.tolist() for place in places]
+    found = respond_varied(known, tuned, limits, each)
+
+    def worst(values: Array) -> Array:
+        return np.asarray(values.reshape(len(factor), len(places), -1).max(axis=1))
+
+    missed = worst(found.is_missed)
+    low, high = _stretch_about(~missed.any(axis=1), len(factor) // 2)
+
+    def lost(at: int) -> tuple[Requirement, ...]:
+        is_inside = low <= high and 0 <= at < len(factor)
+        return tuple(compress(requirements, missed[at])) if is_inside else ()
+
     return KeptRange(
         factor=factor,
-        settling_time=found.settling_time.reshape(-1, each).max(axis=1),
-        residual_deviation=found.residual_deviation.reshape(-1, each).max(axis=1),
-        kept_from=float(factor[low]) if is_kept else np.nan,
-        kept_to=float(factor[high]) if is_kept else np.nan,
-        lost_below=found.missed(known, below) if is_kept else (),
-        lost_above=found.missed(known, above) if is_kept else (),
+        settling_time=worst(found.settling_time)[:, 0],
+        residual_deviation=worst(found.residual_deviation)[:, 0],
+        kept_from=float(factor[low]) if low <= high else nan,
+        kept_to=float(factor[high]) if low <= high else nan,
+        lost_below=lost(low - 1),
+        lost_above=lost(high + 1),
     )
 
 
@@ -238,67 +208,51 @@ def warn_of_narrow_range(machine: Machine, error: KeptRange) -> tuple[Message, .
     ]
     lost = [Message("missed-where-lower", requirement=r.message) for r in error.lost_below]
     lost += [Message("missed-where-higher", requirement=r.message) for r in error.lost_above]
-    return (
-        Message(
-            "frequency-spread-not-stated",
-            low=ends[0],
-            high=ends[1],
-            lost=join_by_and(lost),
-            least=STUDY.known_frequency,
-        ),
-    )
+    least = STUDY.known_frequency
+    named = {"low": ends[0], "high": ends[1], "lost": join_by_and(lost)}
+    return (Message("frequency-spread-not-stated", **named, least=least),)
 
 
 def respond_varied(
-    machine: Machine, tuned: TunedLoop, limits: MotionLimits, variations: Variations
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, places: Sequence[Corner]
 ) -> VariedResponse:
     """Return what limits do to the listed moves on varied machines under the same controller."""
-    count, requirements = len(variations.payload), requirements_of(machine)
-    bench, plan = build_bench(machine, tuned.loops[0].plant, tuned), plan_within(machine, limits)
-    asked, settling, residual = bench.asked, np.zeros(count), np.zeros(count)
-    worst = {item: np.zeros(count) for item in requirements}
-    for start in range(0, count, STUDY.together):
-        part = slice(start, min(start + STUDY.together, count))
-        poles = _find_varied_poles(machine, tuned, variations, part)
+    requirements, plan = requirements_of(machine), plan_within(machine, limits)
+    model, band = tuned.loops[0].plant, machine.requirements.tcp_deviation
+    bench = build_bench(machine, model, tuned)
+    settling, residual = np.zeros((2, len(places)))
+    values = np.zeros((len(places), len(requirements)))
+    for start in range(0, len(places), STUDY.together):
+        part = slice(start, start + STUDY.together)
+        plants = [build_plant(vary(machine, place)) for place in places[part]]
+        loops = tuple(build_loop(each, tuned.controller, model=model) for each in plants)
+        poles = find_poles.__wrapped__(loops)
         grid = lay_grid(poles, STUDY.samples)
         for place, move in enumerate(machine.moves):
             own = knots_of(plan(move))
             motions = set_in_motion(poles, own)
             free = free_motion(motions, grid)
-            time = free.settling(machine.requirements.tcp_deviation)[0]
+            time = free.settling(band)[0]
             settling[part] = np.maximum(settling[part], time)
             residual[part] = np.maximum(residual[part], free.residual[0])
-            found = dict.fromkeys(asked.settling, time)
-            for requirement, signal in asked.after:
-                left = free_motion(motions, grid, signal=signal).residual[0]
-                found[requirement] = requirement.with_noise(left, bench.noise)
-            for swings in asked.during:
+            found = dict.fromkeys(bench.asked.settling, time)
+            for requirement, signal in bench.asked.after:
+                found[requirement] = free_motion(motions, grid, signal=signal).residual[0]
+            for swings in bench.asked.during:
                 _, parts = bench.where_to_look(swings)
                 judged = set_in_motion(poles, knots_of(plan(swings.moves[place])))
                 peaks = extremes(judged, grid, swings.rows, parts=parts, less=swings.less)[0]
-                for requirement, column in zip(swings.requirements, peaks.T, strict=True):
-                    found[requirement] = requirement.with_noise(column, bench.noise)
-            for requirement, mean in asked.means:
-                values = mean.exact(machine, poles, move, own, STUDY.mean_cycles)
-                found[requirement] = requirement.with_noise(values, bench.noise)
-            for requirement, values in found.items():
-                worst[requirement][part] = np.maximum(worst[requirement][part], values)
+                found.update(zip(swings.requirements, peaks.T, strict=True))
+            for requirement, mean in bench.asked.means:
+                found[requirement] = mean.exact(machine, poles, move, own, STUDY.mean_cycles)
+            noisy = [one.with_noise(found[one], bench.noise) for one in requirements]
+            values[part] = np.maximum(values[part], np.column_stack(noisy))
     return VariedResponse(
         settling_time=settling,
         residual_deviation=residual + bench.noise.tool,
-        values=np.column_stack([worst[item] for item in requirements]),
-        requirements=requirements,
+        values=values,
+        is_missed=values > [item.bound(machine) for item in requirements],
     )
-
-
-def _find_varied_poles(
-    machine: Machine, tuned: TunedLoop, variations: Variations, part: slice
-) -> LoopPoles:
-    places = [variations.corner(i) for i in range(part.start, part.stop)]
-    plants = [build_plant(vary(machine, place)) for place in places]
-    model = tuned.loops[0].plant
-    loops = tuple(build_loop(each, tuned.controller, model=model) for each in plants)
-    return find_poles.__wrapped__(loops)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -320,15 +274,19 @@ def compare_move_sizes(
     machine: Machine, tuned: TunedLoop, named: dict[str, MotionLimits | None]
 ) -> tuple[MoveSizes, ...]:
     """Return what limits by their names, where there are any, do with smaller and larger moves."""
-    own, found = machine.control.setpoint_filter, []
-    for kind, limits in named.items():
-        if limits is not None:
-            filtered = replace(limits, setpoint_filter=limits.setpoint_filter or own)
-            found += [
-                _judge_sizes(machine, tuned, Message(kind), filtered, move)
-                for move in machine.moves
-            ]
-    return tuple(found)
+    own = machine.control.setpoint_filter
+    return tuple(
+        _judge_sizes(
+            machine,
+            tuned,
+            Message(kind),
+            replace(limits, setpoint_filter=limits.setpoint_filter or own),
+            move,
+        )
+        for kind, limits in named.items()
+        if limits is not None
+        for move in machine.moves
+    )
 
 
 def full_size(limits: MotionLimits, move: Move) -> float:
@@ -336,11 +294,6 @@ def full_size(limits: MotionLimits, move: Move) -> float:
 
     v = a (t_j + T) for a velocity step, L = v (2 t_j + T) for a move from rest to rest, with
     t_j = a/j and the length T of the setpoint filter.
-
-    Examples
-    --------
-    >>> full_size(MotionLimits(acceleration=2.0, jerk=100.0), VelocityStep(velocity_step=0.1))
-    0.04
     """
     time = limits.setpoint_filter.duration if limits.setpoint_filter else 0.0
     velocity = limits.acceleration * (limits.jerk_time + time)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from mtcommission.errors import ComputationError
-from mtcommission.limits.commissioning_rule.rule import RuleResult
+from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Candidate, describe_place
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.loop.model.controller import Controller, no_observer

@@ -12,12 +12,12 @@ from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.filters import neighbours
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
-from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
+from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
 

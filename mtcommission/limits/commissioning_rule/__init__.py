@@ -1,1 +1,0 @@
-"""The commissioning rule: limits by hand, from a few numbers of the machine."""
