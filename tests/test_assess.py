@@ -11,14 +11,13 @@ import pytest
 from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Motion, Peak, VelocityStep
+from mtcommission.machine.machine import Machine, Peak, VelocityStep
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.contour_deviation import CONTOUR_DEVIATION
 from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.machines import paper_machine
@@ -93,11 +92,6 @@ def test_every_requirement_has_a_check_with_its_limit() -> None:
     assert found.limiting_requirement is None
 
 
-def test_what_is_not_required_is_not_checked() -> None:
-    names = {check.name for check in verdict(paper_machine(), response()).checks}
-    assert names == {"residual deviation", "set force"}
-
-
 peaks = np.full(10, 1e-3)
 peaks[5] = 6e-3
 
@@ -125,35 +119,12 @@ def test_each_missed_requirement_is_the_limiting_one(changes: dict[str, object],
     assert where == "payload 100 kg, frequencies × 0.95"
 
 
-def test_a_requirement_just_met_is_met() -> None:
-    found = verdict(demanding(), response(residual_deviation=5e-6, settling_time=0.2))
-    assert found.is_met
-
-
-def test_the_limiting_requirement_is_missed_by_the_largest_factor() -> None:
-    found = verdict(demanding(), response(residual_deviation=5.5e-6, max_force=3000.0))
-    assert found.limiting_requirement == SET_FORCE
-
-
 def test_the_worst_move_counts_and_is_named() -> None:
     machine = demanding(moves=paper_machine().moves * 2)
     values = [values_of(machine, one) for one in (response(), response(settling_time=0.15))]
     found = assess(machine, build_plant(machine), (NOMINAL,), values)
     check = named(found, "settling time")
     assert (check.value, Catalogue().say(check.where)) == (0.15, "move 2, nominal")
-
-
-def test_static_load_leaves_less_force() -> None:
-    machine = demanding()
-    machine = replace(machine, drive=replace(machine.drive, static_load=-600.0))
-    check = named(verdict(machine, response()), "set force")
-    assert (check.limit, check.is_met) == (1400.0, False)
-
-
-def test_rotary_axes_are_judged_in_their_units() -> None:
-    units = {c.name: c.unit for c in verdict(demanding(motion=Motion.ROTARY), response()).checks}
-    assert units["residual deviation"] == "rad"
-    assert units["set force"] == units["RMS force"] == "N m"
 
 
 def test_places_are_described_in_words() -> None:

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -14,7 +13,6 @@ from mtcommission.machine.machine import Machine, Peak
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.peak import peak_of
 from mtcommission.requirements.settling_time import SETTLING_TIME
-from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from tests.machines import paper_machine
 
@@ -64,34 +62,6 @@ def test_impossible_peak() -> None:
     assert item.limit == bound.bound < item.value
     eased = asked(settling=0.12, peaks=(replace(bound, bound=1.0001 * item.value),))
     assert is_met(eased, item)
-
-
-def test_impossible_contour() -> None:
-    """If it failed, the user would not learn how far the tool must be allowed to leave its path."""
-    machine = asked(settling=0.15)
-    machine = replace(machine, requirements=replace(machine.requirements, contour_deviation=1e-6))
-    item = attainable(machine)["contour deviation"]
-    assert item.limit == 1e-6 < item.value
-    needs = replace(machine.requirements, contour_deviation=1.0001 * item.value)
-    assert is_met(replace(machine, requirements=needs), item)
-
-
-def test_least_acceleration_without_a_jerk_limit() -> None:
-    """If it failed, limits with a jerk would be named for a control that cannot limit it."""
-    machine = asked(band=1e-9)
-    machine = replace(machine, control=replace(machine.control, kind=KINDS["klipper"]))
-    tuned = tune_loop(machine)
-    found = find_least_residual(machine, tuned)
-    assert found is not None
-    assert found.limits == without_jerk_limit(machine, found.limits.acceleration)
-
-
-def test_impossible_rms_force() -> None:
-    """If it failed, the user would not learn what the motor would have to stand."""
-    found = attainable(asked(settling=0.15, rms=300.0))
-    item = found["RMS force"]
-    assert item.limit == 300.0 < item.value
-    assert is_met(asked(settling=0.15, rms=1.0001 * item.value), item)
 
 
 def test_two_requirements_must_give_way_together() -> None:

@@ -21,7 +21,6 @@ from mtcommission.study.optimum import (
     explain_why_not,
     state_claims,
 )
-from tests.machines import paper_machine
 
 ROTARY = read_profile(Path(__file__).parent.parent / "profiles" / "rotary-table.toml")
 
@@ -48,27 +47,6 @@ def why_not(machine: Machine, residual: float) -> list[str]:
     ]
     words = Catalogue(rotary=machine.motion is Motion.ROTARY)
     return [unspaced(words.say(sentence)) for sentence in explain_why_not(machine, rows)]
-
-
-@pytest.mark.parametrize(
-    ("residual", "words"),
-    [
-        (37.82e-6, "37.8 µm."),
-        (2.18e-3, "2.18 mm."),
-        (0.25, "250 mm."),
-        (0.7, "0.7 m."),
-        (999.96e-6, "1 mm."),
-        (0.7e-3, "700 µm."),
-        (42e-9, "42 nm."),
-        (3e-13, "< 0.1 nm."),
-        (0.0, "0 m."),
-    ],
-)
-def test_deviation_of_a_linear_axis_has_a_unit_of_its_size(residual: float, words: str) -> None:
-    """A reader met '2.18e+03 um'."""
-    sentence = why_not(paper_machine(), residual)[0]
-    assert sentence.endswith(f"where it leaves {words}")
-    assert "settles after 12.35 s" in sentence  # four digits, no power of ten
 
 
 @pytest.mark.parametrize(

@@ -44,10 +44,3 @@ def test_the_time_of_a_ramp_is_rounded_up(a: float, t_j: float) -> None:
     found = round_limits(machine_with(Jerk.TIME), a, t_j)
     assert found.acceleration == pytest.approx(rounded(a, ROUND_FLOOR), rel=1e-12)
     assert found.jerk_time == pytest.approx(rounded(t_j, ROUND_CEILING), rel=1e-12)
-
-
-@pytest.mark.parametrize("value", [0.07, 0.29, 1.23, 123.0, 0.000123, 4.35])
-def test_a_number_with_few_digits_is_left_alone(value: float) -> None:
-    """0.29 is 28.999999999999996 hundredths in binary: rounded down, a digit would be lost."""
-    found = round_limits(machine_with(Jerk.LIMIT), value, 1.0)
-    assert found.acceleration == value

@@ -23,7 +23,7 @@ from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.setpoint.smaller_moves import SMALLEST, lay_sizes, plan_sizes, size_of
+from mtcommission.setpoint.smaller_moves import SMALLEST, plan_sizes, size_of
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
@@ -146,18 +146,6 @@ def test_sizes_are_planned_as_the_control_plans_them(move: Move, filter_name: st
         velocity = (age**power / factorial) @ steps.steps[row]
         expected = sample_setpoint(setpoint, t)[:, 1]
         assert np.allclose(velocity, expected, atol=1e-6 * np.max(expected))
-
-
-@pytest.mark.parametrize("move", MOVES, ids=["step", "slow", "free"])
-def test_neighbouring_sizes_are_one_spacing_of_time_apart(move: Move) -> None:
-    """A gap in the sizes is a gap in the proof."""
-    limits, spacing = MotionLimits(acceleration=2.0, jerk=90.0), 2e-3
-    sizes = lay_sizes(move, limits, pointed_spacing=spacing, spacing=spacing, decayed=10.0)
-    assert sizes[-1] == size_of(move)
-    assert sizes[0] <= 30 * SMALLEST * size_of(move)
-    steps = plan_sizes(move, sizes, limits)
-    # Eight knots at most, each moves by no more than some spacings from one size to the next.
-    assert np.max(np.diff(steps.times, axis=0)) <= 5.0 * spacing
 
 
 @pytest.mark.parametrize("filter_name", ["none", "average"])

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.solution import Trajectory
-from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.independent_loop import profile_of
 
 
@@ -38,16 +37,6 @@ def test_a_velocity_step_gives_back_its_own_limits(
     assert found.jerk == pytest.approx(jerk, rel=5e-3)
 
 
-@given(acceleration=st.floats(1.0, 10.0), share=st.floats(0.05, 0.9))
-@settings(max_examples=15, deadline=None)
-def test_a_move_with_cruise_gives_back_its_own_limits(acceleration: float, share: float) -> None:
-    move = Positioning(distance=0.3, max_velocity=0.4)
-    jerk = acceleration**2 / (share * 0.4)
-    found = condense(move, motion(move, acceleration, jerk), velocity=0)
-    assert found.acceleration == pytest.approx(acceleration, rel=2e-3)
-    assert found.jerk == pytest.approx(jerk, rel=5e-3)
-
-
 def test_a_move_without_cruise_keeps_its_duration() -> None:
     """Without a velocity limit the peak is 2 L / t_f: a triangle of velocity."""
     move = Positioning(distance=0.02)
@@ -56,10 +45,6 @@ def test_a_move_without_cruise_keeps_its_duration() -> None:
     again = profile_of(move, found.acceleration, found.jerk)
     assert again.end == pytest.approx(original.t[-1], rel=1e-6)
     assert found.acceleration == pytest.approx(2.0, rel=5e-3)
-
-
-def test_jerk_time_is_that_of_one_ramp() -> None:
-    assert MotionLimits(acceleration=2.0, jerk=100.0).jerk_time == pytest.approx(0.02)
 
 
 def test_no_ramp_is_shorter_than_a_control_can_send() -> None:

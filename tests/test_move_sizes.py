@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, isnan
 
 import numpy as np
 import pytest
@@ -55,23 +54,6 @@ def test_every_size_is_what_the_simulation_says(average: float) -> None:
             assert item.settling_time[index] == pytest.approx(settling, abs=2e-6)
 
 
-def test_range_about_the_own_size_ends_where_the_band_is_first_left() -> None:
-    """If it failed, the step "from which on the limits hold" would be wrong."""
-    machine = two_moves()
-    band = machine.requirements.tcp_deviation
-    for item in compare_move_sizes(machine, tune_loop(machine), {"x": LIMITS}):
-        kept = item.residual_deviation <= band
-        own = int(np.argmin(np.abs(item.size / item.size[-1] - 1.0 / 3.0)))
-        assert kept[own] != isnan(item.kept_from)
-        if kept[own]:
-            inside = (item.size >= item.kept_from) & (item.size <= item.kept_to)
-            assert inside[own]
-            assert kept[inside].all()
-            before, after = item.size < item.kept_from, item.size > item.kept_to
-            assert not before.any() or not kept[before][-1]
-            assert not after.any() or not kept[after][0]
-
-
 @pytest.mark.parametrize(
     "move", [VelocityStep(velocity_step=1.0), Positioning(distance=1.0, max_velocity=10.0)]
 )
@@ -87,13 +69,6 @@ def test_acceleration_is_reached_from_the_full_size_on(
         t = np.linspace(0.0, setpoint.duration, 4001)
         reached = float(np.max(sample_setpoint(setpoint, t)[:, 2]))
         assert (reached > 0.9995 * LIMITS.acceleration) == reaches
-
-
-def test_slow_positioning_never_reaches_the_acceleration() -> None:
-    """If it failed, a distance would be named from which on a is reached, though v_max forbids."""
-    slow = LIMITS.acceleration**2 / LIMITS.jerk
-    assert full_size(LIMITS, Positioning(distance=1.0, max_velocity=0.99 * slow)) == inf
-    assert full_size(LIMITS, Positioning(distance=1.0, max_velocity=1.01 * slow)) < inf
 
 
 def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
-from math import inf, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
-from scipy.optimize import linprog
 
 from mtcommission.commission import commission
-from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
-from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine, Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.catalogue import Catalogue, entries_of
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
@@ -166,76 +161,9 @@ def test_marlin_as_its_source_computes_it(kind: str, wanted: float) -> None:
     assert response.residual_deviation == pytest.approx(expected, abs=resolution)
 
 
-def test_marlin_s_choice_keeps_the_band_on_its_own_samples() -> None:
-    """Else limits would be promised for shapers that the firmware does not have."""
-    text = PRINTER.replace('kind = "klipper"', 'kind = "marlin"').replace("45 Hz", "47.6 Hz")
-    machine = parse_profile(text, where="marlin.toml")
-    chosen = choose_limits(machine, build_plant(machine), tune_loop(machine)).limits
-    item, move = chosen.setpoint_filter, machine.moves[0]
-    assert item is not None
-    assert isinstance(move, Positioning)
-    assert item.kind.startswith("marlin_")
-    samples = np.array(item.impulses.delays) / 1e-3
-    assert samples == pytest.approx(np.round(samples), abs=1e-9)
-    for off in (0.95, 1.0, 1.05):
-        left = marlin_residual(chosen.acceleration, move, item, frequency_hz=47.6 * off, zeta=0.05)
-        assert left < 0.82 * 20e-6
-
-
 def follower(zeta: float, frequency_hz: float, acceleration: float) -> Machine:
     text = PRINTER.replace("45 Hz", f"{frequency_hz} Hz").replace("0.05", f"{zeta}")
     return parse_profile(text.replace("20 m/s^2", f"{acceleration} m/s^2"), where="p")
-
-
-@pytest.mark.parametrize("periods", [1, 2, 3])
-def test_velocity_step_of_whole_periods_takes_one_arc(periods: int) -> None:
-    """Closed form: full acceleration for whole periods leaves an undamped mode at rest."""
-    machine = follower(0.0, 40.0, 8.0)
-    step = VelocityStep(velocity_step=8.0 * periods / 40.0)
-    plant = build_plant(machine)
-    found = find_time_optimum(plant, step, force_limit=8.0, bounds=())
-    assert found.t_f == pytest.approx(periods / 40.0, rel=1e-12)
-    assert found.certificate.relative_gap < 1e-9
-    assert len(found.arcs) == 1
-
-
-def can_be_done(t_f: float, move: Positioning, *, a: float, f: float, zeta: float) -> bool:
-    """Whether piecewise constant accelerations, without any lag, end at rest: a linear program."""
-    cells, omega = 800, 2.0 * pi * f
-    h = t_f / cells
-    A = np.array([[0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1], [0, 0, -(omega**2), -2 * zeta * omega]])
-    joint = np.zeros((5, 5))
-    joint[:4, :4], joint[:4, 4] = A, [0, 1, 0, -1]
-    whole = expm(joint * h)
-    Phi, gamma = whole[:4, :4], whole[:4, 4]
-    columns = np.empty((4, cells))
-    columns[:, -1] = gamma
-    for i in range(cells - 2, -1, -1):
-        columns[:, i] = Phi @ columns[:, i + 1]
-    scale = np.array([move.distance, 0.1, 1e-4, 1e-2])
-    velocities = h * np.tril(np.ones((cells, cells)))
-    found = linprog(
-        np.zeros(cells),
-        A_eq=columns / scale[:, None] * a,
-        b_eq=np.array([1.0, 0.0, 0.0, 0.0]),
-        A_ub=np.vstack([velocities, -velocities]) * a,
-        b_ub=np.full(2 * cells, move.max_velocity),
-        bounds=(-1.0, 1.0),
-        method="highs",
-    )
-    return bool(found.status == 0)
-
-
-@pytest.mark.parametrize("max_velocity", [0.3, 0.6])
-def test_time_optimum_by_a_linear_program_without_lag(max_velocity: float) -> None:
-    """Else the time that nothing undercuts belongs to a motor with a lag that it has not."""
-    machine = follower(0.05, 45.0, 20.0)
-    move = Positioning(distance=0.02, max_velocity=max_velocity)
-    found = find_time_optimum(build_plant(machine), move, force_limit=20.0, bounds=())
-    given = {"a": 20.0, "f": 45.0, "zeta": 0.05}
-    assert can_be_done(1.001 * found.t_f, move, **given)
-    assert not can_be_done(0.9999 * found.certificate.t_f_lower_bound, move, **given)
-    assert found.certificate.relative_gap < 1e-9
 
 
 def test_optimum_ends_at_rest_on_the_structure_itself() -> None:
@@ -276,18 +204,6 @@ def test_choice_beats_the_printer_firmware_of_the_issue() -> None:
     assert end == pytest.approx(0.109, abs=2e-3)
     assert own_end <= end
     assert own_residual <= max(residual, 20e-6)
-
-
-def test_the_motor_is_shown_with_the_acceleration_of_its_setpoint() -> None:
-    """Interpolation between setpoints overshoots a step of it by a quarter; that is not asked."""
-    machine = printer()
-    limits = without_jerk_limit(machine, 20.0)
-    loop = tune_loop(machine).loops[0]
-    response = simulate(
-        loop, plan_setpoint(machine.moves[0], limits), drive=machine.drive, band=20e-6
-    )
-    assert response.max_force == pytest.approx(20.0)
-    assert not response.saturated
 
 
 @pytest.mark.parametrize("item", [None, SetpointFilter(kind="zvd", frequency_hz=48.0)])
@@ -342,33 +258,6 @@ def test_states_have_the_sign_of_the_base_excited_equation() -> None:
         "x": "m", "v": "m/s", "q_belt": "m", "v_belt": "m/s", "F": "m/s^2",
         "tcp": "m", "encoder": "m", "tcp_vibration": "m",
     }  # fmt: skip
-
-
-def test_frequencies_scale_with_the_corner_but_no_payload_exists() -> None:
-    """Else a spread of the belt tension would move the motor, too."""
-    machine = printer()
-    stiffer = machine.mechanics.vary(payload=1.0, payload_radius=0.0, frequency=1.1, damping=1.0)
-    assert stiffer.modes[0].frequency_hz == pytest.approx(49.5)
-    assert stiffer.moving_mass == 1.0
-
-
-STEPS = """max_acceleration = "20 m/s^2"
-step_rate = "10 kHz"
-step_length = "12.5 um"
-"""
-
-
-def test_step_rate_bounds_the_velocity() -> None:
-    """Else the limits need steps that the control cannot send."""
-    text = PRINTER.replace('max_acceleration = "20 m/s^2"\n', STEPS)
-    faults = faults_of(text)
-    assert faults == [
-        "17: moves[1].max_velocity: got 0.3 m/s, but the motor follows only 0.125 m/s, by "
-        "drive.max_velocity, step_rate times step_length, or the end of acceleration_curve"
-    ] or faults[0].split(": ", 1)[1].startswith("moves[1].max_velocity")
-    open_ended = text.replace('max_velocity = "300 mm/s"\n', "")
-    machine = parse_profile(open_ended, where="printer.toml")
-    assert machine.moves[0] == Positioning(distance=0.02, max_velocity=0.125)
 
 
 def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity() -> None:
@@ -450,14 +339,6 @@ def test_a_servo_profile_of_a_printer_is_told_of_the_kind_of_drive() -> None:
     assert "drive.kind" not in [remark.key for remark in check_plausibility(printer())]
 
 
-def test_kinds_that_send_steps() -> None:
-    """The warning above names just these."""
-    assert [key for key, kind in KINDS.items() if kind.follows_steps] == [
-        "klipper", "grblhal", "fluidnc", "marlin",
-    ]  # fmt: skip
-    assert printer().drive.max_velocity == inf
-
-
 def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     """Gains and margins that nobody tuned must not be read off a record; the motion must."""
     machine = printer()
@@ -491,32 +372,6 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     stepped = {shown_jerk(r.acceleration, r.jerk, part, words) == "no limit" for r in rules
                if r.acceleration <= 1.0001 * cycle * r.jerk}  # fmt: skip
     assert (tried, stepped) == ({False}, {True})
-
-
-@pytest.mark.parametrize(
-    ("language", "kind", "said"),
-    [
-        ("en", "requirement-set-force", "set acceleration"),
-        ("de", "requirement-set-force", "Sollbeschleunigung"),
-        ("en", "terminal-head-tool-per-force", "Tool per acceleration, static"),
-        ("de", "terminal-head-tool-per-force", "Werkzeug je Beschleunigung, statisch"),
-    ],
-)
-def test_no_force_is_spoken_of(language: str, kind: str, said: str) -> None:
-    """A stepper's user has no force to enter, and the number beside it is an acceleration."""
-    assert Catalogue(language, follows=True).text(kind) == said
-    assert Catalogue(language).text(kind) != said
-
-
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_words_for_acceleration_leave_every_text_valid(language: str) -> None:
-    """Keys, placeholders and functions inside a text must survive the change of the word."""
-    plain, changed = Catalogue(language), Catalogue(language, follows=True)
-    places = re.compile(r"\$[\w-]+|\[[\w-]+\]|[A-Z]{3,}\(|\{ [a-z][\w-]*|[a-z_]+\.[a-z_]+")
-    mass = re.compile(r' (?:on|an) \{ SI\(\$mass, "MASS"\) \}')  # nothing pushes one here
-    for kind in entries_of(language):
-        wanted = mass.sub("", plain._worded(kind))
-        assert places.findall(changed._worded(kind)) == places.findall(wanted), kind
 
 
 def test_the_model_for_python_control_moves_as_the_setpoint_says() -> None:

@@ -28,10 +28,6 @@ def judged(machine: Machine, today: Today | None) -> TodaysValues | None:
     return judge_today(stated, tune_loop(stated), COARSE)
 
 
-def test_nothing_stated_is_nothing_told() -> None:
-    assert judged(paper_machine(), None) is None
-
-
 def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> None:
     """A second way to the same loop: the profile that states today's gains as its own."""
     machine = paper_machine()
@@ -56,25 +52,6 @@ def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> Non
     assert found.judged.residual_deviation == pytest.approx(twin.residual_deviation, rel=1e-6)
 
 
-def test_gains_that_nobody_stated_are_named() -> None:
-    found = judged(paper_machine(), Today(acceleration=1.2, jerk=30.0, position_gain=12.0))
-    assert found is not None
-    assert found.controller.position_gain == 12.0
-    assert not found.controller.state_gains.any()
-    assert "today's Kv; Kp, Tn, not stated" in Catalogue().say(found.basis)
-
-
-def test_without_gains_only_the_limits_are_compared() -> None:
-    machine = paper_machine()
-    found = judged(machine, Today(acceleration=1.2, jerk=30.0))
-    assert found is not None
-    assert found.judged is not None
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    twin = evaluate(machine, plant, tuned, MotionLimits(acceleration=1.2, jerk=30.0))
-    assert found.judged == replace(twin, assessment=found.judged.assessment)
-    assert found.basis == Message("today-in-recommended-loop")
-
-
 def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
     """The recommended setpoint has none: it must not be forgotten, nor stay for the others."""
     machine = paper_machine()
@@ -87,13 +64,6 @@ def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
     assert plain.judged is not None
     assert filtered.judged is not None
     assert filtered.judged.settling_time > plain.judged.settling_time + 0.05
-
-
-def test_no_jerk_limit_is_the_shortest_ramp_that_a_control_sends() -> None:
-    machine = paper_machine()
-    found = judged(machine, Today(acceleration=1.2, jerk=None))
-    assert found is not None
-    assert found.limits.jerk_time == pytest.approx(machine.control.position_cycle)
 
 
 def test_an_unstable_loop_is_told_with_its_gains_and_has_no_result() -> None:

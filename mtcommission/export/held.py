@@ -9,7 +9,7 @@ from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AV
 from mtcommission.control_kinds.row import Key, Setting, Values, unreadable
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.subject import Subject
-from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_planned
+from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
@@ -18,7 +18,6 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_within
 
 ALWAYS = (
     Setting.POSITION_LOOP,
@@ -142,8 +141,7 @@ class Held:
 
     def judge(self, machine: Machine, limits: MotionLimits) -> Candidate:
         """Return what limits do in every corner."""
-        moves = simulate_planned(machine, self.tuned, plan_within(machine, limits))
-        return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
+        return evaluate(machine, build_plant(machine), self.tuned, limits)
 
 
 def number(values: Values, setting: Setting, index: str = "") -> float:

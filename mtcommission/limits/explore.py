@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from math import inf, isfinite
 
@@ -101,8 +102,11 @@ def explore(
     this one; then only its neighbourhood is looked at, and ``beside`` its filter others.
     ``refined``: how many places are; 0 for a first look. Empty where nothing keeps the bounds.
     """
-    explorer = Explorer.about(bench, largest_jerk=largest_jerk, is_rough=not refined)
-    control, machine = bench.machine.control, bench.machine
+    machine, control = bench.machine, bench.machine.control
+    ladder = largest_acceleration(machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
+    explorer = _Explorer(
+        bench=bench, ladder=ladder, largest_jerk=largest_jerk, is_rough=not refined
+    )
     is_free = control.kind.jerk is not Jerk.NONE
     jerk_times = [without_jerk_limit(machine, 1.0).jerk_time]
     if near is None:
@@ -124,7 +128,7 @@ def explore(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Explorer:
+class _Explorer:
     """What was looked at so far: the largest acceleration at each filter and jerk time."""
 
     bench: Bench
@@ -135,12 +139,6 @@ class Explorer:
     hoped: dict[Place, Found] = field(default_factory=dict)  # by quick looks
     rests: dict[SetpointFilter | None, dict[float, float]] = field(default_factory=dict)
     """Use of force and peaks per acceleration, behind each filter, by the jerk time [s²/m]."""
-
-    @classmethod
-    def about(cls, bench: Bench, *, largest_jerk: float = inf, is_rough: bool = False) -> Explorer:
-        """Return one that has looked at nothing yet."""
-        ladder = largest_acceleration(bench.machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
-        return cls(bench=bench, ladder=ladder, largest_jerk=largest_jerk, is_rough=is_rough)
 
     def ranked(self) -> tuple[Found, ...]:
         """The best with each filter, the soonest first; of those equally soon the least jerk.
@@ -231,40 +229,39 @@ class Explorer:
 
     def _hope(self, item: SetpointFilter | None, times: Array, latest: float) -> None:
         """Note what quick looks leave possible at some jerk times, where that is soon enough."""
-        row, rung = np.indices((len(times), len(self.ladder)))
-        a, t_j = self.ladder[rung], times[row]
+        ladder, used_behind = self.ladder, partial(self.bench.use, item)
+        a, t_j = np.meshgrid(ladder, times)
         possible, ends = a <= self.largest_jerk * t_j, np.full(a.shape, inf)
         ends[possible] = self.bench.durations(item, a[possible], t_j[possible])
         possible &= ends <= latest
         used = np.full(a.shape, inf)
         if possible.any():
-            used[possible] = self.bench.use(item, t_j[possible]).of_after(a[possible])
-        rows, found = [], []
-        for k in range(len(times)):
-            allowed = np.flatnonzero(used[k] <= 1.0)
-            if not len(allowed):
+            used[possible] = used_behind(t_j[possible]).of_after(a[possible])
+        found = np.zeros(len(times))
+        for k, allowed in enumerate(used <= 1.0):
+            if not allowed.any():
                 continue
-            last = int(allowed[-1])
-            most = float(self.ladder[last])
+            last = int(np.flatnonzero(allowed)[-1])
+            found[k] = ladder[last]
             # The share rises between two rungs; where only the lower one is allowed, between them.
-            if last < len(self.ladder) - 1 and possible[k, last + 1]:
-                above = _share_to_one(used[k, last], used[k, last + 1])
-                most *= float(self.ladder[last + 1] / self.ladder[last]) ** above
-            rows.append(k)
-            found.append(most)
-        if not rows:
+            if last < len(ladder) - 1 and possible[k, last + 1]:
+                low, high = np.log(max(used[k, last], 1e-12)), np.log(used[k, last + 1])
+                found[k] *= float(ladder[last + 1] / ladder[last]) ** float(-low / (high - low))
+        if not found.any():
             return
+        times, ends, found = times[found > 0.0], ends[found > 0.0], found[found > 0.0]
         # Where the gentlest that is soon enough misses a mean already, all that are faster do.
-        t_j, most_a = times[rows], np.array(found)
-        gentlest = np.array([self._just_as_soon(ends[k], latest) for k in rows])
-        kept = self.bench.use(item, t_j).of_means(gentlest) <= 1.0 + CLOSE
-        t_j = t_j[kept]
-        most_a = self._within_means(self.bench.use(item, t_j), most_a[kept])
-        durations = self.bench.durations(item, most_a, t_j)
-        for t, each, duration in zip(t_j.tolist(), most_a.tolist(), durations, strict=True):
+        gentlest = np.array([self._just_as_soon(own, latest) for own in ends])
+        kept = used_behind(times).of_means(gentlest) <= 1.0 + CLOSE
+        times = times[kept]
+        most = self._within_means(used_behind(times), found[kept])
+        durations = self.bench.durations(item, most, times)
+        for t, each, duration in zip(
+            times.tolist(), most.tolist(), durations.tolist(), strict=True
+        ):
             if duration <= latest:
                 self.hoped[item, t] = Found(
-                    duration=float(duration), acceleration=each, jerk_time=t, setpoint_filter=item
+                    duration=duration, acceleration=each, jerk_time=t, setpoint_filter=item
                 )
 
     def _just_as_soon(self, ends: Array, latest: float) -> float:
@@ -362,9 +359,3 @@ class Explorer:
             place = -np.log(low[1]) / np.log(high[1] / low[1])
             a = low[0] * (high[0] / low[0]) ** float(np.clip(place, 0.1, 0.9))
         return best
-
-
-def _share_to_one(below: float, above: float) -> float:
-    """Where between two places what is used is 1, in proportion of logarithms [-]."""
-    low, high = np.log(max(below, 1e-12)), np.log(above)
-    return float(-low / (high - low))

@@ -22,7 +22,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_within
+from mtcommission.setpoint.setpoint import Setpoint, plan_within
 
 Array = NDArray[np.float64]
 
@@ -94,16 +94,18 @@ def assess(
     lists them; ``sizes``: the worst of all smaller moves, where they count.
     """
     smaller = {item.requirement: item for item in sizes}
-    checks = []
-    for requirement, found in zip(
-        requirements_of(machine), np.swapaxes(np.array(values), 0, 1), strict=True
-    ):
+    checks, count = [], len(machine.moves)
+    by_requirement = np.swapaxes(np.array(values), 0, 1)
+    for requirement, found in zip(requirements_of(machine), by_requirement, strict=True):
         move, corner = divmod(int(found.argmax()), len(corners))
         value, limit = float(found[move, corner]), requirement.bound(machine)
-        where = describe_place(move + 1, corners[corner], len(machine.moves))
+        where = describe_place(move + 1, corners[corner], count)
         item = smaller.get(requirement)
         if item is not None and item.value > value:
-            value, where = item.value, _describe_size(machine, item)
+            is_step = isinstance(machine.moves[item.move - 1], VelocityStep)
+            kind = "place-velocity-step" if is_step else "place-distance"
+            size = Message(kind, size=item.size)
+            value, where = item.value, describe_place(item.move, item.corner, count, size)
         checks.append(
             Check(
                 requirement=requirement,
@@ -117,17 +119,10 @@ def assess(
     return Assessment(checks=tuple(checks))
 
 
-def _describe_size(machine: Machine, check: SizeCheck) -> Message:
-    is_step = isinstance(machine.moves[check.move - 1], VelocityStep)
-    size = Message("place-velocity-step" if is_step else "place-distance", size=check.size)
-    return describe_place(check.move, check.corner, len(machine.moves), size)
-
-
 def describe_place(move: int, corner: Corner, n_moves: int, size: Message | None = None) -> Message:
     """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies × 0.95``."""
     parts = [Message("place-move", number=move)] if n_moves > 1 else []
-    if size is not None:
-        parts.append(size)
+    parts += [size] if size else []
     if corner == NOMINAL:
         return Message("place", parts=(*parts, Message("place-nominal")))
     if corner.state:
@@ -167,13 +162,9 @@ def simulate_moves(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits
 ) -> tuple[MoveResult, ...]:
     """Return every move with these limits, simulated in every corner."""
-    return simulate_planned(machine, tuned, plan_within(machine, limits))
-
-
-def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[MoveResult, ...]:
-    """Return every move, simulated in every corner; ``plan``: its setpoint, filters included."""
     resolution, plant = machine.drive.encoder_resolution, tuned.loops[0].plant
     noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
+    plan = plan_within(machine, limits)
 
     def run(setpoint: Setpoint) -> list[LoopResponse]:
         band = machine.requirements.tcp_deviation
@@ -199,18 +190,9 @@ def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[Mo
     return tuple(found)
 
 
-def evaluate(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    *,
-    name: Message | None = None,
-    source: Message | None = None,
-) -> Candidate:
+def evaluate(machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits) -> Candidate:
     """Return what some limits do in the same loop, corners and judgement as all others."""
-    moves = simulate_moves(machine, tuned, limits)
-    return evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
+    return evaluate_moves(machine, plant, tuned, simulate_moves(machine, tuned, limits))
 
 
 def evaluate_moves(
@@ -220,20 +202,17 @@ def evaluate_moves(
     moves: Sequence[MoveResult],
     *,
     sizes: Sequence[SizeCheck] | None = None,
-    name: Message | None = None,
-    source: Message | None = None,
 ) -> Candidate:
     """Return the same where the moves have been simulated already, with the first one's limits.
 
     ``sizes``: the worst of all smaller moves, where that is known already.
     """
     everywhere = [response for result in moves for response in result.responses]
-    limits = moves[0].setpoint.limits
+    limits, values = moves[0].setpoint.limits, [result.values for result in moves]
     if not machine.requirements.every_size:
         sizes = ()
     elif sizes is None:
         sizes = judge_sizes(machine, plant, tuned, limits)
-    values = [result.values for result in moves]
     return Candidate(
         limits=limits,
         settling_time=max(response.settling_time for response in everywhere),
@@ -241,6 +220,4 @@ def evaluate_moves(
         peak_deviation=max(response.peak_deviation for response in everywhere),
         assessment=assess(machine, plant, tuned.corners, values, sizes=sizes),
         sizes=tuple(sizes),
-        name=name,
-        source=source,
     )

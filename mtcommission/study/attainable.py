@@ -63,16 +63,14 @@ def find_attainable(machine: Machine, tuned: TunedLoop, choice: Choice) -> tuple
     # Whatever is asked for may give way but the drive's own limit, the band first.
     asked = [item for item in requirements_of(machine) if item.yields is not Yields.NEVER]
     asked.sort(key=lambda item: item != RESIDUAL_DEVIATION)
-    alone = tuple(
-        found for item in asked for found in _ease(machine, tuned, [item], known=choice.limits)
-    )
+    alone = [one for item in asked for one in _ease(machine, tuned, [item], known=choice.limits)]
     if alone or _search(machine, tuned, asked, STUDY.largest_factor) is None:
-        return alone
+        return tuple(alone)
     for item in list(asked):
         fewer = [other for other in asked if other != item]
         if fewer and _search(machine, tuned, fewer, STUDY.largest_factor):
             asked = fewer
-    return _ease(machine, tuned, asked)
+    return tuple(_ease(machine, tuned, asked))
 
 
 def find_least_residual(machine: Machine, tuned: TunedLoop) -> Attainable | None:
@@ -86,12 +84,12 @@ def _ease(
     wanted: Sequence[Requirement],
     *,
     known: MotionLimits | None = None,
-) -> tuple[Attainable, ...]:
+) -> list[Attainable]:
     """What some requirements reach by the least factor that helps; empty if none does."""
-    found = _search(machine, tuned, wanted, STUDY.largest_factor, known=known)
-    if found is None:
-        return ()
-    low, high, best = 1.0, STUDY.largest_factor, found
+    best = _search(machine, tuned, wanted, STUDY.largest_factor, known=known)
+    if best is None:
+        return []
+    low, high = 1.0, STUDY.largest_factor
     if [item.yields for item in wanted] != [Yields.MINIMISED]:  # that is the least at once
         high = _largest_share(machine, wanted, best)
         for _ in range(STUDY.halvings):
@@ -106,7 +104,7 @@ def _ease(
         eased = item.with_bound(eased, EASED * check.value)
     # In a narrower band the same motion settles later: perhaps too late.
     is_kept = judge(Row(machine=eased, tuned=tuned, limits=best.limits)).assessment.is_met
-    return tuple(
+    return [
         Attainable(
             requirement=item,
             limit=item.bound(machine),
@@ -116,7 +114,7 @@ def _ease(
             together_with=tuple(other for other in wanted if other != item),
         )
         for item, check in reached.items()
-    )
+    ]
 
 
 def _search(
@@ -134,7 +132,7 @@ def _search(
     row = Row(machine=machine, tuned=tuned, near=near, refined=1 if near else REFINED)
     seen = look(row)
     rows = [replace(row, found=seen)] if seen else []
-    rows += [Row(machine=machine, tuned=tuned, limits=known)] if known else []
+    rows += [replace(row, limits=known)] if known else []
     found = [item for item in map(judge, rows) if item.assessment.is_met]
     return min(found, key=lambda item: _largest_share(machine, wanted, item), default=None)
 
@@ -166,8 +164,7 @@ def find_limits_by_mode(
         seeks_setpoint_filter=False,
     )
     machine = replace(machine, control=control)
-    bands: dict[str, float] = {name: getattr(needs.modes, name) for name in MODES}
-    shares = {name: band / needs.tcp_deviation for name, band in bands.items()}
+    shares = {name: float(getattr(needs.modes, name)) / needs.tcp_deviation for name in MODES}
     found: dict[str, ModeLimits] = {}
     largest = choice.limits.jerk
     # From the recommendation to ever tighter bands, then to ever wider ones.
@@ -175,24 +172,20 @@ def find_limits_by_mode(
         if shares[name] >= 1.0:
             largest = shares[name] * choice.limits.jerk
         most = largest if choice.meets_requirements else inf
-        found[name] = _find_mode(machine, tuned, choice, name, bands[name], most)
+        found[name] = _find_mode(machine, tuned, choice, name, most)
         if found[name].candidate.assessment.is_met:
             largest = min(largest, found[name].candidate.limits.jerk)
     return tuple(found[name] for name in MODES)
 
 
 def _find_mode(
-    machine: Machine,
-    tuned: TunedLoop,
-    choice: Choice,
-    name: str,
-    band: float,
-    largest_jerk: float,
+    machine: Machine, tuned: TunedLoop, choice: Choice, name: str, largest_jerk: float
 ) -> ModeLimits:
-    chosen, bound_by = choice, choice.bound_by
-    if band != machine.requirements.tcp_deviation:
+    needs, chosen, bound_by = machine.requirements, choice, choice.bound_by
+    band: float = getattr(needs.modes, name)
+    if band != needs.tcp_deviation:
         # A wider band's limits lie about the recommended ones, a tighter one's may lie anywhere.
-        near = choice.limits if band > machine.requirements.tcp_deviation else None
+        near = choice.limits if band > needs.tcp_deviation else None
         machine = RESIDUAL_DEVIATION.with_bound(machine, band)
         row = Row(machine=machine, tuned=tuned, near=near, largest_jerk=largest_jerk)
         chosen = choose(row)

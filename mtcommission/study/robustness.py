@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from math import ceil, inf, nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,11 +164,11 @@ def _find_range(
     each = [replace(place, **{of: one}) for one in factor.tolist() for place in places]
     found = respond_varied(known, tuned, limits, each)
 
-    def worst(values: Array) -> Array:
+    def by_factor(values: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(values.reshape(len(factor), len(places), -1).max(axis=1))
 
-    missed = worst(found.is_missed)
-    low, high = _stretch_about(~missed.any(axis=1), len(factor) // 2)
+    missed = by_factor(found.is_missed)
+    low, high = _stretch_about(np.logical_not(missed.any(axis=1)), len(factor) // 2)
 
     def lost(at: int) -> tuple[Requirement, ...]:
         is_inside = low <= high and 0 <= at < len(factor)
@@ -175,8 +176,8 @@ def _find_range(
 
     return KeptRange(
         factor=factor,
-        settling_time=worst(found.settling_time)[:, 0],
-        residual_deviation=worst(found.residual_deviation)[:, 0],
+        settling_time=by_factor(found.settling_time)[:, 0],
+        residual_deviation=by_factor(found.residual_deviation)[:, 0],
         kept_from=float(factor[low]) if low <= high else nan,
         kept_to=float(factor[high]) if low <= high else nan,
         lost_below=lost(low - 1),

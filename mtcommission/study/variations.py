@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import inf
 
 from mtcommission.limits.bench import build_bench
@@ -41,23 +40,22 @@ class Row:
 def judge(row: Row) -> Candidate:
     """Return the limits of a row, judged like the recommendation.
 
-    ``sizes`` is empty where the listed sizes miss a requirement already.
+    ``sizes`` is empty where the listed sizes miss a requirement: smaller ones cannot mend that.
     """
     if row.limits is None:
-        return replace(choose(row).candidate, name=row.label, source=row.source)
-    plant = build_plant(row.machine)
-    moves = simulate_moves(row.machine, row.tuned, row.limits)
-    of_all = partial(evaluate_moves, row.machine, plant, row.tuned, moves)
-    found = of_all(sizes=(), name=row.label, source=row.source)
-    # What the listed sizes miss, smaller ones cannot mend.
-    return of_all(name=row.label, source=row.source) if found.assessment.is_met else found
+        found = choose(row).candidate
+    else:
+        plant, moves = build_plant(row.machine), simulate_moves(row.machine, row.tuned, row.limits)
+        found = evaluate_moves(row.machine, plant, row.tuned, moves, sizes=())
+        if found.assessment.is_met:
+            found = evaluate_moves(row.machine, plant, row.tuned, moves)
+    return replace(found, name=row.label, source=row.source)
 
 
 def look(row: Row) -> tuple[Found, ...]:
     """Return limits that the search sees for a row, the best first; empty where it sees none."""
-    bench = build_bench(keep_reserve(row.machine), build_plant(row.machine), row.tuned)
     return explore(
-        bench,
+        build_bench(keep_reserve(row.machine), build_plant(row.machine), row.tuned),
         largest_jerk=row.largest_jerk,
         near=row.near,
         beside=row.beside,
