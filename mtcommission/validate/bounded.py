@@ -44,7 +44,7 @@ PEAK_TOLERANCE = 2e-3
 """Relative tolerance of a printed peak [-]: less than half of what 1e-4 s in t_f does to the
 damping-optimal one."""
 WEIGHT_TOLERANCE = 0.02
-"""Relative tolerance of a printed weight [-]: see docs/optimal-control-damping.md."""
+"""Relative tolerance of a printed weight [-]: see docs/optimal-control.md, section 9."""
 LAW_TOLERANCE = 1e-6
 """Largest deviation from (16) over F_max [-]."""
 SAME_MAGNITUDE = 10.0
@@ -96,7 +96,7 @@ def _times(cases: Cases) -> list[Row]:
             cases.peak(bounded, "v_phi"),
             unit="rad/s",
             tolerance=1e-9 * RATE_BOUND,
-            basis="what docs/optimal-control-bounds.md promises",
+            basis="what docs/optimal-control.md promises",
         ),
     ]
 

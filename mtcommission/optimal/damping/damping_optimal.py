@@ -57,7 +57,7 @@ def solve_damping_optimal(
         If a weight names no state of the plant.
 
     Source: Christiansen, Maurer & Zirn, eqs. (5) and (16); derived in
-    docs/optimal-control-damping.md.
+    docs/optimal-control.md, section 9.
 
     Examples
     --------

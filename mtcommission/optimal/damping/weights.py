@@ -26,7 +26,7 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
 
     Source: Christiansen, Maurer & Zirn, sec. 6: "all terms ... have the same magnitude". That
     the time-optimal solution of their sec. 5.1 is meant is inferred: it gives (17) to 1 ... 3 %,
-    see docs/optimal-control-damping.md.
+    see docs/optimal-control.md, section 9.
     """
     fastest = max(mode.natural_frequency for mode in plant.modes)
     radians = fastest * reference.t_f
