@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import pickle
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -189,3 +190,17 @@ def test_a_value_of_any_length_can_be_said(language: str) -> None:
         "record-both", first="a" * 3000, then=Message("record-both", first=said, then="")
     )
     assert len(Catalogue(language).say(nested)) < 4100
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_no_text_about_an_open_loop_axis_has_a_force(language: str) -> None:
+    """Its motor follows; what stands for a force there is the acceleration, by a placeable."""
+    assert Catalogue(language, follows=True).text("terminal-head-set-force") == "a_set"
+    word = {"en": "[Ff]orce", "de": "Kraft"}[language]
+    force = re.compile(rf"(?<![\w$.-])(?<!input ){word}(?![\w-])|(?<=[a-zäöü])kraft\b|F_max|F_set")
+    for path in (SOURCE / "messages" / "texts" / language).glob("*.ftl"):
+        if path.name in ("wizard.ftl", "help.ftl"):  # which ask what the axis is
+            continue
+        text = path.read_text("utf-8").partition("word-force =")[0]
+        lines = [one for one in text.splitlines() if not one.startswith(("#", "   *[other]"))]
+        assert not [one for one in lines if force.search(re.sub(r"\{[^{}]*\}", "", one))]

@@ -29,32 +29,6 @@ _NO_WORD = re.compile(r"[^a-zA-Z0-9]+")
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
 
-ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = {
-    "en": (
-        (re.compile(r"(?<![\w$.-])([Aa]) force(?![\w-])"), r"\1n acceleration"),
-        (re.compile(r"(?<![\w$.-])force(?![\w-])"), "acceleration"),
-        (re.compile(r"(?<![\w$.-])Force(?![\w-])"), "Acceleration"),
-        (re.compile(r"F_max/m|F_max"), "a_max"),
-        (re.compile(r"(?<![\w$.-])max_force(?!\w)"), "max_acceleration"),
-        (re.compile(r' on \{ SI\(\$mass, "MASS"\) \}'), ""),
-        (re.compile(r"\blambda_F\b"), "lambda B"),
-        (re.compile(r"\bF_set\b"), "a_set"),
-    ),
-    "de": (
-        (re.compile(r"(?<![\w$.-])Kraft(?=[a-zäöü])"), "Beschleunigungs"),
-        (re.compile(r"(?<![\w$.-])Kraft(?![\w-])"), "Beschleunigung"),
-        (re.compile(r"(?<=[a-zäöü])kraft(?![\w-])"), "beschleunigung"),
-        (re.compile(r"F_max/m|F_max"), "a_max"),
-        (re.compile(r"(?<![\w$.-])max_force(?!\w)"), "max_acceleration"),
-        (re.compile(r' an \{ SI\(\$mass, "MASS"\) \}'), ""),
-        (re.compile(r"\blambda_F\b"), "lambda B"),
-        (re.compile(r"\bF_(set|soll)\b"), r"a_\1"),
-    ),
-}
-"""What a force is called on an axis whose motor follows its setpoint: the acceleration that stands
-for it. Both are feminine in German, so the words around them stay."""
-
-
 LONGEST = 2000
 """Letters of a part of a text; Fluent refuses 2500."""
 
@@ -113,14 +87,14 @@ class Catalogue:
         >>> Catalogue("en", rotary=True).text("requirement-rms-force")
         'RMS torque'
         """
-        source = self._worded(kind)
+        source = entries_of(self.language)[kind]
         if not set("{\n") & set(source):
             return source  # most need no parser
         self._load(kind)
         found = self._bundle.get_message(kind)
         if found.value is None:
             raise KeyError(kind)
-        axis = "rotary" if self.rotary and not self.follows else "linear"
+        axis = "open-loop" if self.follows else "rotary" if self.rotary else "linear"
         spoken = {name: self._spoken(value) for name, value in values.items()}
         text, faults = self._bundle.format_pattern(found.value, {**spoken, "axis": axis})
         if faults:
@@ -165,15 +139,6 @@ class Catalogue:
             return _shortened(printable(value))
         return "" if value is None else value
 
-    def _worded(self, kind: str) -> str:
-        """The source of a text; with acceleration for force where the motor follows."""
-        source = entries_of(self.language)[kind]
-        if not self.follows:
-            return source
-        for word, other in ACCELERATION_FOR_FORCE.get(self.language, ()):
-            source = word.sub(other, source)
-        return source
-
     def _load(self, kind: str) -> None:
         """Parse a text and those that it refers to."""
         waiting = [kind]
@@ -182,7 +147,7 @@ class Catalogue:
             if name in self._loaded:
                 continue
             known = entries_of(self.language)
-            self._bundle.add_resource(FluentResource(f"{name} = {self._worded(name)}"))
+            self._bundle.add_resource(FluentResource(f"{name} = {known[name]}"))
             self._loaded.add(name)
             waiting += [other for other in _REFERENCE.findall(known[name]) if other in known]
 

@@ -13,7 +13,7 @@ option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $
 option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
-option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der Kraft den Ruck
+option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der { word-force } den Ruck
 option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht die Beschleunigung ihre Grenze in { TIME($ramp) }, so gut wie sofort; ohne --jerk springt sie
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
@@ -72,7 +72,7 @@ simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn 
 simulated-with-loop = Regelkreis: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }; was das Profil offen lässt, ist für diese Bewegungen eingestellt.
 simulated-with-filters = Filter im { $axis ->
     [rotary] Momentensollwert
-   *[linear] Kraftsollwert
+   *[linear] { word-force-before }sollwert
 }: { $filters }.
 simulated-without-loop = Gesteuerte Achse: es gibt keinen Regelkreis einzustellen.
 

@@ -32,11 +32,11 @@ export-left-out = WEGGELASSEN ODER GEÄNDERT, weil diese Steuerung nichts andere
 export-feature = { $what ->
     [state-feedback] Zustandsrückführung
     [velocity] Geschwindigkeitsvorsteuerung
-    [acceleration] Kraftvorsteuerung
+    [acceleration] { word-force-before }vorsteuerung
     [jerk] Ruckvorsteuerung
     [delay] Verzögerung des Lagesollwerts
     [setpoint-filter] Sollwertfilter dieser Art und Länge
-    [force-filters] einige Filter der Sollkraft
+    [force-filters] einige Filter der Soll{ word-force-behind }
     [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
    *[loop-drive] Lageregelung im Antrieb
@@ -47,7 +47,7 @@ export-mode-left-out = ENTFÄLLT: { $why }. Diese Betriebsart nicht mit den alte
 export-warning-here = WARNUNG, für den Regelkreis dieses Textes: { $warning }
 export-ceiling = GESCHRIEBEN IST EINE PRAKTISCHE OBERGRENZE, angenommen: { NUMBER($ceiling, digits: 4) } mm/s², Einschwingzeit { $after }. Die Achse dieses Modells vertrüge { NUMBER($wanted, digits: 4) } mm/s², { $before }; was Extruder, Rahmen und Motortreiber vertragen, enthält es nicht. { $why } Mehr nur eingeben, wenn die eigenen es erwiesenermaßen vertragen; vertragen sie weniger, das als drive.max_acceleration angeben.
 export-shaft = Verstärkung und Trägheit des Antriebs gelten an der Motorwelle: die Achse bewegt sich { LENGTH($travel) } je Radiant des Motors.
-export-no-shaft = Kp und die Kraftvorsteuerung gelten an der Achse (ein Linearmotor; für einen rotierenden drive.lead und drive.gear angeben).
+export-no-shaft = Kp und die { word-force-before }vorsteuerung gelten an der Achse (ein Linearmotor; für einen rotierenden drive.lead und drive.gear angeben).
 export-set-elsewhere = Im Antrieb einzustellen oder so vorausgesetzt, damit das Ergebnis oben gilt:
 export-elsewhere = im Antrieb oder vorausgesetzt
 export-segments = Diese Firmware ändert die Geschwindigkeit einmal je Abschnitt von 10 ms (Konstante der Ausgabe): Rampen nahe daran oder darunter werden zu Stufen, was die Simulation nicht zeigt.
@@ -120,8 +120,8 @@ gain-kv-name-and-unit = Kv dieses Regelkreises; Name und Einheit
 gain-kp-at-axis = Geschwindigkeitsverstärkung, an der Achse
 gain-tn-unit = Tn dieses Regelkreises, aufgerundet; Einheit
 row-feedforward-velocity = Gewicht der Geschwindigkeitsvorsteuerung
-row-feedforward-force = Kraft je Beschleunigung, an der Achse
-row-feedforward-jerk = Kraft je Ruck, an der Achse
+row-feedforward-force = { word-force } je Beschleunigung, an der Achse
+row-feedforward-jerk = { word-force } je Ruck, an der Achse
 row-feedforward-inertia = Momentenvorsteuerung: ganze Trägheit, an der Motorwelle
 cycle-position = Takt des Lagereglers
 cycle-velocity = Takt des Drehzahlreglers
@@ -130,13 +130,13 @@ filter-average = gleitender Mittelwert des Sollwerts; 0: keiner darf wirken
 filter-second-average = zweiter gleitender Mittelwert hinter dem ersten
 filter-tap = Gewicht des Sollwerts vor so vielen Abständen, der erste der neueste
 filter-tap-spacing = Abstand der Stützstellen des Sollwertfilters
-filter-count = wirksame Filter der Sollkraft, in dieser Reihenfolge
-filter-kind = Art des Filters der Sollkraft
+filter-count = wirksame Filter der Soll{ word-force-behind }, in dieser Reihenfolge
+filter-kind = Art des Filters der Soll{ word-force-behind }
 filter-frequency = seine Eigenfrequenz
 filter-damping = Dämpfungsgrad: Zähler einer Bandsperre, Nenner eines Tiefpasses
 filter-width = Dämpfungsgrad des Nenners der Bandsperre
-row-state-gain = Kraft je Einheit dieses Zustands, über den Beobachter zurückgeführt
-delay-of-reference = Verzögerung des Lagesollwerts, bis die vorgesteuerte Kraft wirkt
+row-state-gain = { word-force } je Einheit dieses Zustands, über den Beobachter zurückgeführt
+delay-of-reference = Verzögerung des Lagesollwerts, bis die vorgesteuerte { word-force } wirkt
 
 sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; Einheit

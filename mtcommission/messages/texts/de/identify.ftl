@@ -30,7 +30,7 @@ identify-not-described = { $files }: { $axis ->
        *[linear] Masse
     }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { $axis ->
         [rotary] Momentensollwert
-       *[linear] Kraftsollwert
+       *[linear] { word-force-before }sollwert
     } zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
     [friction] Es liegt am unteren Ende: haftende Reibung oder Rückkopplung in der Messung. Um eine Offsetgeschwindigkeit messen, bei der die Achse nie steht, mit mehr Amplitude und möglichst weichem Lageregler; oder diese Linien mit --band weglassen.
     [modes] Es liegt am oberen Ende: mehr Eigenformen, als das Modell fasst, Stromregler oder Sensor. Diese Linien mit --band weglassen oder bis zu einer niedrigeren Frequenz mit feineren Linien messen.
@@ -58,10 +58,10 @@ identify-mode-not-everywhere = { $mode } ist in { $states } nicht zu sehen.
 identify-no-mode = Keine Eigenform gefunden: Im Bereich ist die Achse eine starre Masse. Bis zu höheren Frequenzen oder am Werkzeug messen.
 identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse ist unbekannt, und die Verstärkungen gelten zwischen den gemessenen Punkten, nicht als Anteil an { $axis ->
     [rotary] dem Drehmoment
-   *[linear] der Kraft
+   *[linear] der { word-force }
 } des Antriebs. Mit dem Antrieb { $axis ->
     [rotary] Drehmoment
-   *[linear] Kraft
+   *[linear] { word-force }
 } zu Geschwindigkeit messen.
 identify-no-force = Nur die Bewegung wurde aufgezeichnet, nicht was sie antreibt: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie den Frequenzgang des Antriebs aufzeichnen (Drehmoment zu Drehzahl).
 identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
@@ -155,7 +155,7 @@ identify-not-known = nicht bekannt
 identify-misfit-meaning = gewichteter Effektivwert; 1 ist so gut wie das Rauschen
 identify-delay-meaning = { $axis ->
     [rotary] vom Drehmoment
-   *[linear] von der Kraft
+   *[linear] von der { word-force }
 } zum Sensor, wie aufgezeichnet
 identify-lag = Verzögerung erster Ordnung
 identify-lag-meaning = neben der Totzeit: Stromregler oder Filter des Sensors
@@ -168,7 +168,7 @@ identify-caption-result = Was identifiziert wurde
 identify-caption-files = Was gelesen wurde
 identify-caption-check = Anteil der Signalleistung im Bereich, den das Modell aus { $axis ->
     [rotary] dem aufgezeichneten Drehmoment
-   *[linear] der aufgezeichneten Kraft
+   *[linear] der aufgezeichneten { word-force }
 } erklärt
 identify-plot-caption = { $file }: Messpunkte und angepasste Kurve
 identify-plot-alt = Betrag, Phase und Kohärenz von { $file } über der Frequenz: Die Messpunkte folgen der angepassten Kurve mit einer Abweichung vom { NUMBER($misfit, digits: 3) }-fachen des Rauschens.

@@ -17,11 +17,11 @@ ceiling-source = { $kind ->
 acceleration-ceiling = Die Beschleunigung endet an einer praktischen Obergrenze, angenommen: { ACCELERATION($ceiling) }; was Extruder, Rahmen und Motortreiber vertragen, enthält das Modell nicht. { $why } Mehr nur eingeben, wenn die eigenen es erwiesenermaßen vertragen; vertragen sie weniger, das als drive.max_acceleration angeben.
 reserve-used = { $axis ->
     [rotary] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } des Drehmoments erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
-   *[linear] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } der Kraft erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
+   *[linear] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } der { word-force } erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
 }
 
 # optima; $error: outcome with its remedy
-optimum-composed = Die zeitoptimale Steuerung wurde nicht gefunden; der gezeigte Vergleichswert ist eine ein- und ausgeschaltete Kraft, so geformt, dass am Ende nichts schwingt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
+optimum-composed = Die zeitoptimale Steuerung wurde nicht gefunden; der gezeigte Vergleichswert ist eine ein- und ausgeschaltete { word-force }, so geformt, dass am Ende nichts schwingt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
 optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
@@ -30,10 +30,10 @@ band-wider-than-move = Optimum mit dem Band statt exakter Ruhe: keines, denn das
 band-optimum-failed = Optimum mit dem Band statt exakter Ruhe: { $error }.
 robust-force-failed = { $axis ->
     [rotary] Drehmomentverlauf für die ganze Streuung: { $error }.
-   *[linear] Kraftverlauf für die ganze Streuung: { $error }.
+   *[linear] { word-force-before }verlauf für die ganze Streuung: { $error }.
 }
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
-static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von max_force { SI($force, "FORCE", digits: 6) }
+static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von { word-max-force } { SI($force, "FORCE", digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, aber t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum
@@ -43,7 +43,10 @@ closest-to-damping-optimal = nächst der dämpfungsoptimalen Steuerung
 with-move-number = { $name }, Bewegung { $number }
 
 # rules of thumb; $mode: the user's name, $frequency in Hz
-rule-of-thumb-no-jerk-limit = a = F_max/m, ohne Ruckgrenze
+rule-of-thumb-no-jerk-limit = a = { $axis ->
+    [open-loop] a_max
+   *[other] F_max/m
+}, ohne Ruckgrenze
 rule-of-thumb-periods = { $periods ->
     [1] j = a f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
    *[other] j = a f / { $periods } ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
@@ -65,7 +68,7 @@ commissioning-rule-with = Inbetriebnahmeregel ({ $chosen })
 source-commissioning-rule = dieses Projekt, von Hand; Herleitung und Prüfung in docs/commissioning-rule.md
 rule-description = In einem Satz: über eine Periode der weichsten Eigenform mitteln, den Ruck aus dem Band nehmen und die Beschleunigung aus { $axis ->
     [rotary] dem Drehmoment
-   *[linear] der Kraft
+   *[linear] der { word-force }
 }. Warum: jeder Rucksprung hinterlässt in jeder Eigenform eine Schwingung und im Regelkreis einen Nachlauf, beide proportional zum Ruck; unter Bewegungen aller Größen gibt es eine, bei der sich alle Sprünge addieren, auf Auslöschung durch Rampen ist also kein Verlass. Eine gleitende Mittelung fester Länge wirkt bei jeder Größe.
 rule-advice = Einmal ohne Mittelung rechnen (W = 1) und einmal mit einer, die so lang ist wie eine Periode der Eigenform mit dem größten C, in der Mitte der Frequenzen, die sie haben kann; es gilt, was sich eher bewegt hat: v/a + a/j + T_F. Die Grenzwerte gelten dann auch für jede kleinere Bewegung.
 rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenformen (15 bis 200 Hz, Dämpfung 0,5 bis 10 %), Kaskade mit voller Geschwindigkeitsvorsteuerung und selbst bestimmter Sollwertverzögerung, Streuung bis 10 %, Zuladung bis 30 % { $axis ->
@@ -73,13 +76,13 @@ rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenforme
    *[linear] der bewegten Masse
 }, Band 2 bis 50 µm; kein Sollwertfilter außer einer gleitenden Mittelung, keine Grenzen für Höchstwerte, Kontur oder { $axis ->
     [rotary] Effektivmoment
-   *[linear] Effektivkraft
+   *[linear] Effektiv{ word-force-behind }
 }. Das Band wird bei den meisten Maschinen eingehalten, nicht bei allen: vor Gebrauch simulieren.
 rule-no-average = ohne Mittelung
 rule-average = gleitende Mittelung, { TIME($time) }
 rule-force = { $axis ->
     [rotary] Drehmoment
-   *[linear] Kraft
+   *[linear] { word-force }
 }
 rule-reach = { $axis ->
     [rotary] Winkel oder Geschwindigkeit
@@ -105,7 +108,7 @@ rule-mode-sensitivity = Ruckempfindlichkeit C der Eigenform { $mode }
 rule-jerk-time = Ruckzeit t_j
 rule-force-acceleration = { $axis ->
     [rotary] Beschleunigung innerhalb des Drehmoments
-   *[linear] Beschleunigung innerhalb der Kraft
+   *[linear] Beschleunigung innerhalb der { word-force }
 }
 rule-see-formula = siehe Formel
 rule-acceleration = Beschleunigung a
@@ -118,5 +121,5 @@ rule-knows-averages-only = ein anderer Sollwertfilter als eine gleitende Mittelu
 rule-careful-with-seen-mode = der Lagegeber sieht mehr von der Eigenform { $mode } als erprobt (m c = { NUMBER($share, digits: 3) }, erprobt bis 1): die Regel kann weit langsamer sein als nötig
 rule-knows-no-peaks = { $axis ->
     [rotary] Grenzen für Höchstwerte, Kontur oder Effektivmoment kennt die Regel nicht
-   *[linear] Grenzen für Höchstwerte, Kontur oder Effektivkraft kennt die Regel nicht
+   *[linear] Grenzen für Höchstwerte, Kontur oder Effektiv{ word-force-behind } kennt die Regel nicht
 }

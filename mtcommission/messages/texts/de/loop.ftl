@@ -9,7 +9,7 @@ loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, aus der Suche.
 loop-kv-searched = Kv = { PLAIN($ratio, digits: 3) } Kp / m, aus der Suche.
 loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der { $axis ->
     [rotary] Momentenverzögerung
-   *[linear] Kraftverzögerung
+   *[linear] { word-force-before }verzögerung
 }, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
 
 loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
@@ -30,7 +30,7 @@ loop-given-gains-poor = Die vorgegebenen Verstärkungen werden unverändert verw
 loop-given-gains-slow = Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im ungünstigsten Eckfall { PLAIN($reached, digits: 3) } Hz, weniger als minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
 loop-filters-soften = Die { $axis ->
     [rotary] Momentensollwertfilter
-   *[linear] Kraftsollwertfilter
+   *[linear] { word-force-before }sollwertfilter
 } machen den Regelkreis weich: seine Bandbreite ist { PLAIN($filtered, digits: 3) } Hz mit ihnen, { PLAIN($unfiltered, digits: 3) } Hz ohne sie.
 loop-takes-damping = Der Regelkreis entdämpft die Eigenform { $mode }: ihr Dämpfungsgrad ist { NUMBER($closed, digits: 3) } im geschlossenen Kreis, { NUMBER($own, digits: 3) } ohne Regelung.
 

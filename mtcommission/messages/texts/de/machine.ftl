@@ -17,19 +17,25 @@ mode-unseen = weder Werkzeug noch Lagegeber sehen sie; sie kostet im Optimum ums
 mode-gain-large = ihre Verstärkung ist das { ROUND($ratio, digits: 3) }-Fache von 1/moving_mass; die Einheit der Verstärkungen prüfen
 mode-bends-far = { $axis ->
     [rotary] das volle Drehmoment
-   *[linear] die volle Kraft
+   *[linear] die volle { word-force }
 } verformt das Werkzeug um { SI($deflection, "LENGTH", digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { SI($band, "LENGTH", digits: 3) }; Steifigkeit und Band prüfen
-force-hardly-moves-axis = { SI($force, "FORCE") } an { SI($mass, "MASS") } ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
-force-beyond-axis = { SI($force, "FORCE") } an { SI($mass, "MASS") } ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
-static-load-large = { SI($load, "FORCE") } brauchen mehr als die Hälfte von max_force = { SI($max_force, "FORCE") }; einen Gewichtsausgleich erwägen
-continuous-force-above-max = { SI($force, "FORCE") } liegt über max_force = { SI($max_force, "FORCE") } und begrenzt nichts; sind beide vertauscht?
+force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+    [open-loop] { "" }
+   *[other] { " " }an { SI($mass, "MASS") }
+} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
+force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+    [open-loop] { "" }
+   *[other] { " " }an { SI($mass, "MASS") }
+} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
+static-load-large = { SI($load, "FORCE") } brauchen mehr als die Hälfte von { word-max-force } = { SI($max_force, "FORCE") }; einen Gewichtsausgleich erwägen
+continuous-force-above-max = { SI($force, "FORCE") } liegt über { word-max-force } = { SI($max_force, "FORCE") } und begrenzt nichts; sind beide vertauscht?
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
     [rotary] Drehmomentregelkreis
-   *[linear] Kraftregelkreis
+   *[linear] { word-force-before }regelkreis
 } (Servoantriebe: 0,5 bis 5 ms)
 move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für diese Bewegung; { $axis ->
     [rotary] Winkel, Geschwindigkeit und Drehmoment
-   *[linear] Weg, Geschwindigkeit und Kraft
+   *[linear] Weg, Geschwindigkeit und { word-force }
 } prüfen
 move-fast = { SI($velocity, "VELOCITY") } ist schneller, als Maschinenachsen fahren, { SI($fastest, "VELOCITY") }; die Einheit prüfen
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
@@ -68,7 +74,7 @@ assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
 assumed-damping-spread = Dämpfungsgrade weichen um bis zu ±{ SHARE($spread) } ab
 assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force) } { $axis ->
     [rotary] des Moments
-   *[linear] der Kraft
+   *[linear] der { word-force }
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt drive.acceleration_curve bis { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = die Art der Steuerung (control.kind)
@@ -86,8 +92,8 @@ assumed-dwell = Ruhezeit von { TIME($dwell) } nach Bewegung { $number }
 assumed-keys = nicht gemessen: { $keys }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
-    [rotary] mit der Drehzahl fallendes Moment (max_force gilt für die höchste)
-   *[linear] mit dem Tempo fallende Kraft (max_force gilt für das höchste)
+    [rotary] mit der Drehzahl fallendes Moment ({ word-max-force } gilt für die höchste)
+   *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
 }
 neglected-heat = Erwärmung des Motors (drive.continuous_force angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)

@@ -1,12 +1,12 @@
 # Names of states, outputs and keys of the profile.
 
 name-F-set = { $axis ->
-    [rotary] Sollmoment F_set
-   *[linear] Sollkraft F_set
+    [rotary] Sollmoment { word-f-set }
+   *[linear] Soll{ word-force-behind } { word-f-set }
 }
 name-F = { $axis ->
     [rotary] Drehmoment F
-   *[linear] Kraft F
+   *[linear] { word-force } F
 }
 name-tcp = Werkzeugbezugspunkt (TCP)
 name-tcp-vibration = Elastische Auslenkung am Werkzeug
@@ -25,14 +25,14 @@ name-switching-slopes = Steigung der Schaltfunktion an jedem Schaltzeitpunkt
 name-switching-law-holds = Schaltgesetz überall erfüllt
 name-terminal-jacobian-rank = Rang der Jacobimatrix der Endbedingungen
 name-terminal-jacobian-condition = Ihre Konditionszahl, skaliert
-name-law-residual = Größte Abweichung vom Steuergesetz, bezogen auf F_max
+name-law-residual = Größte Abweichung vom Steuergesetz, bezogen auf { word-f-max }
 name-tcp-deviation = Zulässige TCP-Abweichung (Band)
 name-tcp-gain = Verstärkung am Werkzeug
 name-measured-gain = Verstärkung am Lagegeber
 name-tcp-height = TCP-Höhe h, mit Vorzeichen
 name-force-lag = { $axis ->
     [rotary] Zeitkonstante des Momentenregelkreises T
-   *[linear] Zeitkonstante des Kraftregelkreises T
+   *[linear] Zeitkonstante des { word-force-before }regelkreises T
 }
 name-Kv = Lagereglerverstärkung Kv
 name-Kp = Geschwindigkeitsreglerverstärkung Kp
@@ -48,7 +48,7 @@ name-contour-feed = Größter Vorschub dafür
 name-band = Reserve: nutzbarer Anteil am Band
 name-force = { $axis ->
     [rotary] Reserve: nutzbarer Anteil am Moment
-   *[linear] Reserve: nutzbarer Anteil an der Kraft
+   *[linear] Reserve: nutzbarer Anteil an der { word-force }
 }
 name-base-mass = Gestellmasse
 name-slider-mass = Schlittenmasse
@@ -70,11 +70,11 @@ name-velocity-cycle = Geschwindigkeitsreglertakt
 name-drive-kind = Art des Antriebs
 name-max-force = { $axis ->
     [rotary] Größtes Drehmoment
-   *[linear] Größte Kraft
+   *[linear] Größte { word-force }
 }
 name-continuous-force = { $axis ->
     [rotary] Dauermoment
-   *[linear] Dauerkraft
+   *[linear] Dauer{ word-force-behind }
 }
 name-static-load = Statische Last
 name-coulomb-friction = Coulombsche Reibung

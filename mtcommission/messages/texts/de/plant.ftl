@@ -6,9 +6,9 @@ tcp-height-assumed = tcp_height: das Werkzeug steht { $side ->
 damping-ratio-beyond-one = { PLAIN($got, digits: 6) } angegeben, muss >= 0 und < 1 sein
 modes-at-one-frequency = Eigenformen { $one } und { $other } bei { PLAIN($frequency, digits: 6) } Hz
 equal-poles = { $modes }: { modes-have-equal-poles }
-mode-not-driven = die Kraft treibt die Eigenform { $mode } nicht an (Hebelarm 0)
+mode-not-driven = die { word-force } treibt die Eigenform { $mode } nicht an (Hebelarm 0)
 state-mode-unknown = nennt keine Eigenform aus [plant], muss { $names } sein
 state-named-twice = „{ $name }“ zweimal angegeben, Zustände müssen verschieden heißen
 mode-named-twice = „{ $name }“ zweimal angegeben, Namen müssen verschieden sein
-lever-arm-zero = 0 angegeben, aber die Kraft muss den Turm drehen; den Hebelarm angeben oder die Achse als kind = "modal" beschreiben
+lever-arm-zero = 0 angegeben, aber die { word-force } muss den Turm drehen; den Hebelarm angeben oder die Achse als kind = "modal" beschreiben
 damping-beyond-critical = { PLAIN($got, digits: 6) } { $unit } angegeben, das ist ein Dämpfungsgrad von { PLAIN($ratio, digits: 3) }; muss < { PLAIN($most, digits: 4) } { $unit } sein (Dämpfungsgrad 1)

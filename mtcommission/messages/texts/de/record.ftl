@@ -42,18 +42,18 @@ json-whole-number = eine ganze Zahl
 assumption-illustrative = Die Maschinendaten sind Beispielwerte, nicht die einer wirklichen Maschine.
 assumption-linear = { $axis ->
     [rotary] Die Achse gilt als lineares System: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
-   *[linear] Die Achse ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
+   *[linear] Die Achse ist linear: eine starre Masse, ein { word-force-before }regelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
 }
 assumption-encoder = Die Geschwindigkeit ist die Differenz der Geberlage über einen Takt des Geschwindigkeitsreglers, wie Antriebe sie bilden; abgesehen von einer angegebenen Auflösung misst der Lagegeber fehlerfrei.
 assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt verspätet und werden einen Takt lang gehalten; { $axis ->
     [rotary] das Drehmoment
-   *[linear] die Kraft
+   *[linear] die { word-force }
 } wirkt einen Takt des Geschwindigkeitsreglers verspätet.
 assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
 assumption-calculated = Ein berechnetes Blatt ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
 assumption-static-load = Die statische Last mindert { $axis ->
     [rotary] das Drehmoment
-   *[linear] die Kraft
+   *[linear] die { word-force }
 } für die Bewegung um ihren Betrag; ihre Verformung ist konstant, und der Integralanteil des Geschwindigkeitsreglers nimmt sie auf.
 
 source-default = Vorgabewert
@@ -67,20 +67,20 @@ path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
 path-wanted-state = Sollzustand
 path-force-feed-forward = { $axis ->
     [rotary] Momentenvorsteuerung
-   *[linear] Kraftvorsteuerung
+   *[linear] { word-force-before }vorsteuerung
 }
 path-velocity-controller = Geschwindigkeitsregler
 
 # Friction
 assumption-linear-with-friction = { $axis ->
     [rotary] Die Suche nach den Grenzwerten ist linear: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen; die Coulombsche Reibung ist von dem Drehmoment abgezogen, das übrig bleibt. Die empfohlenen Grenzwerte wurden mit der angegebenen Reibung noch einmal simuliert. Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
-   *[linear] Die Suche nach den Grenzwerten ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen; die Coulombsche Reibung ist von der Kraft abgezogen, die übrig bleibt. Die empfohlenen Grenzwerte wurden mit der angegebenen Reibung noch einmal simuliert. Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
+   *[linear] Die Suche nach den Grenzwerten ist linear: eine starre Masse, ein { word-force-before }regelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen; die Coulombsche Reibung ist von der { word-force } abgezogen, die übrig bleibt. Die empfohlenen Grenzwerte wurden mit der angegebenen Reibung noch einmal simuliert. Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
 }
 friction-kept = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
-   *[linear] größte Sollkraft
+   *[linear] größte Soll{ word-force-behind }
 } { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigste Ecke).
 friction-broken = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
-   *[linear] größte Sollkraft
-} { FORCE($force) }; das verletzt Toleranzband, Einschwingzeit oder Kraft (ungünstigste Ecke). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.
+   *[linear] größte Soll{ word-force-behind }
+} { FORCE($force) }; das verletzt Toleranzband, Einschwingzeit oder { word-force } (ungünstigste Ecke). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.

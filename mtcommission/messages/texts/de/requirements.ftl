@@ -3,11 +3,11 @@ requirement-settling-time = Einschwingzeit
 requirement-contour-deviation = Konturabweichung
 requirement-set-force = { $axis ->
     [rotary] Sollmoment
-   *[linear] Sollkraft
+   *[linear] Soll{ word-force-behind }
 }
 requirement-rms-force = { $axis ->
     [rotary] Effektivmoment
-   *[linear] Effektivkraft
+   *[linear] Effektiv{ word-force-behind }
 }
 requirement-peak = Höchstwert { SYMBOL($signal) }
 requirement-together-with = { $requirement }, zusammen mit { $others }

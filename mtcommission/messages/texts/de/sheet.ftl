@@ -95,7 +95,7 @@ all-kept-between = alles eingehalten von { $low } bis { $high }
 not-kept-nominally = Anforderungen schon wie angegeben nicht eingehalten
 reserve-kept = { $axis ->
     [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Moments
-   *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der Kraft
+   *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der { word-force }
 }
 position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
 position-loop-interpolated = Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
@@ -105,7 +105,7 @@ contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabwe
 contour-not-judged = Beurteilt ab dem Stillstand. Vorher weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.
 encoder-steps = { $axis ->
     [rotary] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, das Sollmoment bis ± { $force }
-   *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Sollkraft bis ± { $force }
+   *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Soll{ word-force-behind } bis ± { $force }
 }
 share-used = Genutzt
 yes-without-reserve = ja, Reserve verbraucht
@@ -116,7 +116,7 @@ reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $opti
 band-optimum = Mit dem Band von ± { $band } statt exakter Ruhe: { $optimum } (empfohlen: { $change }; bewiesen: nichts unter { $bound }).
 robust-force = { $axis ->
     [rotary] Ein Drehmomentverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
-   *[linear] Ein Kraftverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
+   *[linear] Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
 }
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (zusammengesetzt, das Optimum wurde nicht gefunden; bewiesen: nicht unter { $bound })
@@ -175,7 +175,7 @@ rule-steps-caption = Die Regel, Schritt für Schritt
 rule-symbols-caption = Formelzeichen der Regel (Index i: eine Eigenform; Werte je Eigenform: { $modes })
 rule-symbol-F = { $axis ->
     [rotary] Für die Bewegung verfügbares Drehmoment
-   *[linear] Für die Bewegung verfügbare Kraft
+   *[linear] Für die Bewegung verfügbare { word-force }
 }
 rule-symbol-v = Geschwindigkeitsänderung oder größte Geschwindigkeit jeder Bewegung
 rule-symbol-L = { $axis ->
@@ -184,7 +184,7 @@ rule-symbol-L = { $axis ->
 } jeder Positionierbewegung
 rule-symbol-m = { $axis ->
     [rotary] Bewegtes Trägheitsmoment; in der Momentenbedingung mit der größten Zuladung
-   *[linear] Bewegte Masse; in der Kraftbedingung mit der größten Zuladung
+   *[linear] Bewegte Masse; in der { word-force-before }bedingung mit der größten Zuladung
 }
 rule-symbol-m-ff = { $axis ->
     [rotary] Trägheitsmoment in der Vorsteuerung
@@ -218,7 +218,7 @@ chosen = gewählt
 residual-border = Restabweichung = Band { $band }
 usage-border = { $axis ->
     [rotary] Drehmoment, Effektivmoment oder ein Höchstwert gerade erreicht
-   *[linear] Kraft, Effektivkraft oder ein Höchstwert gerade erreicht
+   *[linear] { word-force }, Effektiv{ word-force-behind } oder ein Höchstwert gerade erreicht
 }
 hatched = { $caption } (schraffiert: nicht eingeschwungen)
 
@@ -243,19 +243,19 @@ not-stated = nicht angegeben
 responses-heading = Zeitverläufe
 responses-caption = { $axis ->
     [rotary] { $move }: Sollwert, Werkzeugabweichung, Moment; Nennmaschine
-   *[linear] { $move }: Sollwert, Werkzeugabweichung, Kraft; Nennmaschine
+   *[linear] { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
 }
 responses-alt = { $axis ->
     [rotary] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Sollmoment über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Sollmoment höchstens { $force }.
-   *[linear] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Sollkraft über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Sollkraft höchstens { $force }.
+   *[linear] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Soll{ word-force-behind } höchstens { $force }.
 }
 yardstick-caption = { $axis ->
     [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Moment erlaubt (so viel länger dauert sie)
-   *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die Kraft erlaubt (so viel länger dauert sie)
+   *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die { word-force } erlaubt (so viel länger dauert sie)
 }
 yardstick-note = { $axis ->
     [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Moment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
-   *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der Kraft dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
+   *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der { word-force } dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
 }
 move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe
@@ -264,12 +264,12 @@ robust-short = Im Band über die Streuung
 motion-heading = Optimum, Empfehlung und Antwort
 drive-caption = { $axis ->
     [rotary] { $move }: Drehmoment, Beschleunigung und Geschwindigkeit
-   *[linear] { $move }: Kraft, Beschleunigung und Geschwindigkeit
+   *[linear] { $move }: { word-force }, Beschleunigung und Geschwindigkeit
 }
 vibration-caption = { $move }: Schwingung und TCP-Abweichung
 motion-alt = { $axis ->
     [rotary] Verläufe über der Zeit: { $signals }. Sollmoment der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
-   *[linear] Verläufe über der Zeit: { $signals }. Sollkraft der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
+   *[linear] Verläufe über der Zeit: { $signals }. Soll{ word-force-behind } der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
 }
 motion-note = Alle Diagramme einer Bewegung haben dieselbe Zeitachse. Optima enden bei t_f in exakter Ruhe; ihre Beschleunigung und die der Antwort ist F/m. Der Sollwert ist gezeigt wie vorgegeben; die Abweichung zählt gegen den um { $delay } verzögerten Sollwert.
 constrained = zeitoptimal, beschränkt
@@ -287,7 +287,7 @@ setpoint-behind-filter = Dahinter das Sollwertfilter der Steuerung ({ $filter })
 comparison-heading = Vergleich mit den optimalen Steuerungen
 comparison-note = { $axis ->
     [rotary] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral des quadrierten Motormoments.
-   *[linear] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral der quadrierten Motorkraft.
+   *[linear] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral der quadrierten Motor{ word-force-behind }.
 }
 controls-caption = { $move }: Wege, die Bewegung auszuführen
 control = Steuerung
@@ -300,7 +300,7 @@ fed-forward-caption = { $move }: die optimale Steuerung selbst als Vorsteuerung,
 fed-forward-lost = Maschinen (Ecken von Zuladung und Streuung), auf denen sie nicht einschwingt: { $machines }.
 saturated-share = { $axis ->
     [rotary] Zeitanteil ohne Momentenreserve
-   *[linear] Zeitanteil ohne Kraftreserve
+   *[linear] Zeitanteil ohne { word-force-before }reserve
 }
 claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
 why-not = Warum das Optimum nicht einfach eingegeben wird:
@@ -318,7 +318,7 @@ open-loop-measured = offener Kreis mit der gemessenen Achse ({ $file })
 diagram-caption = Struktur des Regelkreises
 diagram-alt = { $axis ->
     [rotary] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Momentengrenze und Momentenregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
-   *[linear] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Kraftgrenze und Kraftregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
+   *[linear] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, { word-force-before }grenze und { word-force-before }regelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
 }
 diagram-delay = Verzögerung
 diagram-cycle = Takt { $cycle }
@@ -329,7 +329,7 @@ diagram-observer = Beobachter
 diagram-gains = { $count } Werte, s. Tabelle
 margins-caption = { $axis ->
     [rotary] Stabilität, Kreis am Sollmoment aufgetrennt
-   *[linear] Stabilität, Kreis an der Sollkraft aufgetrennt
+   *[linear] Stabilität, Kreis an der Soll{ word-force-behind } aufgetrennt
 }
 margin = Reserve
 nominal = Nennmaschine
@@ -341,15 +341,15 @@ stiffness-short = Kleinste dynamische Steifigkeit
 loop-corners-caption = Der Regelkreis in jedem Eckfall von Zuladung und Streuung
 disturbance-caption = { $axis ->
     [rotary] Antwort des Werkzeugs auf einen Momentensprung um die Achse des Antriebs
-   *[linear] Antwort des Werkzeugs auf einen Kraftsprung in der Wirklinie des Antriebs
+   *[linear] Antwort des Werkzeugs auf einen { word-force-before }sprung in der Wirklinie des Antriebs
 }
 disturbance-alt = { $axis ->
     [rotary] Drehung des Werkzeugs je Drehmoment über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
-   *[linear] Auslenkung des Werkzeugs je Kraft über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
+   *[linear] Auslenkung des Werkzeugs je { word-force } über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
 }
 deflection = { $axis ->
     [rotary] Drehung des Werkzeugs je Drehmoment
-   *[linear] Auslenkung des Werkzeugs je Kraft
+   *[linear] Auslenkung des Werkzeugs je { word-force }
 }
 delays-caption = Verzögerungen in jedem Pfad des Regelkreises
 path = Pfad
@@ -362,7 +362,7 @@ jerk-feedforward-caption = Was die Ruckvorsteuerung ändert, empfohlene Grenzwer
 jerk-weight = Gewicht der Ruckvorsteuerung
 wanted-force = { $axis ->
     [rotary] Verlangtes Sollmoment, Spitze
-   *[linear] Verlangte Sollkraft, Spitze
+   *[linear] Verlangte Soll{ word-force-behind }, Spitze
 }
 phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
@@ -385,7 +385,7 @@ dynamic-stiffness = Kleinste dynamische Steifigkeit am Werkzeug
 stiffness-at = { $stiffness } bei { $frequency }
 bode-caption = { $axis ->
     [rotary] Frequenzgang: offener Kreis (am Sollmoment aufgetrennt), geschlossener Geschwindigkeitsregelkreis
-   *[linear] Frequenzgang: offener Kreis (an der Sollkraft aufgetrennt), geschlossener Geschwindigkeitsregelkreis
+   *[linear] Frequenzgang: offener Kreis (an der Soll{ word-force-behind } aufgetrennt), geschlossener Geschwindigkeitsregelkreis
 }
 bode-alt = Betrag und Phase über der Frequenz. Amplitudenreserve { $gain }, Phasenreserve { $phase }, Bandbreite des Geschwindigkeitsregelkreises { $bandwidth }.
 magnitude = Betrag in dB
@@ -400,7 +400,7 @@ machine-state = Zustand
 dampings = Dämpfungen
 max-force = { $axis ->
     [rotary] Größtes Sollmoment
-   *[linear] Größte Sollkraft
+   *[linear] Größte Soll{ word-force-behind }
 }
 saturated = Gesättigt
 
@@ -416,7 +416,7 @@ has-setpoint-filters = Sollwertfilter
 has-velocity-feedforward = Geschwindigkeitsvorsteuerung
 has-acceleration-feedforward = { $axis ->
     [rotary] Momentenvorsteuerung
-   *[linear] Kraftvorsteuerung
+   *[linear] { word-force-before }vorsteuerung
 }
 has-jerk-feedforward = Ruckvorsteuerung
 has-reference-delay = Symmetrierung des Sollwerts
@@ -427,7 +427,7 @@ has-position-gain = Lagereglerverstärkung Kv
 has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
 has-force-filters = { $axis ->
     [rotary] Filter im Momentensollwert
-   *[linear] Filter im Kraftsollwert
+   *[linear] Filter im { word-force-before }sollwert
 }
 has-state-feedback = Zustandsrückführung
 
@@ -505,11 +505,11 @@ measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleuni
 measure-how-held = Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
 measure-how-2 = { $axis ->
     [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
-   *[linear] Bewegte Masse: Motorkraft durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
+   *[linear] Bewegte Masse: Motor{ word-force-behind } durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
 }
 measure-how-3 = { $axis ->
     [rotary] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis am Sollmoment aufgetrennt.
-   *[linear] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis an der Sollkraft aufgetrennt.
+   *[linear] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis an der Soll{ word-force-behind } aufgetrennt.
 }
 measure-how-4 = { $axis ->
     [rotary] Abweichungen und Einschwingzeit: Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius, mit den Grenzwerten dieses Blattes, gegen den verzögerten Sollwert.

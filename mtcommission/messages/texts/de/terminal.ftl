@@ -2,7 +2,7 @@ terminal-head-mode = Eigenform
 terminal-head-frequency = Frequenz
 terminal-head-damping-ratio = Dämpfungsgrad
 terminal-head-seen = Vom Lagegeber gesehen
-terminal-head-tool-at-full-force = Werkzeug bei F_max
+terminal-head-tool-at-full-force = Werkzeug bei { word-f-max }
 terminal-head-state = Zustand
 terminal-head-payload = Zuladung
 terminal-head-frequencies = Freq.
@@ -18,7 +18,7 @@ terminal-head-reason = Grund
 terminal-head-arc = Bogen
 terminal-head-from = Von
 terminal-head-to = Bis
-terminal-head-set-force = F_set
+terminal-head-set-force = { word-f-set }
 terminal-head-signal = Zustand oder Ausgang
 terminal-head-peak = Spitze
 terminal-head-terminal-error = Endfehler
@@ -48,19 +48,19 @@ terminal-arc-interior = innen
 terminal-arc-boundary = Rand:{ $limit }
 terminal-more-arcs = { $count } weitere:
 terminal-see-json = siehe --json
-terminal-final-time = t_f = { $t_f } bei F_max = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }
+terminal-final-time = t_f = { $t_f } bei { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }
 terminal-grid-proves-nothing = Ein Gitter beweist keine untere Schranke von t_f; --method exact tut es.
 terminal-lower-bound = Keine Steuerung ist schneller als { $bound } (relative Lücke { PLAIN($gap, digits: 1, style: "e") }).
 terminal-loose-proof = Höchstens { PLAIN($percent, digits: 1) } % langsamer als das Optimum; genaue Bögen wurden nicht gefunden.
-terminal-law-in-cells = { -switching-law }: bis auf eine Zelle eines Netzes erfüllt. Bögen namens „innen“ ({ PLAIN($percent, digits: 2) } % von t_f) stehen für Umschaltungen und Berührpunkte, die zu dicht liegen, um unterschieden zu werden; der Beweis von t_f ruht nicht auf ihnen. Was die Kraft dort tut, steht in --csv.
-terminal-law-fails = { -switching-law }: NICHT ERFÜLLT.
+terminal-law-in-cells = { switching-law }: bis auf eine Zelle eines Netzes erfüllt. Bögen namens „innen“ ({ PLAIN($percent, digits: 2) } % von t_f) stehen für Umschaltungen und Berührpunkte, die zu dicht liegen, um unterschieden zu werden; der Beweis von t_f ruht nicht auf ihnen. Was die { word-force } dort tut, steht in --csv.
+terminal-law-fails = { switching-law }: NICHT ERFÜLLT.
 terminal-origin-of-final-time = t_f ist { $origin }.
 terminal-final-time-of-option = das von --t-f
 terminal-final-time-of-profile = das des Profils (damping_optimal.t_f)
 terminal-final-time-by-default = das { PLAIN($factor, digits: 6) }-Fache von t_f,min: weder --t-f noch das Profil gibt eines an
 terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
 terminal-velocity-exceeded = max_velocity ist kein Teil dieses Optimums: |{ $name }| überschreitet sie um { PLAIN($percent, digits: 2) } %; --limit { $name }=... mit --method transcription hält sie ein.
-terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) bis auf { PLAIN($residual, digits: 1, style: "e") } F_max erfüllt.
+terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) bis auf { PLAIN($residual, digits: 1, style: "e") } { word-f-max } erfüllt.
 terminal-reached = erreicht
 terminal-not-reached = nicht erreicht
 terminal-exceeded = zwischen den Punkten des Gitters um { PLAIN($percent, digits: 1) } % überschritten
@@ -79,12 +79,12 @@ terminal-response = Antwort des Regelkreises
 terminal-nominal = nominell
 terminal-saturated = { $force } in der Begrenzung
 
--switching-law = Schaltgesetz F_set = -sign(lambda_F) F_max
-terminal-jerk-law = Schaltgesetz Ruck = -sign(lambda_F) j_max: { $holds ->
+switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max }
+terminal-jerk-law = Schaltgesetz Ruck = -sign({ word-lambda }) j_max: { $holds ->
     [yes] gilt, wo keine Schranke gehalten wird
    *[no] nicht bestätigt
 }.
-terminal-law-holds = { -switching-law }: erfüllt{ $grid ->
+terminal-law-holds = { switching-law }: erfüllt{ $grid ->
     [yes] { " " }bis auf einen Schritt des Gitters
    *[no] { "" }
 }{ $boundary ->

@@ -5,7 +5,7 @@ dimension-length = eine Länge
 dimension-angle = ein Winkel
 dimension-time = eine Zeit
 dimension-frequency = eine Frequenz
-dimension-force = eine Kraft
+dimension-force = eine { word-force }
 dimension-torque = ein Drehmoment
 dimension-moment-of-inertia = ein Trägheitsmoment
 dimension-velocity = eine Geschwindigkeit
@@ -28,7 +28,7 @@ dimension-rotary-modal-rate = eine modale Rate der Drehachse
 dimension-ratio = ein Verhältnis
 dimension-length-bare = Länge
 dimension-angle-bare = Winkel
-dimension-force-bare = Kraft
+dimension-force-bare = { word-force }
 dimension-torque-bare = Drehmoment
 dimension-velocity-bare = Geschwindigkeit
 dimension-angular-velocity-bare = Winkelgeschwindigkeit
@@ -66,3 +66,35 @@ quantity-without-number = „{ $got }“ angegeben, das beginnt nicht mit einer 
 number-infinite = „{ $got }“ angegeben, muss eine endliche Zahl sein
 number-with-separators = „{ $got }“ angegeben; die Zahl ohne Tausendertrennzeichen schreiben
 number-with-comma = „{ $got }“ mit Komma angegeben; mit Punkt schreiben: "{ $wanted }"
+
+word-force = { $axis ->
+    [open-loop] Beschleunigung
+   *[other] Kraft
+}
+word-force-first = { word-force }
+word-a-force = eine { word-force }
+word-a-force-first = Eine { word-force }
+word-force-before = { $axis ->
+    [open-loop] Beschleunigungs
+   *[other] Kraft
+}
+word-force-behind = { $axis ->
+    [open-loop] beschleunigung
+   *[other] kraft
+}
+word-f-max = { $axis ->
+    [open-loop] a_max
+   *[other] F_max
+}
+word-f-set = { $axis ->
+    [open-loop] a_set
+   *[other] F_set
+}
+word-lambda = { $axis ->
+    [open-loop] lambda B
+   *[other] lambda_F
+}
+word-max-force = { $axis ->
+    [open-loop] max_acceleration
+   *[other] max_force
+}

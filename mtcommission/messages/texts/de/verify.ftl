@@ -29,7 +29,7 @@ verify-setpoint-jerk = Ruck des Sollwerts
 verify-peak-deviation = größte Abweichung
 verify-max-force = { $axis ->
     [rotary] größtes Drehmoment
-   *[linear] größte Kraft
+   *[linear] größte { word-force }
 }
 verify-reference-delay = Verzug gegen den Sollwert
 verify-frequency = Frequenz
@@ -54,7 +54,7 @@ verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die 
 verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }
 verify-no-force = { $axis ->
     [rotary] Drehmoment
-   *[linear] Kraft
+   *[linear] { word-force }
 } nicht aufgezeichnet
 verify-dwell-not-recorded = die Grenze gilt im Mittel über { TIME($needed) }, Bewegung und Verweilzeit; davon sind { TIME($got) } aufgezeichnet
 verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, der deshalb nicht zu sehen ist
@@ -82,7 +82,7 @@ verify-unit-contradicts = { $name } [{ $unit }] kann nicht { $role } sein; --col
 verify-two-columns = { $names } können jeweils { $role } sein; durch --columns { $role }=SPALTE sagen, welche
 verify-constant-missing = { $name } ist ein Strom; { $axis ->
     [rotary] --constant angeben, das Drehmoment je Ampere an der Achse, z. B. --constant 1.2
-   *[linear] --constant angeben, die Kraft je Ampere, z. B. --constant 80
+   *[linear] --constant angeben, die { word-force } je Ampere, z. B. --constant 80
 }
 verify-other-motion = { $name } [{ $unit }] gehört zu einer anderen Art von Achse; drive.lead (und drive.gear) im Profil angeben oder Werte der Achse aufzeichnen
 verify-other-travel = { $name } bewegt sich { NUMBER($ratio, digits: 3) }-mal so weit wie { $reference }; eine der Einheiten stimmt nicht, durch --columns NAME=SPALTE [Einheit] angeben
@@ -109,7 +109,7 @@ verify-plot-tcp = Abweichung des Werkzeugs / { $unit }
 verify-plot-encoder = Abweichung des Gebers / { $unit }
 verify-plot-force = { $axis ->
     [rotary] Drehmoment
-   *[linear] Kraft
+   *[linear] { word-force }
 } / { $unit }
 verify-plot-difference = gemessen weniger vorhergesagt / { $unit }
 verify-line-measured = gemessen
@@ -143,7 +143,7 @@ verify-tested = { $moves ->
 } { SHARE($before) } und { SHARE($after) } (Effektivwert) der Abweichung übrig.
 verify-force-left = { $axis ->
     [rotary] Vom Drehmoment
-   *[linear] Von der Kraft
+   *[linear] Von der { word-force }
 } bleiben { SHARE($share) }.
 verify-limit-acceleration = Beschleunigung
 verify-limit-jerk = Ruck

@@ -16,7 +16,7 @@ option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } is given { $count } times; give each state or output once
 option-final-time-is-found = goes with --kind damping; a time-optimal control finds its own final time
-option-jerk-of-what-follows = goes with --kind time, --method exact and drive.kind = "position_source"; behind a loop the force lag limits the jerk
+option-jerk-of-what-follows = goes with --kind time, --method exact and drive.kind = "position_source"; behind a loop the { word-force } lag limits the jerk
 option-jerk-all-but-jumps = with { PLAIN($jerk, digits: 6) } { $unit } the acceleration reaches its limit within { TIME($ramp) }, all but at once; leave --jerk out, which lets it jump
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
 option-step-or-distance = cannot go with --velocity-step; give one of them
@@ -76,7 +76,7 @@ simulated-without-filter = Simulated without a setpoint filter: the profile leav
 simulated-with-loop = Loop: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }; what the profile leaves out is tuned for these moves.
 simulated-with-filters = Filters of the set { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 }: { $filters }.
 simulated-without-loop = Open-loop axis: there is no loop to tune.
 

@@ -35,11 +35,11 @@ export-left-out = LEFT OUT OR CHANGED, because this control has nothing else: { 
 export-feature = { $what ->
     [state-feedback] state feedback
     [velocity] velocity feed-forward
-    [acceleration] force feed-forward
+    [acceleration] { word-force } feed-forward
     [jerk] jerk feed-forward
     [delay] delay of the position setpoint
     [setpoint-filter] setpoint filter of this kind and length
-    [force-filters] some filters of the set force
+    [force-filters] some filters of the set { word-force }
     [loop-control] position loop in the control with held values
     [loop-interpolated] position loop in the control with interpolated feed-forward
    *[loop-drive] position loop in the drive
@@ -51,7 +51,7 @@ export-warning-here = WARNING, for the loop of this text: { $warning }
 # $wanted, $ceiling: mm/s^2
 export-ceiling = WRITTEN IS A PRACTICAL CEILING, assumed: { NUMBER($ceiling, digits: 4) } mm/s², settling time { $after }. The axis of this model would take { NUMBER($wanted, digits: 4) } mm/s², { $before }; what extruder, frame and motor driver take is not in it. { $why } Type more only where yours are known to take it; where they take less, state that as drive.max_acceleration.
 export-shaft = Gain and inertia of the drive count at the motor's shaft: the axis moves { LENGTH($travel) } per radian of the motor.
-export-no-shaft = Kp and the force feed-forward stand at the axis (a linear motor; for a rotary one state drive.lead and drive.gear).
+export-no-shaft = Kp and the { word-force } feed-forward stand at the axis (a linear motor; for a rotary one state drive.lead and drive.gear).
 export-set-elsewhere = Set in the drive, or must be so, for the result above to hold:
 export-elsewhere = in the drive, or must be so
 export-segments = This firmware changes the velocity once in a segment of 10 ms (a constant of the build): ramps near or below that become steps, which the simulation does not show.
@@ -128,8 +128,8 @@ gain-kv-name-and-unit = Kv of this loop; name and unit
 gain-kp-at-axis = velocity gain, at the axis
 gain-tn-unit = Tn of this loop, rounded up; unit
 row-feedforward-velocity = weight of the velocity feed-forward
-row-feedforward-force = force per acceleration, at the axis
-row-feedforward-jerk = force per jerk, at the axis
+row-feedforward-force = { word-force } per acceleration, at the axis
+row-feedforward-jerk = { word-force } per jerk, at the axis
 row-feedforward-inertia = torque feed-forward: all inertia, at the motor's shaft
 cycle-position = cycle of the position loop
 cycle-velocity = cycle of the velocity loop
@@ -138,13 +138,13 @@ filter-average = moving average of the setpoint; 0: none may act
 filter-second-average = second moving average behind the first
 filter-tap = weight of the setpoint this many spacings ago, the first the newest
 filter-tap-spacing = time between the taps of the setpoint filter
-filter-count = filters of the set force that act, in this order
-filter-kind = kind of the filter of the set force
+filter-count = filters of the set { word-force } that act, in this order
+filter-kind = kind of the filter of the set { word-force }
 filter-frequency = its natural frequency
 filter-damping = damping ratio: numerator of a notch, denominator of a low-pass
 filter-width = damping ratio of the notch's denominator
-row-state-gain = force per unit of this state, fed back through the observer
-delay-of-reference = delay of the position setpoint until the fed-forward force acts
+row-state-gain = { word-force } per unit of this state, fed back through the observer
+delay-of-reference = delay of the position setpoint until the fed-forward { word-force } acts
 
 # SINUMERIK
 sinumerik-mode = { $dynamic }: { $about }

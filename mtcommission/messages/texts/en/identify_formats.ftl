@@ -46,11 +46,11 @@ identify-series-not-finite = { $name } holds values that are no finite numbers; 
 identify-record-broken = record { $row }: got "{ $got }", must be a number
 identify-response-taken = { $name } is taken: motor speed per { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 }, the mechanics that the drive moves. The file also holds { $others }: { $file }@NAME takes one of them.
 identify-last-response-taken = { $name } is taken: motor speed per { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 }, measured last. The file also holds { $others }: { $file }@NAME takes one of them.
 identify-no-such-response = got "{ $got }", which is no response of the file; there are: { $names }
 identify-hz-assumed = the file holds no sampling time that tells the unit of its frequencies: taken as Hz, up to { PLAIN($last) } Hz (assumed; in rad/s they would be 2π times lower)
@@ -80,7 +80,7 @@ identify-all-zero = all values are zero; record again
 identify-rising = the response rises with frequency by { PLAIN($slope, digits: 2) } decades per decade against the position, as no mechanics do; are input and output swapped, or is the output another one than said (--output)?
 identify-perfect-coherence = the coherence is 1 in every line, as of a single average: it says nothing and is not used
 
-identify-signal-force = force
+identify-signal-force = { word-force }
 identify-signal-torque = torque
 identify-signal-current = current
 identify-signal-reference = reference
@@ -93,26 +93,26 @@ identify-column-found = { $place }: { $name } [{ $unit }] is { $what }
 identify-columns-unknown = columns are not clear: { $found }; say { $missing }
 identify-response-unknown = a response in the unit "{ $found }" is not clear; say { $missing }
 identify-missing-output = which column is the motion: --columns "encoder=COLUMN [mm]" (or tcp, velocity, acceleration)
-identify-missing-input = which column is the force: --columns "force=COLUMN [N]" (or torque, current), or name the columns that count if there is none
+identify-missing-input = which column is the { word-force }: --columns "{ word-force }=COLUMN [N]" (or torque, current), or name the columns that count if there is none
 identify-missing-sensor = where it was measured: --sensor encoder or --sensor tcp (or FILE@tcp)
 identify-say-input = what excites: --input force, torque, current or acceleration
 identify-say-output = what was measured: --output position, velocity or acceleration
-identify-say-constant = --constant, the force or torque per ampere (in N/A or N m/A), which the motor's data sheet states
-identify-current-without-constant = a current (columns { $found }); say --constant, the force or torque per ampere (in N/A or N m/A), which the motor's data sheet states
+identify-say-constant = --constant, the { word-force } or torque per ampere (in N/A or N m/A), which the motor's data sheet states
+identify-current-without-constant = a current (columns { $found }); say --constant, the { word-force } or torque per ampere (in N/A or N m/A), which the motor's data sheet states
 identify-column-contradicts = { $name } has the unit { $unit }, which is that of { $signal }: are columns swapped, or is the unit wrong?
-identify-rotary-on-linear = the response is that of a turning motor, the axis of the profile is linear; state drive.lead (travel per turn), or convert force and travel to the axis
+identify-rotary-on-linear = the response is that of a turning motor, the axis of the profile is linear; state drive.lead (travel per turn), or convert { word-force } and travel to the axis
 identify-linear-on-rotary = the response is that of a linear motion, the axis of the profile turns
 identify-motor-to-axis = converted from the motor to the axis with { PLAIN($turn, digits: 6) } rad of the motor per metre
 identify-sensor-assumed = { $name }: taken as the motor's encoder, since nothing else is said (--sensor)
 identify-unit-assumed = the unit of the response ("{ $found }") does not tell its scale: taken as SI; a wrong factor shows in the mass
 identify-si-assumed = no unit in the file, taken as SI: { $names }
 identify-ignored = columns not used: { $names }
-identify-set-force = { $name } is the setpoint of the force: the delay of the current loop is part of the delay that is found
+identify-set-force = { $name } is the setpoint of the { word-force }: the delay of the current loop is part of the delay that is found
 
 identify-no-motion = no motion among the columns { $found }, or it stands still
-identify-no-excitation = the force does not change (columns { $found }); excite the axis
+identify-no-excitation = the { word-force } does not change (columns { $found }); excite the axis
 identify-incoherent = input and output have nothing to do with each other (coherence below 0.3; columns { $found }); excite more, or check which columns they are
-identify-nothing-rings = no force, and nothing rings and dies away (columns { $found }); record a force, or let the record end well after the move
+identify-nothing-rings = no { word-force }, and nothing rings and dies away (columns { $found }); record { word-a-force }, or let the record end well after the move
 identify-by-blows = estimated from { $count } blows, { TIME($duration) } each
 identify-not-died-away = { SHARE($share) } of a response was left when the next blow came: damping is read too large; wait longer between blows
 identify-single-blow = a single blow: no coherence, so intervals come from the misfit alone; strike five times or more
@@ -122,10 +122,10 @@ identify-by-welch = estimated by Welch with a window of { TIME($window) } (lines
 identify-welch-too-coarse = lines { FREQUENCY($spacing) } apart are too coarse for the sharpest peak, { FREQUENCY($width) } wide: damping is read too large; record longer
 identify-joint-estimate = the recorded excitation was used (joint input-output estimate): the closed loop does not bias the response
 identify-no-reference = no excitation was recorded: if the loop was closed, lines with low coherence ({ SHARE($share) } of them are below 0.9) are biased; record the excitation, too
-identify-reference-silent = the recorded excitation does not move the force in these lines, so it was not used: if the loop was closed, lines with low coherence ({ SHARE($share) } of them are below 0.9) are biased
+identify-reference-silent = the recorded excitation does not move the { word-force } in these lines, so it was not used: if the loop was closed, lines with low coherence ({ SHARE($share) } of them are below 0.9) are biased
 identify-same-sensor = the same sensor also gave { $names }; the clearer response is used
-identify-by-decay = free vibration from { TIME($start) } on, { TIME($duration) } long; its modes explain { SHARE($explained) } of it; no force, so neither mass nor gains
+identify-by-decay = free vibration from { TIME($start) } on, { TIME($duration) } long; its modes explain { SHARE($explained) } of it; no { word-force }, so neither mass nor gains
 identify-loop-in-decay = a setpoint was followed: these are vibrations of the axis in its closed loop, whose damping the loop changes
-identify-by-power = no force was recorded and nothing dies away: taken as a spectrum, which gives frequencies and damping, neither mass nor gains
-identify-hold = if the force is held between samples, as drives do, gains above { FREQUENCY($limit) } are read more than 1 % too small; sample faster if modes lie there
+identify-by-power = no { word-force } was recorded and nothing dies away: taken as a spectrum, which gives frequencies and damping, neither mass nor gains
+identify-hold = if the { word-force } is held between samples, as drives do, gains above { FREQUENCY($limit) } are read more than 1 % too small; sample faster if modes lie there
 identify-no-motor-acceleration = no acceleration of the motor among { $found }; --input acceleration needs it beside a signal at the tool: --columns "motor_acceleration=..." and FILE@tcp

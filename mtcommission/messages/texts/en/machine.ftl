@@ -21,19 +21,25 @@ mode-unseen = neither tool nor encoder sees it; it costs time in the optimum for
 mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
 mode-bends-far = the full { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } bends the tool by { SI($deflection, "LENGTH", digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { SI($band, "LENGTH", digits: 3) }; check the stiffness and the band
-force-hardly-moves-axis = { SI($force, "FORCE") } on { SI($mass, "MASS") } give { SI($acceleration, "ACCELERATION", digits: 3) }, which hardly moves the axis; check both units
-force-beyond-axis = { SI($force, "FORCE") } on { SI($mass, "MASS") } give { SI($acceleration, "ACCELERATION", digits: 3) }, which is more than a machine axis bears; check both units
-static-load-large = { SI($load, "FORCE") } take more than half of max_force = { SI($max_force, "FORCE") }; consider a counterbalance
-continuous-force-above-max = { SI($force, "FORCE") } is above max_force = { SI($max_force, "FORCE") }, so it limits nothing; the two may be swapped
+force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+    [open-loop] { "" }
+   *[other] { " " }on { SI($mass, "MASS") }
+} give { SI($acceleration, "ACCELERATION", digits: 3) }, which hardly moves the axis; check both units
+force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+    [open-loop] { "" }
+   *[other] { " " }on { SI($mass, "MASS") }
+} give { SI($acceleration, "ACCELERATION", digits: 3) }, which is more than a machine axis bears; check both units
+static-load-large = { SI($load, "FORCE") } take more than half of { word-max-force } = { SI($max_force, "FORCE") }; consider a counterbalance
+continuous-force-above-max = { SI($force, "FORCE") } is above { word-max-force } = { SI($max_force, "FORCE") }, so it limits nothing; the two may be swapped
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } loop (servo drives: 0.5 to 5 ms)
 move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this move; check { $axis ->
     [rotary] angle, velocity and torque
-   *[linear] distance, velocity and force
+   *[linear] distance, velocity and { word-force }
 }
 move-fast = { SI($velocity, "VELOCITY") } is faster than machine axes move, { SI($fastest, "VELOCITY") }; check the unit
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } is finer than encoders resolve; check the unit
@@ -75,7 +81,7 @@ assumed-frequency-spread = frequencies off by up to ±{ SHARE($spread) }
 assumed-damping-spread = damping ratios off by up to ±{ SHARE($spread) }
 assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) } of the { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what drive.acceleration_curve leaves up to { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = the kind of control (control.kind)
@@ -87,14 +93,14 @@ assumed-position-cycle = position cycle { TIME($cycle) }
 assumed-velocity-cycle = velocity cycle { TIME($cycle) }
 assumed-static-load = weight or process { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } { QUANTITY($load, $unit) }
 assumed-dwell = rest of { TIME($dwell) } after move { $number }
 assumed-keys = not measured: { $keys }
 neglected-steps = open-loop steps (a stiff position loop stands in for the motor)
 neglected-force-over-speed = { $axis ->
-    [rotary] torque falling with speed (max_force holds at the fastest)
-   *[linear] force falling with speed (max_force holds at the fastest)
+    [rotary] torque falling with speed ({ word-max-force } holds at the fastest)
+   *[linear] { word-force } falling with speed ({ word-max-force } holds at the fastest)
 }
 neglected-heat = heating of the motor (state drive.continuous_force)
 neglected-friction = friction and backlash (errors at standstill of their own)

@@ -1,12 +1,12 @@
 # Names of states, outputs and keys of the profile.
 
 name-F-set = { $axis ->
-    [rotary] Set torque F_set
-   *[linear] Set force F_set
+    [rotary] Set torque { word-f-set }
+   *[linear] Set { word-force } { word-f-set }
 }
 name-F = { $axis ->
     [rotary] Torque F
-   *[linear] Force F
+   *[linear] { word-force-first } F
 }
 name-tcp = Tool centre point
 name-tcp-vibration = Elastic deflection at the tool
@@ -25,14 +25,14 @@ name-switching-slopes = Slope of the switching function at each switch
 name-switching-law-holds = Switching law holds on the whole interval
 name-terminal-jacobian-rank = Rank of the Jacobian of the terminal conditions
 name-terminal-jacobian-condition = Its condition number, scaled
-name-law-residual = Largest deviation from the control law, relative to F_max
+name-law-residual = Largest deviation from the control law, relative to { word-f-max }
 name-tcp-deviation = Permitted TCP deviation (band)
 name-tcp-gain = Gain at the tool
 name-measured-gain = Gain at the encoder
 name-tcp-height = TCP height h, signed
 name-force-lag = { $axis ->
     [rotary] Time constant of the torque loop T
-   *[linear] Time constant of the force loop T
+   *[linear] Time constant of the { word-force } loop T
 }
 name-Kv = Position gain Kv
 name-Kp = Velocity gain Kp
@@ -48,7 +48,7 @@ name-contour-feed = Largest feed for that
 name-band = Reserve: usable share of the band
 name-force = { $axis ->
     [rotary] Reserve: usable share of the torque
-   *[linear] Reserve: usable share of the force
+   *[linear] Reserve: usable share of the { word-force }
 }
 name-base-mass = { $axis ->
     [rotary] Base moment of inertia
@@ -76,11 +76,11 @@ name-velocity-cycle = Velocity cycle
 name-drive-kind = Kind of drive
 name-max-force = { $axis ->
     [rotary] Max torque
-   *[linear] Max force
+   *[linear] Max { word-force }
 }
 name-continuous-force = { $axis ->
     [rotary] Continuous torque
-   *[linear] Continuous force
+   *[linear] Continuous { word-force }
 }
 name-static-load = Static load
 name-coulomb-friction = Coulomb friction

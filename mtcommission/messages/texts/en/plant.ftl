@@ -13,10 +13,10 @@ damping-ratio-beyond-one = got { PLAIN($got, digits: 6) }, must be >= 0 and < 1
 modes-at-one-frequency = modes { $one } and { $other } at { PLAIN($frequency, digits: 6) } Hz
 # $modes: modes-at-one-frequency
 equal-poles = { $modes }: { modes-have-equal-poles }
-mode-not-driven = mode { $mode } is not driven by the force (lever arm 0)
+mode-not-driven = mode { $mode } is not driven by the { word-force } (lever arm 0)
 state-mode-unknown = names none of the modes of [plant], must be { $names }
 state-named-twice = got "{ $name }" twice, states must have different names
 mode-named-twice = got "{ $name }" twice, names must differ
-lever-arm-zero = got 0, but the force must turn the tower; give the arm, or describe the axis as kind = "modal"
+lever-arm-zero = got 0, but the { word-force } must turn the tower; give the arm, or describe the axis as kind = "modal"
 # $got, $most: in $unit
 damping-beyond-critical = got { PLAIN($got, digits: 6) } { $unit }, a damping ratio of { PLAIN($ratio, digits: 3) }; must be < { PLAIN($most, digits: 4) } { $unit } (ratio 1)

@@ -68,8 +68,8 @@ must-be-at-least = got { $got }, must be >= { PLAIN($bound, digits: 6) }{ $unit 
 must-be-between = got { $got }, must be from { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) }{ $unit }; check the unit
 
 # What does not fit together.
-static-load-takes-all = got { PLAIN($got, digits: 6) } { $unit } against max_force = { PLAIN($max_force, digits: 6) } { $unit }; its amount must be smaller, or no force is left for motion
-friction-takes-all = got { PLAIN($got, digits: 6) } { $unit }, must be below what max_force leaves beside static_load, { PLAIN($left, digits: 6) } { $unit }
+static-load-takes-all = got { PLAIN($got, digits: 6) } { $unit } against { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit }; its amount must be smaller, or no { word-force } is left for motion
+friction-takes-all = got { PLAIN($got, digits: 6) } { $unit }, must be below what { word-max-force } leaves beside static_load, { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = got neither of velocity_step and distance, give exactly one
 move-with-both = got both of velocity_step and distance, give exactly one
 max-velocity-without-distance = belongs to a move with distance; give distance, or remove it

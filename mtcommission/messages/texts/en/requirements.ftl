@@ -5,11 +5,11 @@ requirement-settling-time = settling time
 requirement-contour-deviation = contour deviation
 requirement-set-force = { $axis ->
     [rotary] set torque
-   *[linear] set force
+   *[linear] set { word-force }
 }
 requirement-rms-force = { $axis ->
     [rotary] RMS torque
-   *[linear] RMS force
+   *[linear] RMS { word-force }
 }
 # $signal: a state or output of the plant, as the profile spells it
 requirement-peak = peak { SYMBOL($signal) }

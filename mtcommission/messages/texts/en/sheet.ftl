@@ -95,7 +95,7 @@ all-kept-between = all kept from { $low } to { $high }
 not-kept-nominally = requirements not kept even as stated
 reserve-kept = { $axis ->
     [rotary] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the torque
-   *[linear] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the force
+   *[linear] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the { word-force }
 }
 position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
 position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
@@ -105,7 +105,7 @@ contour-judged-to-feed = A tool working along a path is judged by the contour de
 contour-not-judged = Judged once the tool must be still. During the move it is up to { $peak } off: for work along a path state contour_deviation.
 encoder-steps = { $axis ->
     [rotary] steps of { $resolution } move the tool by up to ± { $tool } and the set torque by ± { $force }
-   *[linear] steps of { $resolution } move the tool by up to ± { $tool } and the set force by ± { $force }
+   *[linear] steps of { $resolution } move the tool by up to ± { $tool } and the set { word-force } by ± { $force }
 }
 share-used = Used
 yes-without-reserve = yes, reserve used
@@ -116,7 +116,7 @@ reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; 
 band-optimum = With the band of ± { $band } instead of exact rest: { $optimum } (recommended: { $change }; proved: nothing below { $bound }).
 robust-force = { $axis ->
     [rotary] A torque profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
-   *[linear] A force profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
+   *[linear] { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
 }
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-composed = { $optimum } (composed, the optimum was not found; proved: not below { $bound })
@@ -175,13 +175,13 @@ rule-steps-caption = The rule, step by step
 rule-symbols-caption = Symbols of the rule (index i: a mode; values by mode: { $modes })
 rule-symbol-F = { $axis ->
     [rotary] Torque left for motion
-   *[linear] Force left for motion
+   *[linear] { word-force-first } left for motion
 }
 rule-symbol-v = Change of velocity, or largest velocity, of each move
 rule-symbol-L = Length of each positioning move
 rule-symbol-m = { $axis ->
     [rotary] Moving moment of inertia; in the torque condition with the largest payload
-   *[linear] Moving mass; in the force condition with the largest payload
+   *[linear] Moving mass; in the { word-force } condition with the largest payload
 }
 rule-symbol-m-ff = { $axis ->
     [rotary] Moment of inertia in the feed-forward
@@ -215,7 +215,7 @@ chosen = chosen
 residual-border = residual deviation = band { $band }
 usage-border = { $axis ->
     [rotary] torque, RMS torque or a bounded peak just reached
-   *[linear] force, RMS force or a bounded peak just reached
+   *[linear] { word-force }, RMS { word-force } or a bounded peak just reached
 }
 hatched = { $caption } (hatched: not settled)
 
@@ -240,19 +240,19 @@ not-stated = not stated
 responses-heading = Responses
 responses-caption = { $axis ->
     [rotary] { $move }: setpoint, tool deviation, torque; nominal machine
-   *[linear] { $move }: setpoint, tool deviation, force; nominal machine
+   *[linear] { $move }: setpoint, tool deviation, { word-force }; nominal machine
 }
 responses-alt = { $axis ->
     [rotary] Acceleration of setpoint and response, deviation of the tool, and set torque over time. The tool is at most { $peak } off, settled after { $settling }; set torque at most { $force }.
-   *[linear] Acceleration of setpoint and response, deviation of the tool, and set force over time. The tool is at most { $peak } off, settled after { $settling }; set force at most { $force }.
+   *[linear] Acceleration of setpoint and response, deviation of the tool, and set { word-force } over time. The tool is at most { $peak } off, settled after { $settling }; set { word-force } at most { $force }.
 }
 yardstick-caption = { $axis ->
     [rotary] Each move on the nominal machine; least times that the torque allows (move takes longer by)
-   *[linear] Each move on the nominal machine; least times that the force allows (move takes longer by)
+   *[linear] Each move on the nominal machine; least times that the { word-force } allows (move takes longer by)
 }
 yardstick-note = { $axis ->
     [rotary] Least times (time-optimal): with the torque of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
-   *[linear] Least times (time-optimal): with the force of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
+   *[linear] Least times (time-optimal): with the { word-force } of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
 }
 move-head = Move
 exact-rest = Least time, exact rest
@@ -261,12 +261,12 @@ robust-short = In the band over the spread
 motion-heading = Optimum, recommendation and response
 drive-caption = { $axis ->
     [rotary] { $move }: torque, acceleration and velocity
-   *[linear] { $move }: force, acceleration and velocity
+   *[linear] { $move }: { word-force }, acceleration and velocity
 }
 vibration-caption = { $move }: vibration and TCP deviation
 motion-alt = { $axis ->
     [rotary] Curves over time of { $signals }. Set torque of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
-   *[linear] Curves over time of { $signals }. Set force of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
+   *[linear] Curves over time of { $signals }. Set { word-force } of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
 }
 motion-note = All plots of a move share the time axis. Optima end in exact rest at t_f; the acceleration shown for them and for the response is F/m. The setpoint is shown as commanded; the deviation is counted from the setpoint delayed by { $delay }.
 constrained = time-optimal, bounded
@@ -284,7 +284,7 @@ setpoint-behind-filter = Behind it the setpoint filter of the control ({ $filter
 comparison-heading = Comparison with the optimal controls
 comparison-note = { $axis ->
     [rotary] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor torque.
-   *[linear] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor force.
+   *[linear] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor { word-force }.
 }
 controls-caption = { $move }: ways of doing the move
 control = Control
@@ -297,7 +297,7 @@ fed-forward-caption = { $move }: the optimal control itself fed forward, on the 
 fed-forward-lost = Machines (corners of payload and spread) on which it does not settle: { $machines }.
 saturated-share = { $axis ->
     [rotary] Time without torque left
-   *[linear] Time without force left
+   *[linear] Time without { word-force } left
 }
 claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
 why-not = Why the optimum is not simply entered:
@@ -315,7 +315,7 @@ open-loop-measured = open loop with the measured axis ({ $file })
 diagram-caption = Structure of the loop
 diagram-alt = { $axis ->
     [rotary] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, torque limit and torque loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
-   *[linear] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, force limit and force loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
+   *[linear] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, { word-force } limit and { word-force } loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
 }
 diagram-delay = Delay
 diagram-cycle = cycle { $cycle }
@@ -326,7 +326,7 @@ diagram-observer = Observer
 diagram-gains = gains: { $count }, see table
 margins-caption = { $axis ->
     [rotary] Stability, loop cut at the set torque
-   *[linear] Stability, loop cut at the set force
+   *[linear] Stability, loop cut at the set { word-force }
 }
 margin = Margin
 nominal = Nominal machine
@@ -338,15 +338,15 @@ stiffness-short = Least dynamic stiffness
 loop-corners-caption = The loop in every corner of payload and spread
 disturbance-caption = { $axis ->
     [rotary] Response of the tool to a step of torque about the axis of the drive
-   *[linear] Response of the tool to a step of force on the line of the drive
+   *[linear] Response of the tool to a step of { word-force } on the line of the drive
 }
 disturbance-alt = { $axis ->
     [rotary] Rotation of the tool per torque over time, one curve for each loop. Largest values: { $largest }.
-   *[linear] Displacement of the tool per force over time, one curve for each loop. Largest values: { $largest }.
+   *[linear] Displacement of the tool per { word-force } over time, one curve for each loop. Largest values: { $largest }.
 }
 deflection = { $axis ->
     [rotary] Rotation of the tool per torque
-   *[linear] Displacement of the tool per force
+   *[linear] Displacement of the tool per { word-force }
 }
 delays-caption = Delays in each path of the loop
 path = Path
@@ -359,7 +359,7 @@ jerk-feedforward-caption = What the jerk feed-forward changes, recommended limit
 jerk-weight = Weight of the jerk feed-forward
 wanted-force = { $axis ->
     [rotary] Set torque wanted, peak
-   *[linear] Set force wanted, peak
+   *[linear] Set { word-force } wanted, peak
 }
 phase-margin = Phase margin
 sensitivity-peak = Sensitivity peak
@@ -382,7 +382,7 @@ dynamic-stiffness = Least dynamic stiffness at the tool
 stiffness-at = { $stiffness } at { $frequency }
 bode-caption = { $axis ->
     [rotary] Frequency response: open loop (cut at the set torque), closed velocity loop
-   *[linear] Frequency response: open loop (cut at the set force), closed velocity loop
+   *[linear] Frequency response: open loop (cut at the set { word-force }), closed velocity loop
 }
 bode-alt = Magnitude and phase over frequency. Gain margin { $gain }, phase margin { $phase }, bandwidth of the velocity loop { $bandwidth }.
 magnitude = Magnitude in dB
@@ -397,7 +397,7 @@ machine-state = State
 dampings = Damping
 max-force = { $axis ->
     [rotary] Largest set torque
-   *[linear] Largest set force
+   *[linear] Largest set { word-force }
 }
 saturated = Saturated
 
@@ -413,7 +413,7 @@ has-setpoint-filters = setpoint filter
 has-velocity-feedforward = velocity feed-forward
 has-acceleration-feedforward = { $axis ->
     [rotary] torque feed-forward
-   *[linear] force feed-forward
+   *[linear] { word-force } feed-forward
 }
 has-jerk-feedforward = jerk feed-forward
 has-reference-delay = balancing of the setpoint
@@ -424,7 +424,7 @@ has-position-gain = position gain Kv
 has-velocity-gain = velocity gain Kp, integral time Tn
 has-force-filters = { $axis ->
     [rotary] filters in the torque setpoint
-   *[linear] filters in the force setpoint
+   *[linear] filters in the { word-force } setpoint
 }
 has-state-feedback = state feedback
 
@@ -502,11 +502,11 @@ measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer 
 measure-how-held = Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
 measure-how-2 = { $axis ->
     [rotary] Moving moment of inertia: motor torque over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
-   *[linear] Moving mass: motor force over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
+   *[linear] Moving mass: motor { word-force } over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
 }
 measure-how-3 = { $axis ->
     [rotary] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set torque.
-   *[linear] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set force.
+   *[linear] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set { word-force }.
 }
 measure-how-4 = { $axis ->
     [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
@@ -514,7 +514,7 @@ measure-how-4 = { $axis ->
 }
 measure-how-5 = { $axis ->
     [rotary] Torques: trace of the drive (torque or current setpoint).
-   *[linear] Forces: trace of the drive (force or current setpoint).
+   *[linear] Forces: trace of the drive ({ word-force } or current setpoint).
 }
 measure-caption = Calculated and measured values
 measurement = Measurement

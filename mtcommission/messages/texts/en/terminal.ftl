@@ -4,7 +4,7 @@ terminal-head-mode = Mode
 terminal-head-frequency = Frequency
 terminal-head-damping-ratio = Damping ratio
 terminal-head-seen = Seen by encoder
-terminal-head-tool-at-full-force = Tool at F_max
+terminal-head-tool-at-full-force = Tool at { word-f-max }
 terminal-head-state = State
 terminal-head-payload = Payload
 terminal-head-frequencies = Freq.
@@ -20,7 +20,7 @@ terminal-head-reason = Reason
 terminal-head-arc = Arc
 terminal-head-from = From
 terminal-head-to = To
-terminal-head-set-force = F_set
+terminal-head-set-force = { word-f-set }
 terminal-head-signal = State or output
 terminal-head-peak = Peak
 terminal-head-terminal-error = Terminal error
@@ -50,19 +50,19 @@ terminal-arc-interior = interior
 terminal-arc-boundary = boundary:{ $limit }
 terminal-more-arcs = { $count } more:
 terminal-see-json = see --json
-terminal-final-time = t_f = { $t_f } at F_max = { PLAIN($force, digits: 6) } { $unit }, method { $method }
+terminal-final-time = t_f = { $t_f } at { word-f-max } = { PLAIN($force, digits: 6) } { $unit }, method { $method }
 terminal-grid-proves-nothing = A grid proves no lower bound of t_f; --method exact does.
 terminal-lower-bound = No control is faster than { $bound } (relative gap { PLAIN($gap, digits: 1, style: "e") }).
 terminal-loose-proof = At most { PLAIN($percent, digits: 1) } % slower than the optimum; exact arcs were not found.
-terminal-law-in-cells = { -switching-law }: kept to one cell of a mesh. Arcs named "interior" ({ PLAIN($percent, digits: 2) } % of t_f) stand for switches and touch points too close to be told apart; the proof of t_f does not rest on them. What the force does there is in --csv.
-terminal-law-fails = { -switching-law }: DOES NOT HOLD.
+terminal-law-in-cells = { switching-law }: kept to one cell of a mesh. Arcs named "interior" ({ PLAIN($percent, digits: 2) } % of t_f) stand for switches and touch points too close to be told apart; the proof of t_f does not rest on them. What the { word-force } does there is in --csv.
+terminal-law-fails = { switching-law }: DOES NOT HOLD.
 terminal-origin-of-final-time = t_f is { $origin }.
 terminal-final-time-of-option = that of --t-f
 terminal-final-time-of-profile = that of the profile (damping_optimal.t_f)
 terminal-final-time-by-default = { PLAIN($factor, digits: 6) } times t_f,min: neither --t-f nor the profile gives one
 terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
 terminal-velocity-exceeded = max_velocity is no part of this optimum: |{ $name }| exceeds it by { PLAIN($percent, digits: 2) } %; --limit { $name }=... with --method transcription keeps it.
-terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; law (16) kept to { PLAIN($residual, digits: 1, style: "e") } F_max.
+terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; law (16) kept to { PLAIN($residual, digits: 1, style: "e") } { word-f-max }.
 terminal-reached = reached
 terminal-not-reached = not reached
 terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the points of the grid
@@ -83,13 +83,13 @@ terminal-response = Response of the loop
 terminal-nominal = nominal
 terminal-saturated = { $force } saturated
 
--switching-law = Switching law F_set = -sign(lambda_F) F_max
+switching-law = Switching law { word-f-set } = -sign({ word-lambda }) { word-f-max }
 # $grid, $boundary: yes or no
-terminal-jerk-law = Switching law jerk = -sign(lambda_F) j_max: { $holds ->
+terminal-jerk-law = Switching law jerk = -sign({ word-lambda }) j_max: { $holds ->
     [yes] holds where no bound is kept
    *[no] not confirmed
 }.
-terminal-law-holds = { -switching-law }: holds{ $grid ->
+terminal-law-holds = { switching-law }: holds{ $grid ->
     [yes] { " " }within a step of the grid
    *[no] { "" }
 }{ $boundary ->

@@ -8,7 +8,7 @@ dimension-length = a length
 dimension-angle = an angle
 dimension-time = a time
 dimension-frequency = a frequency
-dimension-force = a force
+dimension-force = { word-a-force }
 dimension-torque = a torque
 dimension-moment-of-inertia = a moment of inertia
 dimension-velocity = a velocity
@@ -33,7 +33,7 @@ dimension-ratio = a ratio
 # The same without article.
 dimension-length-bare = length
 dimension-angle-bare = angle
-dimension-force-bare = force
+dimension-force-bare = { word-force }
 dimension-torque-bare = torque
 dimension-velocity-bare = velocity
 dimension-angular-velocity-bare = angular velocity
@@ -75,3 +75,40 @@ quantity-without-number = got "{ $got }", which does not begin with a number; { 
 number-infinite = got "{ $got }", must be a finite number
 number-with-separators = got "{ $got }"; write the number without thousands separators
 number-with-comma = got "{ $got }" with a comma; write it with a point: "{ $wanted }"
+
+# What a force is called on an open-loop axis, whose motor is driven by its acceleration.
+word-force = { $axis ->
+    [open-loop] acceleration
+   *[other] force
+}
+word-force-first = { $axis ->
+    [open-loop] Acceleration
+   *[other] Force
+}
+word-a-force = { $axis ->
+    [open-loop] an acceleration
+   *[other] a force
+}
+word-a-force-first = { $axis ->
+    [open-loop] An acceleration
+   *[other] A force
+}
+# As a first and a last part of a German word.
+word-force-before = { word-force }
+word-force-behind = { word-force }
+word-f-max = { $axis ->
+    [open-loop] a_max
+   *[other] F_max
+}
+word-f-set = { $axis ->
+    [open-loop] a_set
+   *[other] F_set
+}
+word-lambda = { $axis ->
+    [open-loop] lambda B
+   *[other] lambda_F
+}
+word-max-force = { $axis ->
+    [open-loop] max_acceleration
+   *[other] max_force
+}

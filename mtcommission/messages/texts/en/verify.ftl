@@ -29,7 +29,7 @@ verify-setpoint-jerk = jerk of the setpoint
 verify-peak-deviation = peak deviation
 verify-max-force = largest { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 }
 verify-reference-delay = delay to the setpoint
 verify-frequency = frequency
@@ -54,7 +54,7 @@ verify-too-short = the record ends { TIME($got) } after the setpoint; the slowes
 verify-noise-above-band = the noise floor { LENGTH($noise) } is above the band { LENGTH($band) }
 verify-no-force = { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } was not recorded
 verify-dwell-not-recorded = the bound is for the mean over { TIME($needed) }, move and dwell; { TIME($got) } of it were recorded
 verify-delay-not-recorded = the setpoint was recorded behind the delay, which is therefore not seen
@@ -82,7 +82,7 @@ verify-unit-contradicts = { $name } [{ $unit }] cannot be { $role }; give --colu
 verify-two-columns = { $names } may each be { $role }; say which by --columns { $role }=COLUMN
 verify-constant-missing = { $name } is a current; give { $axis ->
     [rotary] --constant, the torque per ampere at the axis, e.g. --constant 1.2
-   *[linear] --constant, the force per ampere, e.g. --constant 80
+   *[linear] --constant, the { word-force } per ampere, e.g. --constant 80
 }
 verify-other-motion = { $name } [{ $unit }] belongs to another kind of axis; state drive.lead (and drive.gear) in the profile, or record values of the axis
 verify-other-travel = { $name } travels { NUMBER($ratio, digits: 3) } times as far as { $reference }; one of the units is wrong, give it by --columns NAME=COLUMN [unit]
@@ -109,7 +109,7 @@ verify-plot-tcp = deviation of the tool / { $unit }
 verify-plot-encoder = deviation of the encoder / { $unit }
 verify-plot-force = { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } / { $unit }
 verify-plot-difference = measured less predicted / { $unit }
 verify-line-measured = measured
@@ -143,7 +143,7 @@ verify-tested = { $moves ->
 } { SHARE($before) } and { SHARE($after) } (RMS) of the deviation.
 verify-force-left = Of the { $axis ->
     [rotary] torque
-   *[linear] force
+   *[linear] { word-force }
 } { SHARE($share) } are left.
 verify-limit-acceleration = Acceleration
 verify-limit-jerk = Jerk

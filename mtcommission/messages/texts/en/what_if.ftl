@@ -31,7 +31,7 @@ what-if-landscape = Strong tint: slow; hatched: a requirement is not met. Tap or
    *[no] Ring: recommended (green).
 }
 what-if-bode-caption = Open loop with a notch
-what-if-bode = Cut at the set force; now: green, with the notch: blue. Drag the point for frequency and depth.
+what-if-bode = Cut at the set { word-force }; now: green, with the notch: blue. Drag the point for frequency and depth.
 what-if-phase = Phase of the open loop: now (green), with the notch (blue)
 what-if-margins = Margins with the notch
 what-if-margins-now = Now, nominal
@@ -65,11 +65,11 @@ what-if-all-met = All requirements met by this move on all { $count } machines.
 what-if-missed-check = { $name }: { $value }, allowed { $limit }
 what-if-saturated = { $axis ->
     [rotary] This asks for more torque than there is; the command simulate shows the saturated motion.
-   *[linear] This asks for more force than there is; the command simulate shows the saturated motion.
+   *[linear] This asks for more { word-force } than there is; the command simulate shows the saturated motion.
 }
 what-if-saturated-short = { $axis ->
     [rotary] more torque than there is
-   *[linear] more force than there is
+   *[linear] more { word-force } than there is
 }
 what-if-tried-machine = The machine with { $place } is looked at besides; its residual deviation is { $value }.
 what-if-sizes-met = Requirements kept at all { $count } sizes of move that were looked at (from 1 % up; the command simulate bounds those between, too).
