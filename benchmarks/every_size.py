@@ -7,7 +7,7 @@ Random machines over all kinds of control and drive, with the loop of ``tune_loo
 kept. The grid: filters of the control, jerk times from 1 ms to 3 s, accelerations, judged from the
 fastest on, then refined about the best. The judge is this file's own: plain
 sizes of each move, dense ones before anything counts; with the search it shares the loop's response
-alone (``mtcommission.loop.free_motion``), which tests/test_respond.py holds to the stepped loop.
+alone (``mtcommission.loop.respond``), which tests/test_respond.py holds to the stepped loop.
 
 The former benchmark found nothing where others found a seventh of all machines 2 % behind: its
 machines had the control ``generic`` alone, at cycles of 1 ms mostly; its grid ended at a jerk time
@@ -32,10 +32,8 @@ from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGE
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
-from mtcommission.loop.extremes import extremes
-from mtcommission.loop.free_motion import free_motion, lay_grid
-from mtcommission.loop.motions import outputs_at, set_in_motion
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
 from mtcommission.machine.setpoint_filter import SetpointFilter

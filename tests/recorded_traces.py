@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import build_loop
-from mtcommission.loop.nonlinear import drive_loop, find_friction
+from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.machine.machine import Move
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.plant.plant import build_plant

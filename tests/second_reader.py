@@ -16,7 +16,7 @@ import numpy as np
 import yaml
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.model.controller import Controller, no_observer
+from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.variations import corners, vary
@@ -302,7 +302,7 @@ def controller_of(reading: Reading, machine: Machine) -> Controller:
         ),
         sensors=("encoder",),
         state_gains=np.zeros(build_plant(machine).order),
-        observer=no_observer(n_sensors=1),
+        observer=NO_OBSERVER,
     )
 
 

@@ -14,11 +14,9 @@ from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Assessment, assess, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.analysis.quantisation import encoder_noise
-from mtcommission.loop.extremes import extremes
-from mtcommission.loop.free_motion import free_motion, lay_grid
-from mtcommission.loop.motions import set_in_motion
+from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import find_poles
+from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.disturbance import simulate_disturbance
-from mtcommission.loop.analysis.frequency import scan
+from mtcommission.loop.analysis import scan
+from mtcommission.loop.disturbance import simulate_disturbance
+from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.simulate import simulate
-from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
+from mtcommission.loop.tuning.gains import add_state_feedback, design_observer, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
@@ -89,10 +90,9 @@ def assert_is_the_diagram(tuned: TunedLoop) -> None:
     for loop in tuned.loops:
         ours = loop.lifted
         theirs = build_lifted_model(loop.plant, tuned.controller, model=believed)
-        assert (ours.dt, ours.states) == (theirs.dt, tuple(theirs.state_labels))
-        assert len(ours.outputs) == theirs.noutputs
-        n = len(ours.inputs)
-        assert ours.inputs == tuple(theirs.input_labels[:n])
+        assert (ours.dt, loop.states) == (theirs.dt, tuple(theirs.state_labels))
+        n = len(INPUTS)
+        assert tuple(theirs.input_labels[:n]) == INPUTS
         assert_same(ours.A, theirs.A)
         assert_same(ours.B, theirs.B[:, :n])
         assert_same(ours.C, theirs.C)

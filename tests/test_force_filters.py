@@ -12,7 +12,6 @@ import pytest
 from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.errors import InputError
 from mtcommission.loop.model.controller import filter_delay, filter_polynomials
-from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.family import (
     FilteredLoop,
     LoopFamily,
@@ -20,6 +19,7 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
+from mtcommission.loop.tuning.gains import Shape
 from mtcommission.loop.tuning.tuned import (
     TunedLoop,
     TuningSettings,

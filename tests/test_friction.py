@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mtcommission.loop.nonlinear import find_friction
+from mtcommission.loop.simulate import find_friction
 from mtcommission.machine.machine import Drive
 from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine

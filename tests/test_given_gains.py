@@ -8,8 +8,8 @@ from math import pi
 import pytest
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.tuning.cascade import symmetrical_optimum
 from mtcommission.loop.tuning.family import cascade_family, propose_cascades
+from mtcommission.loop.tuning.gains import symmetrical_optimum
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback

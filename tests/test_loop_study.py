@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.judge import evaluate
-from mtcommission.loop.analysis.disturbance import simulate_disturbance
+from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine

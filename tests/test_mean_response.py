@@ -7,10 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.loop import poles as pole_module
-from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.mean_response import average_phases
-from mtcommission.loop.motions import OUTPUTS, set_in_motion, tool_deviation
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.respond import OUTPUTS, free_motion, lay_grid, set_in_motion, tool_deviation
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mtcommission.loop.analysis.analysis import MixedMode, find_mixed_modes
+from mtcommission.loop.analysis import MixedMode, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.messages.catalogue import Catalogue
@@ -37,11 +37,11 @@ def test_a_deflected_base_rings_as_the_sentence_says(tuned: TunedLoop, base: Mix
     plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     state = np.zeros(len(lifted.A))
     deflection = plant.modes[0].deflection
-    state[lifted.states.index(f"plant.{plant.states[deflection]}")] = 1.0
-    state[lifted.states.index(f"observer.{plant.states[deflection]}")] = 1.0
+    state[tuned.loops[0].states.index(f"plant.{plant.states[deflection]}")] = 1.0
+    state[tuned.loops[0].states.index(f"observer.{plant.states[deflection]}")] = 1.0
     motion = []
     for _ in range(250):
-        motion.append(state[lifted.states.index(f"plant.{plant.states[deflection]}")])
+        motion.append(state[tuned.loops[0].states.index(f"plant.{plant.states[deflection]}")])
         state = lifted.A @ state
     late = np.array(motion[60:])  # the faster poles are gone: e^-8 of 62 1/s
     cuts = np.flatnonzero(late[:-1] * late[1:] < 0.0)
@@ -61,9 +61,10 @@ def test_shares_are_those_of_the_loop_in_observer_errors(tuned: TunedLoop, base:
     plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     turn = np.eye(len(lifted.A))
     for name in plant.states:
-        if f"observer.{name}" in lifted.states:
+        if f"observer.{name}" in tuned.loops[0].states:
             turn[
-                lifted.states.index(f"observer.{name}"), lifted.states.index(f"plant.{name}")
+                tuned.loops[0].states.index(f"observer.{name}"),
+                tuned.loops[0].states.index(f"plant.{name}"),
             ] = -1.0
     moved = turn @ lifted.A @ np.linalg.inv(turn)
     z, right = np.linalg.eig(moved)
@@ -73,7 +74,10 @@ def test_shares_are_those_of_the_loop_in_observer_errors(tuned: TunedLoop, base:
     z, left, right = z[alive], left[:, alive], right[:, alive]
     part = np.abs(left * right) / np.abs(np.sum(left * right, axis=0))
     mode = plant.modes[0]
-    rows = [lifted.states.index(f"plant.{plant.states[i]}") for i in (mode.deflection, mode.rate)]
+    rows = [
+        tuned.loops[0].states.index(f"plant.{plant.states[i]}")
+        for i in (mode.deflection, mode.rate)
+    ]
     share = part[rows].sum(axis=0) / part[rows].sum()
     poles = np.log(z) / lifted.dt
     for swing in (base.shown, base.larger):

@@ -16,7 +16,7 @@ import pytest
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import simulate_moves
-from mtcommission.loop.motions import Signal, output_of_states
+from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed

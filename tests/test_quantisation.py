@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine, Positioning, moving_mass

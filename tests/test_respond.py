@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop import poles as pole_module
-from mtcommission.loop.extremes import extremes
-from mtcommission.loop.free_motion import free_motion, lay_grid
-from mtcommission.loop.motions import outputs_at, set_in_motion
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import TcpSensor

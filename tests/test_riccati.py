@@ -12,8 +12,8 @@ from scipy.signal import cont2discrete
 from benchmarks.population import random_machine
 from mtcommission.loop.model.assembly import discretise_filter
 from mtcommission.loop.model.controller import filter_polynomials
-from mtcommission.loop.tuning import state_feedback
-from mtcommission.loop.tuning.state_feedback import observer_gains, regulator_gains
+from mtcommission.loop.tuning import gains
+from mtcommission.loop.tuning.gains import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.profile.read import read_profile
@@ -46,8 +46,8 @@ def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.Monkey
         asked.append(np.max(np.abs(ours - theirs)) / np.max(np.abs(theirs)))
         return ours
 
-    monkeypatch.setattr(state_feedback, "regulator_gains", regulator)
-    monkeypatch.setattr(state_feedback, "observer_gains", observer)
+    monkeypatch.setattr(gains, "regulator_gains", regulator)
+    monkeypatch.setattr(gains, "observer_gains", observer)
     auto = quiet_copy(MACHINES[name], state_feedback=StateFeedback.AUTO)
     tune_loop(auto, settings=TuningSettings(mode_weights=(0.1, 10.0)))
     assert len(asked) >= 3  # the observer and both weights

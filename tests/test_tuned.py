@@ -9,19 +9,17 @@ from pathlib import Path
 import pytest
 
 from benchmarks.population import random_machine
-from mtcommission.loop.analysis.frequency import lay_grids
+from mtcommission.loop.analysis import lay_grids
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.tuning.cascade import (
+from mtcommission.loop.tuning.family import build, cascade_family, seems_to_keep, tune_shape
+from mtcommission.loop.tuning.gains import (
     CLASSIC,
     Shape,
-    build_cascade,
-    symmetrical_optimum,
-)
-from mtcommission.loop.tuning.family import build, cascade_family, seems_to_keep, tune_shape
-from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
+    build_cascade,
     design_observer,
     moving_modes,
+    symmetrical_optimum,
 )
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,

@@ -12,12 +12,9 @@ import pytest
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis.analysis import mode_poles
-from mtcommission.loop.analysis.cross_check import check_by_blocks
-from mtcommission.loop.analysis.frequency import scan
-from mtcommission.loop.model.diagram import build_open_loop
-from mtcommission.loop.tuning import state_feedback
-from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
+from mtcommission.loop.analysis import mode_poles, scan
+from mtcommission.loop.model.diagram import build_open_loop, check_by_blocks
+from mtcommission.loop.tuning import gains
 from mtcommission.loop.tuning.family import (
     cascade_family,
     integral_gain,
@@ -25,7 +22,7 @@ from mtcommission.loop.tuning.family import (
     propose_feedback,
     tune_shape,
 )
-from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
+from mtcommission.loop.tuning.gains import CLASSIC, build_cascade, design_observer, is_seen
 from mtcommission.loop.tuning.tuned import CornerPlants, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine.control import (
@@ -391,7 +388,7 @@ def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyP
     def fail(*_: object) -> None:
         raise np.linalg.LinAlgError("ill-conditioned")
 
-    monkeypatch.setattr(state_feedback, "observer_gains", fail)
+    monkeypatch.setattr(gains, "observer_gains", fail)
     found = propose_feedback(cascade_family(paper_machine(), WANTED), None, [CLASSIC])
     assert found.loops == ()
     assert found.remark is not None

@@ -16,7 +16,7 @@ from mtcommission.control_kinds.control import Axis
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.errors import Fault, InputError
 from mtcommission.limits.corner_velocity import find_corner_velocity
-from mtcommission.loop.model.controller import Controller, handing_down_delay
+from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine, Motion
@@ -138,14 +138,8 @@ class Subject:
     @property
     def own_delay(self) -> float:
         """How old the newest setpoint is that the control can compare with [s]."""
-        if self.position_loop is not PositionLoop.DRIVE:
-            return 0.0
-        cycles = self.controller
-        return handing_down_delay(
-            PositionLoop.DRIVE,
-            position_cycle=cycles.position_cycle,
-            velocity_cycle=cycles.velocity_cycle,
-        )
+        in_drive = self.position_loop is PositionLoop.DRIVE
+        return INTERPOLATED * self.controller.position_cycle if in_drive else 0.0
 
     @property
     def left_out(self) -> tuple[str, ...]:

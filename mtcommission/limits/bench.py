@@ -18,12 +18,16 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
-from mtcommission.loop.extremes import extremes, where_signals_lead
-from mtcommission.loop.free_motion import free_motion, lay_grid
+from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
-from mtcommission.loop.motions import set_in_motion
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.respond import (
+    extremes,
+    free_motion,
+    lay_grid,
+    set_in_motion,
+    where_signals_lead,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter

@@ -22,11 +22,16 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
-from mtcommission.loop.extremes import extremes, where_signals_lead
-from mtcommission.loop.free_motion import free_motion, lay_grid
-from mtcommission.loop.motions import Signal, set_in_motion
+from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.respond import (
+    Signal,
+    extremes,
+    free_motion,
+    lay_grid,
+    set_in_motion,
+    where_signals_lead,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
-from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Reserve, VelocityStep

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.bench import build_bench
-from mtcommission.loop.free_motion import free_motion, lay_grid
-from mtcommission.loop.motions import set_in_motion
+from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
 from mtcommission.plant.plant import Plant, longest_period

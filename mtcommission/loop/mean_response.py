@@ -7,11 +7,11 @@ times apart, the tool's deviation after the end of a jerk-limited move behind a 
 
 G(p) = (e^(p t₁) - 1) (e^(p t₂) - 1) (e^(p t₃) - 1) with t₁ the ramp of the acceleration, t₂ from
 its rise to its fall, t₃ from the start to the braking (a velocity step lacks the last one); F(p):
-the same of the filter's own steps. Within 0.1 % of ``loop.free_motion`` on the ball
+the same of the filter's own steps. Within 0.1 % of ``loop.respond.free_motion`` on the ball
 screw (1 ms), within some per cent where cycles are long against what rings, at a tenth of the time:
 for searching, never to judge.
 
-Source: derived here; held to ``loop.free_motion`` by tests/test_mean_response.py.
+Source: derived here; held to ``loop.respond.free_motion`` by tests/test_mean_response.py.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from math import factorial, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.extremes import RAMPS
-from mtcommission.loop.free_motion import swing_times
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.poles import LoopPoles, find_poles, once_for_rows
+from mtcommission.loop.respond import RAMPS, swing_times
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 

@@ -9,17 +9,18 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
-from mtcommission.loop.analysis.analysis import find_mixed_modes
-from mtcommission.loop.analysis.cross_check import check_by_blocks
-from mtcommission.loop.analysis.frequency import FrequencyResponse
-from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
+from mtcommission.loop.analysis import FrequencyResponse, find_mixed_modes
+from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
+from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller, filter_delay
+from mtcommission.loop.model.diagram import check_by_blocks
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import by_mode
 from mtcommission.record.schema.loop import (
     CandidateEntry,
+    ClosedLoop,
     DelayEntry,
     FeatureEntry,
     FeedforwardEntry,
@@ -50,7 +51,7 @@ NO_SERIES = Series(t=[], signals={})
 def loop_part(found: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant, machine = found.tuned, found.plant, found.machine
-    controller, control = tuned.controller, machine.control
+    controller, control, outputs = tuned.controller, machine.control, tuned.loops[0].outputs
     gains = zip(plant.states, controller.state_gains.tolist(), strict=True)
     return entry_of(
         LoopPart,
@@ -76,7 +77,13 @@ def loop_part(found: Commissioning) -> LoopPart:
             controller,
             states=[plant.states[i] for i in controller.observer.states],
         ),
-        closed_loop=tuned.loops[0].lifted,
+        closed_loop=entry_of(
+            ClosedLoop,
+            tuned.loops[0].lifted,
+            tuned.loops[0],
+            inputs=INPUTS,
+            outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
+        ),
         candidates=[_candidate_entry(trial) for trial in found.loop.trials],
         reasons=found.loop.remarks,
         variants=[_variant_entry(plant, variant) for variant in found.loop.variants],

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mtcommission.control_kinds.kind import FIR
-from mtcommission.loop.tuning.cascade import build_cascade
-from mtcommission.loop.tuning.state_feedback import given_state_feedback
+from mtcommission.loop.tuning.gains import build_cascade, given_state_feedback
 from mtcommission.loop.tuning.tuned import (
     TunedLoop,
     TuningSettings,

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
-from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.motions import OUTPUTS
+from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner, vary

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 
-from mtcommission.loop.motions import Signal, output_of_states
+from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields

@@ -14,9 +14,9 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.quantisation import EncoderNoise
-from mtcommission.loop.motions import Signal
+from mtcommission.loop.disturbance import EncoderNoise
 from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.respond import Signal
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.machine.machine import Machine, Move, Reserve
 from mtcommission.messages.message import Message

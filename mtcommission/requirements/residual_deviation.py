@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mtcommission.loop.motions import tool_deviation
+from mtcommission.loop.respond import tool_deviation
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields

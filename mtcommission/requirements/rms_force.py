@@ -8,9 +8,9 @@ from math import ceil, factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.quantisation import SIGMAS, EncoderNoise
-from mtcommission.loop.motions import outputs_at, set_in_motion
+from mtcommission.loop.disturbance import SIGMAS, EncoderNoise
 from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.respond import outputs_at, set_in_motion
 from mtcommission.loop.simulate import rms_force, window_shares
 from mtcommission.machine.machine import Machine, Move, heaviest_mass
 from mtcommission.messages.message import Message

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mtcommission.loop.motions import FORCE, OUTPUTS, Signal
+from mtcommission.loop.respond import FORCE, OUTPUTS, Signal
 from mtcommission.machine.machine import Machine, heaviest_mass
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.motions import OUTPUTS, Signal
+from mtcommission.loop.respond import OUTPUTS, Signal
 from mtcommission.machine.machine import Machine, Move
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of

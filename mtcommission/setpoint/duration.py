@@ -20,15 +20,10 @@ def longest_move(machine: Machine) -> float:
 
 def require_short(duration: float, *, velocity_cycle: float) -> None:
     """Raise MOVE_TOO_LONG if a move lasts for more velocity cycles than are followed."""
-    cycles = duration / velocity_cycle
-    if cycles > MOST_CYCLES:
-        detail = Message(
-            "move-of-many-cycles",
-            time=duration,
-            cycles=cycles,
-            cycle=velocity_cycle,
-            most=MOST_CYCLES,
-        )
+    cycles, most, cycle = duration / velocity_cycle, MOST_CYCLES, velocity_cycle
+    if cycles > most:
+        kind = "move-of-many-cycles"
+        detail = Message(kind, time=duration, cycles=cycles, cycle=cycle, most=most)
         raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
 
 

@@ -22,7 +22,6 @@ from mtcommission.machine.machine import Machine, Move, Positioning, VelocitySte
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.pieces import Pieces, cut
 
 Array = NDArray[np.float64]
 
@@ -45,6 +44,76 @@ class JerkSteps:
         return np.asarray(self.times[:, -1])
 
 
+INSTANT = 1e-9
+"""Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
+jerk before or after it must not hang on the last bit of a sum."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pieces:
+    """Some setpoints, piece by piece.
+
+    Sampled from the last knot before it and not from all steps so far: summed from its beginning, a
+    position behind two averages loses six digits within ten seconds.
+    """
+
+    knots: Array  # in rising order, shape (n_knots, n_setpoints) [s]
+    values: Array
+    """Position and its derivatives just after each knot, before the first at first: at rest; shape
+    (n_knots + 1, order + 1, n_setpoints)."""
+
+    def sample(
+        self, t: Array, *, derivatives: int, setpoint: NDArray[np.int64] | None = None
+    ) -> Array:
+        """Return position and its first derivatives, shape (derivatives, *t.shape).
+
+        ``t``: each setpoint's own times, shape (..., n_setpoints) [s], or those of the setpoints
+        that are named; at a knot the values are those after it. Derivatives above the order are
+        zero.
+        """
+        own = np.arange(t.shape[-1]) if setpoint is None else setpoint
+        piece = np.zeros(t.shape, dtype=np.intp)
+        for knot in self.knots:
+            piece += t >= knot[own] - INSTANT
+        age = t - self.knots[np.maximum(piece - 1, 0), own]
+        values = [self.values[piece, k, own] for k in range(self.values.shape[1])]
+        result = np.zeros((derivatives, *t.shape))
+        for k in range(min(derivatives, len(values))):
+            result[k] = _taylor(values[k:], age)
+        return result
+
+
+def cut(times: Array, steps: Array, *, order: int) -> Pieces:
+    """Return the pieces of setpoints whose highest derivative steps.
+
+    As in ``JerkSteps``, the times in any order. After the last step the setpoints are at rest or
+    coast, whatever rounding leaves.
+    """
+    rising = np.argsort(times, axis=1, kind="stable")
+    knots = np.take_along_axis(times, rising, axis=1).T
+    sizes = np.take_along_axis(steps, rising, axis=1).T
+    values = np.zeros((len(knots) + 1, order + 1, knots.shape[1]))
+    gaps = np.diff(knots, axis=0, prepend=knots[:1])
+    for i, size in enumerate(sizes):
+        later, before = values[i + 1], values[i]
+        later[:] = before
+        grown = np.ones_like(size)
+        for k in range(1, order + 1):
+            grown = grown * gaps[i] / k
+            later[:-k] += before[k:] * grown
+        later[order] += size
+    values[-1, 2:] = 0.0
+    return Pieces(knots=knots, values=values)
+
+
+def _taylor(derivatives: list[Array], age: Array) -> Array:
+    """A quantity ``age`` [s] later from it and its derivatives, each of that shape."""
+    total = np.zeros_like(age)
+    for k in range(len(derivatives) - 1, 0, -1):
+        total = (total + derivatives[k]) * age / k
+    return np.asarray(derivatives[0] + total)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Setpoint:
     """One jerk-limited motion from rest."""
@@ -65,10 +134,7 @@ class Setpoint:
 
 
 def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
-    """Return the fastest jerk-limited motion, computed by Ruckig.
-
-    A velocity step goes to Ruckig's velocity interface, positioning to its position interface; the
-    setpoint filter of ``limits`` comes behind.
+    """Return the fastest jerk-limited motion, computed by Ruckig, behind the limits' filter.
 
     Raises
     ------
@@ -94,24 +160,20 @@ def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
         request.max_velocity = [move.max_velocity]
     request.max_jerk = [limits.jerk]
     trajectory = ruckig.Trajectory(1)
-    complaint = ""
+    complaints = []
     for nudge in NUDGES:
         request.max_acceleration = [limits.acceleration * (1.0 - nudge)]
         try:
             result = ruckig.Ruckig(1).calculate(request, trajectory)
         except ruckig.RuckigError as error:
-            complaint = complaint or str(error).strip().partition("\n")[0]
+            complaints.append(str(error).strip().partition("\n")[0])
             continue
         if result in (ruckig.Result.Working, ruckig.Result.Finished):
             break
-        complaint = complaint or str(result)
+        complaints.append(str(result))
     else:
-        detail = Message(
-            "setpoint-of-limits",
-            acceleration=limits.acceleration,
-            jerk=limits.jerk,
-            complaint=complaint,
-        )
+        a, j, why = limits.acceleration, limits.jerk, complaints[0]
+        detail = Message("setpoint-of-limits", acceleration=a, jerk=j, complaint=why)
         raise ComputationError(Outcome.SETPOINT_FAILED, detail)
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
@@ -137,18 +199,15 @@ def _assemble(move: Move, limits: MotionLimits, durations: Array, jerks: Array) 
         steps=np.diff(jerks, prepend=0.0, append=0.0)[None],
     )
     steps = filter_steps(plain, limits.setpoint_filter)
-    order = np.argsort(steps.times[0], kind="stable")
-    times, sizes = steps.times[0, order], steps.steps[0, order]
-    for array in (durations, jerks, times, sizes):
-        array.setflags(write=False)
+    rising = np.argsort(steps.times[0], kind="stable")
     return Setpoint(
         move=move,
         limits=limits,
         segment_durations=durations,
         segment_jerks=jerks,
         setpoint_filter=limits.setpoint_filter,
-        knot_times=times,
-        knot_steps=sizes,
+        knot_times=steps.times[0, rising],
+        knot_steps=steps.steps[0, rising],
         order=steps.order,
     )
 
@@ -156,8 +215,8 @@ def _assemble(move: Move, limits: MotionLimits, durations: Array, jerks: Array) 
 def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     """Return the setpoint at any times; at rest before 0, coasting after t_e.
 
-    ``times``: shape (n_samples,) [s], in any order. Columns x_ref, v_ref, a_ref, j_ref [m, m/s,
-    m/s², m/s³], shape (n_samples, 4); at a knot the jerk after it.
+    ``times``: in any order. Columns x_ref, v_ref, a_ref, j_ref, shape (n_samples, 4); at a knot the
+    jerk after it.
 
     Examples
     --------
@@ -192,12 +251,10 @@ def jerk_steps(
 ) -> JerkSteps:
     """Return the setpoints of one move for many limits, or in many sizes, in closed form.
 
-    The same motions as ``plan_setpoint`` (a test holds the two together), some thousand
-    times faster; for the search only.
-
-    ``acceleration`` [m/s²], ``jerk`` [m/s³] and ``size``, velocity steps or distances in place of
-    the move's own [m/s or m], have the shape (n_limits,). There are 4 steps for a velocity step, 8
-    for positioning; zero-length segments stay in.
+    The same motions as ``plan_setpoint``, some thousand times faster; for the search only.
+    ``size``: velocity steps or distances in place of the move's own [m/s or m], shape (n_limits,)
+    like the limits. There are 4 steps for a velocity step, 8 for positioning; zero-length segments
+    stay in.
 
     Source: the seven-segment profile, e.g. Biagiotti & Melchiorri, Trajectory Planning for
     Automatic Machines and Robots, 2008, sec. 3.4.
@@ -212,7 +269,8 @@ def jerk_steps(
     cruise = np.maximum(distance / velocity - rise[:, -1], 0.0)
     fall = rise + (rise[:, -1] + cruise)[:, None]
     signs = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0])
-    return JerkSteps(times=np.hstack([rise, fall]), steps=jerk[:, None] * signs)
+    times = np.concatenate([rise, fall], axis=1)
+    return JerkSteps(times=times, steps=jerk[:, None] * signs)
 
 
 def filter_steps(steps: JerkSteps, item: SetpointFilter | None) -> JerkSteps:
@@ -223,11 +281,12 @@ def filter_steps(steps: JerkSteps, item: SetpointFilter | None) -> JerkSteps:
     """
     if item is None:
         return steps
-    times = np.hstack([steps.times + delay for delay in item.impulses.delays])
-    sizes = np.hstack([steps.steps * share for share in item.impulses.shares])
+    impulses = item.impulses
+    times = np.concatenate([steps.times + delay for delay in impulses.delays], axis=1)
+    sizes = np.concatenate([steps.steps * share for share in impulses.shares], axis=1)
     for time in item.averages:
-        times = np.hstack([times, times + time])
-        sizes = np.hstack([sizes, -sizes]) / time
+        times = np.concatenate([times, times + time], axis=1)
+        sizes = np.concatenate([sizes, -sizes], axis=1) / time
     return JerkSteps(times=times, steps=sizes, order=steps.order + len(item.averages))
 
 
@@ -235,7 +294,7 @@ def _ramp_times(velocity: Array, acceleration: Array, jerk: Array) -> Array:
     """Jerk steps of a change of velocity from rest, shape (n_limits, 4) [s]."""
     ramp = np.minimum(acceleration / jerk, np.sqrt(velocity / jerk))
     hold = np.maximum(velocity / (jerk * ramp) - ramp, 0.0)
-    return np.column_stack([np.zeros_like(ramp), ramp, ramp + hold, 2.0 * ramp + hold])
+    return np.array([0.0 * ramp, ramp, ramp + hold, 2.0 * ramp + hold]).T
 
 
 def _peak_velocity(distance: Array, max_velocity: float, acceleration: Array, jerk: Array) -> Array:

@@ -15,7 +15,6 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.judge import Candidate, MoveResult
-from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     cascade_family,
@@ -23,6 +22,7 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
+from mtcommission.loop.tuning.gains import CLASSIC
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine

@@ -15,9 +15,8 @@ from typing import Any
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import REFINED, Found
 from mtcommission.limits.judge import Candidate, simulate_moves
-from mtcommission.loop.analysis.disturbance import DisturbanceStep, simulate_disturbance
-from mtcommission.loop.model.controller import Controller, feedforward_delay
-from mtcommission.loop.tuning.cascade import CLASSIC, Shape
+from mtcommission.loop.disturbance import DisturbanceStep, simulate_disturbance
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.family import (
     FilteredLoop,
     Proposal,
@@ -31,6 +30,7 @@ from mtcommission.loop.tuning.family import (
     propose_near,
     tune_shape,
 )
+from mtcommission.loop.tuning.gains import CLASSIC, Shape
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
@@ -435,14 +435,7 @@ def _with_jerk_feedforward(
     if weight != used:
         controller = replace(tuned.controller, jerk_feedforward=weight)
         if machine.control.reference_delay is None:
-            delay = feedforward_delay(
-                handing_down=controller.handing_down_delay,
-                velocity_cycle=controller.velocity_cycle,
-                force_lag=controller.force_lag,
-                jerk_feedforward=weight,
-                force_filters=controller.force_filters,
-            )
-            controller = replace(controller, reference_delay=delay)
+            controller = replace(controller, reference_delay=controller.feedforward_delay)
         tuned = close_loop(corner_plants(machine), controller)
     # Without a limit the force asked for is the linear one, which is what is compared.
     strong = replace(machine, drive=replace(machine.drive, max_force=inf))

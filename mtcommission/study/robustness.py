@@ -24,12 +24,10 @@ from numpy.typing import NDArray
 
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.judge import MoveResult
-from mtcommission.loop.extremes import extremes
-from mtcommission.loop.free_motion import free_motion, lay_grid
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.motions import set_in_motion
-from mtcommission.loop.nonlinear import drive_loop, find_friction
 from mtcommission.loop.poles import find_poles
+from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
+from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.variations import Corner, corners, draw_variations, vary

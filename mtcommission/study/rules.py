@@ -13,7 +13,7 @@ from mtcommission.errors import ComputationError
 from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Candidate, describe_place
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
-from mtcommission.loop.model.controller import Controller, no_observer
+from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine, largest_acceleration
@@ -151,7 +151,7 @@ def judge_today(
             controller,
             **gains,
             state_gains=0.0 * controller.state_gains,
-            observer=no_observer(n_sensors=len(controller.sensors)),
+            observer=NO_OBSERVER,
         )
     control = replace(machine.control, setpoint_filter=today.setpoint_filter)
     filtered = replace(machine, control=control)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.analysis import mode_poles, share_out, unfold
+from mtcommission.loop.analysis import mode_poles, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.loop.nonlinear import drive_loop, find_friction
+from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner

@@ -89,12 +89,8 @@ def discretise_filter(item: ForceFilter, velocity_cycle: float) -> Stage:
     C = numerator[1:] - numerator[0] * denominator[1:]
     implicit = np.asarray(np.linalg.inv(np.eye(2) - half * A), dtype=np.float64)
     B = 2.0 * half * implicit[:, 0]
-    return Stage(
-        A=implicit @ (np.eye(2) + half * A),
-        B=B,
-        C=C @ implicit,
-        D=float(numerator[0] + 0.5 * C @ B),
-    )
+    step, D = implicit @ (np.eye(2) + half * A), float(numerator[0] + 0.5 * C @ B)
+    return Stage(A=step, B=B, C=C @ implicit, D=D)
 
 
 def kept_samples(controller: Controller) -> int:
@@ -135,19 +131,13 @@ def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
     return weights.reshape(4, -1)
 
 
-# Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].
+_POWERS = np.arange(6.0)
 _HERMITE = np.linalg.inv(
-    np.array(
-        [
-            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
-            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
-            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
-            [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
-        ]
+    np.vstack(
+        [np.diag([1.0, 1.0, 2.0]) @ np.eye(3, 6), _POWERS**0, _POWERS, _POWERS * (_POWERS - 1)]
     )
 )
+"""Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -156,8 +146,7 @@ class HandedDown:
 
     Held: the position controller's output, the velocity and the force fed forward. Interpolated:
     the wanted motion and the force as polynomials, which the velocity cycle advances. This is the
-    only difference between the three position loops, and no list is longer than need be: every
-    entry is a state of the loop.
+    only difference between the three position loops.
     """
 
     names: tuple[str, ...]  # n states that hold it
@@ -178,9 +167,7 @@ class HandedDown:
 
 
 def hand_down(controller: Controller, model: Plant) -> HandedDown:
-    """Return what the position cycle hands down.
-
-    ``model``: the machine as the controller believes it to be, for its reference state.
+    """Return what the position cycle hands down; ``model``: as in ``build_loop``.
 
     Raises
     ------
@@ -268,16 +255,16 @@ def _interpolated(controller: Controller, by_setpoint: Array) -> HandedDown:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LiftedLoop:
-    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r."""
+    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r.
+
+    X and Y as in ``SampledLoop``, r = (x, v, a, j) of the setpoint.
+    """
 
     A: Array  # (n, n)
     B: Array  # (n, 4)
     C: Array  # (cycles n_outputs, n), the outputs of the first velocity cycle first
     D: Array
     dt: float  # position cycle [s]
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]  # ``tcp[0]``, ..., with the velocity cycle in brackets
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -292,8 +279,8 @@ class SampledLoop:
     observation: Array  # outputs, (n_outputs, n)
     handed_down: Array  # what the position cycle computes, over (state, references), (n_held, n+4)
     sensed: Array
-    """What an error of the encoder adds to the state one velocity cycle later, and what, where a
-    position cycle begins, to the state one position cycle later, shape (2, n) [1/m]."""
+    """What an error of the encoder adds to the state one velocity cycle later, and where a position
+    cycle begins, one position cycle later, shape (2, n) [1/m]."""
     held: int  # first state that holds what is handed down; the kept setpoint samples follow
     states: tuple[str, ...]
     outputs: tuple[str, ...]  # tcp, encoder, force, then the plant's states
@@ -332,24 +319,17 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     ``model``: the machine as the controller believes it to be, for its reference state.
     """
     handed_down = hand_down(controller, model)
-    filters = [
-        discretise_filter(item, controller.velocity_cycle) for item in controller.force_filters
-    ]
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force", "last_encoder"]
     names += ["reference_model"] if controller.reference_model_time else []
-    names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
+    names += [f"filter[{i}].{k}" for i in range(len(controller.force_filters)) for k in range(2)]
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
     held, own = len(names), len(names) + len(handed_down.names)
     names += handed_down.names
     names += [f"{name}[-{k}]" for k in range(1, handed_down.kept + 1) for name in INPUTS]
     size = len(names)
-    if controller.follows:
-        step, demand, integration = _open_loop_cycle(plant, controller, handed_down, size=size)
-    else:
-        step, demand, integration = _velocity_cycle(
-            plant, controller, filters, handed_down, size=size
-        )
+    cycle = _open_loop_cycle if controller.follows else _velocity_cycle
+    step, demand, integration = cycle(plant, controller, handed_down, size=size)
     # What the position cycle computes, over (state, references).
     rows = np.zeros((own - held, size + len(INPUTS)))
     rows[:, size:] = handed_down.by_setpoint[:, : len(INPUTS)]
@@ -377,12 +357,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
 
 
 def _velocity_cycle(
-    plant: Plant,
-    controller: Controller,
-    filters: list[Stage],
-    handed_down: HandedDown,
-    *,
-    size: int,
+    plant: Plant, controller: Controller, handed_down: HandedDown, *, size: int
 ) -> tuple[Array, Array, Array]:
     """Step matrix, demanded force and integrator increment, as rows over state and encoder error.
 
@@ -391,9 +366,8 @@ def _velocity_cycle(
     """
     observer, n, T_v = controller.observer, plant.order, controller.velocity_cycle
     unit = np.eye(size, size + 1)
-    P, z, pending, last, rest = unit[:n], unit[n], unit[n + 1], n + 2, n + 3
-    if controller.reference_model_time:
-        modelled, rest = rest, rest + 1
+    P, z, pending, last, modelled = unit[:n], unit[n], unit[n + 1], n + 2, n + 3
+    rest = modelled + bool(controller.reference_model_time)
     step = unit.copy()
     A, B = discretise(plant, T_v)
     step[:n] = A @ P + np.outer(B, pending)
@@ -402,15 +376,13 @@ def _velocity_cycle(
     encoder = measured[0]
     step[last] = encoder
 
-    first_observer = rest + sum(len(stage.B) for stage in filters)
-    seen = slice(first_observer, first_observer + len(observer.states))
+    first = rest + 2 * len(controller.force_filters)
+    seen = slice(first, first + len(observer.states))
     own = slice(seen.stop, seen.stop + len(handed_down.names))
     estimate, held = unit[seen], unit[own]
-    step[seen] = (
-        observer.A @ estimate
-        + np.outer(observer.B, pending)
-        + observer.L @ (measured - observer.C @ estimate)
-    )
+    if observer.states:
+        error = measured - observer.C @ estimate
+        step[seen] = observer.A @ estimate + np.outer(observer.B, pending) + observer.L @ error
     step[own] = handed_down.advance @ held
 
     correction = handed_down.correction @ held - handed_down.drive_gain * encoder
@@ -424,11 +396,10 @@ def _velocity_cycle(
     gains = controller.state_gains[list(observer.states)]
     force = handed_down.force @ held - gains @ estimate
     demand = controller.velocity_gain * (error + z) + force
-    for stage in filters:
-        part = slice(rest, rest + len(stage.B))
+    for i, item in enumerate(controller.force_filters):
+        stage, part = discretise_filter(item, T_v), slice(rest + 2 * i, rest + 2 * i + 2)
         step[part] = stage.A @ unit[part] + np.outer(stage.B, demand)
         demand = stage.C @ unit[part] + stage.D * demand
-        rest = part.stop
     return step, demand, T_v / controller.integral_time * integrated
 
 
@@ -468,15 +439,5 @@ def _lift(loop: SampledLoop) -> LiftedLoop:
         X[z] += Y[seen + 1]
         X[z + 1] = Y[seen]
     following = np.vstack([X[: loop.held], loop.handed_down, unit[n:], X[own:]])[:n]
-    Y = np.vstack(outputs)
-    names = [f"{name}[{i}]" for i in range(loop.controller.cycles) for name in loop.outputs]
-    return LiftedLoop(
-        A=following[:, :n],
-        B=following[:, n:],
-        C=Y[:, :n],
-        D=Y[:, n:],
-        dt=loop.controller.position_cycle,
-        states=loop.states,
-        inputs=INPUTS,
-        outputs=tuple(names),
-    )
+    Y, T_p = np.vstack(outputs), loop.controller.position_cycle
+    return LiftedLoop(A=following[:, :n], B=following[:, n:], C=Y[:, :n], D=Y[:, n:], dt=T_p)

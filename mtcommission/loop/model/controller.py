@@ -25,6 +25,15 @@ class Observer:
     L: Array  # (n, n_sensors)
 
 
+NO_OBSERVER = Observer(
+    states=(), A=np.zeros((0, 0)), B=np.zeros(0), C=np.zeros((0, 0)), L=np.zeros((0, 0))
+)
+
+INTERPOLATED = 2.0
+"""How late a motion is that is interpolated between two setpoints, both of which must be known
+[position cycles]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Controller:
     """All that the loop needs beside the plant."""
@@ -33,7 +42,7 @@ class Controller:
     position_gain: float  # Kv [1/s]
     velocity_gain: float  # Kp [N s/m]
     integral_time: float  # Tn [s]
-    reference_model_time: float
+    reference_model_time: float = 0.0
     """Time constant of the first-order reference model through which the integral branch sees the
     position controller's output [s]; 0: none."""
     velocity_feedforward: float  # weights [-]
@@ -44,10 +53,10 @@ class Controller:
     reference_delay: float  # τ [s]; at least ``handing_down_delay`` with the loop in the drive
     velocity_cycle: float  # T_v [s]
     cycles: int  # velocity cycles in one position cycle
-    force_filters: tuple[ForceFilter, ...]  # in the set-force path, in order
-    sensors: tuple[str, ...]  # measured outputs of the plant: ``encoder``, perhaps ``tcp``
+    force_filters: tuple[ForceFilter, ...] = ()  # in the set-force path, in order
+    sensors: tuple[str, ...] = ("encoder",)  # measured outputs of the plant, perhaps ``tcp``
     state_gains: Array  # K, set force per deviation of each plant state, (n_plant,) [N per unit]
-    observer: Observer  # where K gets its states from; without states if K is zero
+    observer: Observer = NO_OBSERVER  # where K gets its states from
     follows: bool = False  # an open-loop axis: no loop, the motor follows the interpolated setpoint
 
     @property
@@ -57,12 +66,25 @@ class Controller:
 
     @property
     def handing_down_delay(self) -> float:
-        """See the function of this name [s]."""
-        return handing_down_delay(
-            self.position_loop,
-            position_cycle=self.position_cycle,
-            velocity_cycle=self.velocity_cycle,
-        )
+        """How old what the position cycle computes is, on average, when it is used [s].
+
+        One position cycle of dead time, and then: held, T_p + (T_p - T_v)/2 as the velocity cycle
+        samples it; interpolated, 2 T_p.
+        """
+        if self.position_loop is PositionLoop.CONTROL:
+            return 0.5 * (3.0 * self.position_cycle - self.velocity_cycle)
+        return INTERPOLATED * self.position_cycle
+
+    @property
+    def feedforward_delay(self) -> float:
+        """The time after which the fed-forward force moves the axis: τ for "auto" [s].
+
+        Handing down + 1.5 T_v (dead time and hold of the force) + (1 - jerk_feedforward) T + the
+        low-frequency delay of the filters.
+        """
+        lag = (1.0 - self.jerk_feedforward) * self.force_lag
+        filters = sum(filter_delay(item) for item in self.force_filters)
+        return self.handing_down_delay + 1.5 * self.velocity_cycle + lag + filters
 
     @property
     def reference_age(self) -> float:
@@ -82,55 +104,6 @@ class Controller:
         return max(arrival - self.handing_down_delay, 0.0)
 
 
-def handing_down_delay(
-    position_loop: PositionLoop, *, position_cycle: float, velocity_cycle: float
-) -> float:
-    """Return how old what the position cycle computes is, on average, when it is used [s].
-
-    One position cycle of dead time, and then: held, T_p + (T_p - T_v)/2 as the velocity cycle
-    samples it; interpolated, 2 T_p, since between two setpoints both must be known.
-    """
-    if position_loop is PositionLoop.CONTROL:
-        return 0.5 * (3.0 * position_cycle - velocity_cycle)
-    return 2.0 * position_cycle
-
-
-def no_observer(*, n_sensors: int) -> Observer:
-    """Return the observer of a loop without state feedback: no states, whatever is measured."""
-    return Observer(
-        states=(),
-        A=np.zeros((0, 0)),
-        B=np.zeros(0),
-        C=np.zeros((n_sensors, 0)),
-        L=np.zeros((0, n_sensors)),
-    )
-
-
-def feedforward_delay(
-    *,
-    handing_down: float,
-    velocity_cycle: float,
-    force_lag: float,
-    jerk_feedforward: float,
-    force_filters: tuple[ForceFilter, ...],
-) -> float:
-    """Return the time after which the fed-forward force moves the axis: τ for "auto" [s].
-
-    Handing down + 1.5 T_v (dead time and hold of the force) + (1 - jerk_feedforward) T + the
-    low-frequency delay of the filters.
-
-    Source: first-order (low-frequency) delay of each block.
-
-    Examples
-    --------
-    >>> round(1e3 * feedforward_delay(handing_down=2.9375e-3, velocity_cycle=125e-6,
-    ...     force_lag=2.5e-3, jerk_feedforward=0.0, force_filters=()), 4)
-    5.625
-    """
-    filters = sum(filter_delay(item) for item in force_filters)
-    return handing_down + 1.5 * velocity_cycle + (1.0 - jerk_feedforward) * force_lag + filters
-
-
 def filter_delay(item: ForceFilter) -> float:
     """Return the low-frequency delay of a set-force filter [s]."""
     zeta, omega = item.damping, item.natural_frequency
@@ -146,12 +119,10 @@ def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
     ω² / (s² + 2 ζ ω s + ω²).
     """
     zeta, omega = item.damping, item.natural_frequency
+    damped = np.array([1.0, 2 * zeta * omega, omega**2])
     if item.kind is FilterKind.LOW_PASS:
-        return np.array([0.0, 0.0, omega**2]), np.array([1.0, 2 * zeta * omega, omega**2])
-    return (
-        np.array([1.0, 2 * zeta * omega, omega**2]),
-        np.array([1.0, 2 * item.width * omega, omega**2]),
-    )
+        return np.array([0.0, 0.0, omega**2]), damped
+    return damped, np.array([1.0, 2 * item.width * omega, omega**2])
 
 
 def reference_state(plant: Plant, controller: Controller) -> Array:
@@ -163,10 +134,9 @@ def reference_state(plant: Plant, controller: Controller) -> Array:
     """
     m = controller.feedforward_mass
     result = np.zeros((plant.order, 4))
-    result[plant.position, 0] = 1.0
-    result[plant.velocity, 1] = 1.0
+    result[plant.position, 0] = result[plant.velocity, 1] = 1.0
     result[plant.force, 2] = m
     for mode in plant.modes:
-        result[mode.deflection, 2] = mode.scale * m / mode.natural_frequency**2
-        result[mode.rate, 3] = mode.scale * m / mode.natural_frequency**2
+        follows = mode.scale * m / mode.natural_frequency**2
+        result[mode.deflection, 2] = result[mode.rate, 3] = follows
     return result

@@ -12,20 +12,19 @@ searches and simulates takes its matrices from ``assembly``, which a test holds 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp
+from dataclasses import dataclass
+from math import exp, inf, pi
 
 import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.model.assembly import HandedDown, LiftedLoop, hand_down
+from mtcommission.loop.model.assembly import INPUTS, HandedDown, LiftedLoop, SampledLoop, hand_down
 from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-SETPOINT = ("x_ref", "v_ref", "a_ref", "j_ref")
 
 DRIVE = ("asked", "velocity", "feedforward", "push")
 """What enters a velocity cycle: the output of the position controller, or Kv times the wanted
@@ -57,9 +56,9 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
 
 def as_open_loop_model(lifted: LiftedLoop) -> control.StateSpace:
     """Return an open-loop axis with the outputs of ``build_model``: there is no loop to draw."""
-    inputs, outputs = list(lifted.inputs), ["tcp", "encoder", "force"]
     A, B, C, D = lifted.A, lifted.B, lifted.C[:3], lifted.D[:3]
-    return control.ss(A, B, C, D, lifted.dt, inputs=inputs, outputs=outputs, name="loop")
+    signals = {"inputs": list(INPUTS), "outputs": ["tcp", "encoder", "force"]}
+    return control.ss(A, B, C, D, lifted.dt, **signals, name="loop")
 
 
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
@@ -69,16 +68,12 @@ def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) ->
     one velocity cycle later, ``tcp[1]``, ...
     """
     outputs = ["tcp", "encoder", "force", *(f"state_{k}" for k in range(plant.order))]
-    drive = _connect(
-        _blocks_of_the_velocity_cycle(plant, controller), inputs=DRIVE, outputs=outputs
-    )
+    blocks = _blocks_of_the_velocity_cycle(plant, controller)
+    drive = _lift(_connect(blocks, inputs=DRIVE, outputs=outputs), controller.cycles)
     return _connect(
-        [
-            _lift(drive, controller.cycles),
-            *_position_cycle(controller, hand_down(controller, model)),
-        ],
-        inputs=[*SETPOINT, "disturbance"],
-        outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
+        [drive, *_position_cycle(controller, hand_down(controller, model))],
+        inputs=[*INPUTS, "disturbance"],
+        outputs=drive.output_labels,
     )
 
 
@@ -92,15 +87,10 @@ def build_open_loop(plant: Plant, controller: Controller) -> control.StateSpace:
     blocks = _blocks_of_the_velocity_cycle(plant, controller, acting="acting")
     if controller.position_loop is PositionLoop.DRIVE:
         return -_connect(blocks, inputs=["acting"], outputs=["force"])
-    base_band = _block(
-        ["encoder"],
-        ["asked"],
-        A=np.eye(2 * N - 1, k=-1),
-        B=np.eye(2 * N - 1)[:, :1],
-        C=-controller.position_gain / N * (np.arange(2 * N - 1) >= N - 1),
-        states=[f"encoder[-{k}]" for k in range(1, 2 * N)],
-        dt=T_v,
-    )
+    states = [f"encoder[-{k}]" for k in range(1, 2 * N)]
+    A, B = np.eye(2 * N - 1, k=-1), np.eye(2 * N - 1)[:, :1]
+    C = -controller.position_gain / N * (np.arange(2 * N - 1) >= N - 1)
+    base_band = _block(["encoder"], ["asked"], A=A, B=B, C=C, states=states, dt=T_v)
     return -_connect([*blocks, base_band], inputs=["acting"], outputs=["force"])
 
 
@@ -109,7 +99,7 @@ def _blocks_of_the_velocity_cycle(
 ) -> list[control.StateSpace]:
     """Plant, velocity controller, dead time, filters, observer; ``acting`` moves the plant."""
     T_v, encoder = controller.velocity_cycle, plant.row("encoder")
-    Kp, observer = controller.velocity_gain, controller.observer
+    Kp, Tn, observer = controller.velocity_gain, controller.integral_time, controller.observer
     # A disturbance on the line of the drive force enters like the force state, without its lag.
     push = plant.A[:, plant.force].copy()
     push[plant.force] = 0.0
@@ -122,122 +112,82 @@ def _blocks_of_the_velocity_cycle(
         outputs=["tcp", "encoder", *(f"state_{k}" for k in range(plant.order))],
         states=[f"plant.{name}" for name in plant.states],
     ).sample(T_v, "zoh")
+
+    def block(
+        inputs: str, outputs: str, states: str = "", **matrices: ArrayLike
+    ) -> control.StateSpace:
+        return _block(inputs.split(), outputs.split(), states=states.split(), dt=T_v, **matrices)
+
     # Only the correction passes the reference model: the fed-forward velocity arrives in time.
-    integral = _block(
-        ["modelled", "velocity", "rate"],
-        ["integral"],
-        A=[[1.0]],
-        B=T_v / controller.integral_time * np.array([[1.0, 1.0, -1.0]]),
-        C=[[Kp]],
-        states=["integrator"],
-        dt=T_v,
-    )
-    dead_time = _delay(["filtered"], ["force"], states=["pending_force"], dt=T_v)
-    difference = _block(
-        ["encoder"],
-        ["rate"],
-        A=[[0.0]],
-        B=[[1.0]],
-        C=[[-1.0 / T_v]],
-        D=[[1.0 / T_v]],
-        states=["last_encoder"],
-        dt=T_v,
-    )
+    B = T_v / Tn * np.array([1.0, 1.0, -1.0])
+    integral = block("modelled velocity rate", "integral", "integrator", A=1.0, B=B, C=Kp)
+    model = block("correction", "modelled", D=1.0)
+    if controller.reference_model_time:
+        kept = exp(-T_v / controller.reference_model_time)
+        model = block("correction", "modelled", "reference_model", A=kept, B=1.0 - kept, C=1.0)
+    dead_time = block("filtered", "force", "pending_force", A=0.0, B=1.0, C=1.0)
+    rate = block("encoder", "rate", "last_encoder", A=0.0, B=1.0, C=-1.0 / T_v, D=1.0 / T_v)
     in_drive = controller.position_loop is PositionLoop.DRIVE
     Kv = controller.position_gain if in_drive else 0.0
-    position = _block(["asked", "encoder"], ["correction"], D=[[1.0, -Kv]], dt=T_v)
-    demand = _block(
-        ["correction", "velocity", "rate", "integral", "feedforward", "feedback"],
-        ["demand"],
-        D=[[Kp, Kp, -Kp, 1.0, 1.0, -1.0]],
-        dt=T_v,
-    )
-    feedback = _block(
-        [acting, *controller.sensors],
-        ["feedback"],
+    position = block("asked encoder", "correction", D=[1.0, -Kv])
+    summed = "correction velocity rate integral feedforward feedback"
+    demand = block(summed, "demand", D=[Kp, Kp, -Kp, 1.0, 1.0, -1.0])
+    estimates = " ".join(f"observer.{plant.states[i]}" for i in observer.states)
+    feedback = block(
+        " ".join([acting, *controller.sensors]),
+        "feedback",
+        estimates,
         A=observer.A - observer.L @ observer.C,
         B=np.column_stack([observer.B, observer.L]),
-        C=controller.state_gains[None, list(observer.states)],
-        states=[f"observer.{plant.states[i]}" for i in observer.states],
-        dt=T_v,
+        C=controller.state_gains[list(observer.states)],
     )
     filters = _force_filters(controller)
-    model = _reference_model(controller)
-    return [axis, integral, dead_time, difference, position, model, demand, *filters, feedback]
-
-
-def _reference_model(controller: Controller) -> control.StateSpace:
-    """First-order lag through which the integral sees the position controller's output."""
-    T_v, T_r = controller.velocity_cycle, controller.reference_model_time
-    if not T_r:
-        return _block(["correction"], ["modelled"], D=[[1.0]], dt=T_v)
-    kept = exp(-T_v / T_r)
-    return _block(
-        ["correction"],
-        ["modelled"],
-        A=[[kept]],
-        B=[[1.0 - kept]],
-        C=[[1.0]],
-        states=["reference_model"],
-        dt=T_v,
-    )
+    return [axis, integral, dead_time, rate, position, model, demand, *filters, feedback]
 
 
 def _force_filters(controller: Controller) -> list[control.StateSpace]:
     """Set-force filters one after another, sampled by the bilinear transform."""
-    items = controller.force_filters
+    items, T_v = controller.force_filters, controller.velocity_cycle
     signals = ["demand", *(f"filtered_{i}" for i in range(len(items) - 1)), "filtered"]
     if not items:
-        return [_block(["demand"], ["filtered"], D=[[1.0]], dt=controller.velocity_cycle)]
+        return [_block(["demand"], ["filtered"], D=1.0, dt=T_v)]
     found = []
     for i, item in enumerate(items):
         b, a = filter_polynomials(item)
-        form = control.ss(
-            [-a[1:], [1.0, 0.0]],
-            [[1.0], [0.0]],
-            [b[1:] - b[0] * a[1:]],
-            [[b[0]]],
-            inputs=[signals[i]],
-            outputs=[signals[i + 1]],
-            states=[f"filter[{i}].{k}" for k in range(2)],
-        )
-        found.append(form.sample(controller.velocity_cycle, "bilinear"))
+        A, C = np.array([-a[1:], [1.0, 0.0]]), b[1:] - b[0] * a[1:]
+        states = [f"filter[{i}].{k}" for k in range(2)]
+        inputs, outputs = [signals[i]], [signals[i + 1]]
+        form = _block(inputs, outputs, A=A, B=[1.0, 0.0], C=C, D=b[0], states=states, dt=0.0)
+        found.append(form.sample(T_v, "bilinear"))
     return found
 
 
 def _position_cycle(controller: Controller, handed_down: HandedDown) -> list[control.StateSpace]:
     """Memory of the setpoint, what is computed of it, dead time, and how the drive reads it."""
     T_p, names, kept = controller.position_cycle, handed_down.names, handed_down.kept
-    n, new = 4 * kept, [f"new_{name}" for name in names]
+    n, unit, new = 4 * kept, np.eye(len(names)), [f"new_{name}" for name in names]
+    known = [f"by_setpoint_{name}" for name in names]
     memory = _block(
-        SETPOINT,
-        [f"by_setpoint_{name}" for name in names],
+        INPUTS,
+        known,
         A=np.eye(n, k=-4),
         B=np.eye(n, 4),
         C=handed_down.by_setpoint[:, 4:],
         D=handed_down.by_setpoint[:, :4],
-        states=[f"{name}[-{k}]" for k in range(1, kept + 1) for name in SETPOINT],
+        states=[f"{name}[-{k}]" for k in range(1, kept + 1) for name in INPUTS],
         dt=T_p,
     )
-    compare = _block(
-        ["encoder[0]", *(f"by_setpoint_{name}" for name in names)],
-        new,
-        D=np.column_stack([handed_down.by_encoder, np.eye(len(names))]),
-        dt=T_p,
-    )
-    dead_time = _delay(new, names, states=names, dt=T_p)
+    D = np.column_stack([handed_down.by_encoder, unit])
+    compare = _block(["encoder[0]", *known], new, D=D, dt=T_p)
+    dead_time = _block(new, names, A=0.0 * unit, B=unit, C=unit, states=names, dt=T_p)
     # Per velocity cycle the three signals that are read, and the disturbance as it is.
     rows = np.array([handed_down.correction, handed_down.velocity, handed_down.force])
     D = np.zeros((controller.cycles, 4, len(names) + 1))
     D[:, 3, -1] = 1.0
     for i in range(controller.cycles):
         D[i, :3, :-1] = rows @ np.linalg.matrix_power(handed_down.advance, i)
-    read = _block(
-        [*names, "disturbance"],
-        [f"{name}[{i}]" for i in range(controller.cycles) for name in DRIVE],
-        D=D.reshape(-1, len(names) + 1),
-        dt=T_p,
-    )
+    read_by = [f"{name}[{i}]" for i in range(controller.cycles) for name in DRIVE]
+    read = _block([*names, "disturbance"], read_by, D=D, dt=T_p)
     return [read, dead_time, memory, compare]
 
 
@@ -260,14 +210,6 @@ def _lift(system: control.StateSpace, cycles: int) -> control.StateSpace:
     )
 
 
-def _delay(
-    inputs: Sequence[str], outputs: Sequence[str], *, states: Sequence[str], dt: float
-) -> control.StateSpace:
-    """One cycle of dead time."""
-    unit = np.eye(len(inputs))
-    return _block(inputs, outputs, A=0.0 * unit, B=unit, C=unit, states=states, dt=dt)
-
-
 def _block(
     inputs: Sequence[str],
     outputs: Sequence[str],
@@ -275,40 +217,54 @@ def _block(
     A: ArrayLike = (),
     B: ArrayLike = (),
     C: ArrayLike = (),
-    D: ArrayLike | None = None,
+    D: ArrayLike = 0.0,
     states: Sequence[str] = (),
     dt: float,
 ) -> control.StateSpace:
-    """A block whose signals are connected by their names."""
-    n, direct = len(states), np.zeros((len(outputs), len(inputs))) if D is None else D
-    return control.ss(
-        np.reshape(A, (n, n)),
-        np.reshape(B, (n, len(inputs))),
-        np.reshape(C, (len(outputs), n)),
-        direct,
-        dt,
-        inputs=list(inputs),
-        outputs=list(outputs),
-        states=list(states),
-        remove_useless_states=False,
-    )
+    """A block whose signals are connected by their names; at 0 s continuous."""
+    n, m, p = len(states), len(inputs), len(outputs)
+    direct = np.zeros((p, m)) if np.ndim(D) == 0 and not D else np.reshape(D, (p, m))
+    signals = {"inputs": list(inputs), "outputs": list(outputs), "states": list(states)}
+    A, B, C = np.reshape(A, (n, n)), np.reshape(B, (n, m)), np.reshape(C, (p, n))
+    return control.ss(A, B, C, direct, dt, **signals, remove_useless_states=False)
 
 
 def _connect(
     blocks: Sequence[control.StateSpace], *, inputs: Sequence[str], outputs: Sequence[str]
 ) -> control.StateSpace:
     """The blocks with equal names connected, as plain matrices; states keep their own names."""
-    whole = control.interconnect(
-        blocks, inputs=list(inputs), outputs=list(outputs), check_unused=False
-    )
-    return control.ss(
-        whole.A,
-        whole.B,
-        whole.C,
-        whole.D,
-        whole.dt,
-        inputs=list(inputs),
-        outputs=list(outputs),
-        states=[name for block in blocks for name in block.state_labels],
-        remove_useless_states=False,
+    signals = {"inputs": list(inputs), "outputs": list(outputs)}
+    whole = control.interconnect(blocks, **signals, check_unused=False)
+    states = [name for block in blocks for name in block.state_labels]
+    matrices = whole.A, whole.B, whole.C, whole.D, whole.dt
+    return control.ss(*matrices, **signals, states=states, remove_useless_states=False)
+
+
+DEAD_TIME_RADIUS = 1e-3
+"""Several dead times are one defective pole, spread by rounding: not compared within it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossCheck:
+    """Poles and margins of the block diagram."""
+
+    pole_difference: float  # largest distance of one of our poles from theirs, z plane [-]
+    gain_margin_db: float  # inf without a crossing
+    phase_margin_deg: float  # inf without a crossing
+
+
+def check_by_blocks(loop: SampledLoop, frequency_hz: Array) -> CrossCheck:
+    """Return what the block diagram says of the nominal loop; margins on the same frequencies."""
+    plant, controller = loop.plant, loop.controller
+    whole = build_lifted_model(plant, controller, model=plant)
+    ours, theirs = np.linalg.eigvals(loop.lifted.A), np.linalg.eigvals(whole.A)
+    alive = ours[np.abs(ours) > DEAD_TIME_RADIUS]
+    omega = 2.0 * pi * frequency_hz
+    cut = build_open_loop(plant, controller)(np.exp(1j * omega * controller.velocity_cycle))
+    answer = control.frd(cut, omega, smooth=True)
+    gains, phases, *_ = control.stability_margins(answer, returnall=True)
+    return CrossCheck(
+        pole_difference=float(np.max(np.min(np.abs(alive[:, None] - theirs), axis=1))),
+        gain_margin_db=float(np.min(np.abs(20.0 * np.log10(gains)), initial=inf)),
+        phase_margin_deg=float(np.min(np.abs(phases), initial=inf)),
     )

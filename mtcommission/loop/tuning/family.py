@@ -11,17 +11,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from math import isclose, pi, radians, sin
+from math import pi, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis.frequency import GainGrid, lay_grids
+from mtcommission.loop.analysis import GainGrid, lay_grids
 from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.loop.tuning.cascade import CLASSIC, Shape, build_cascade
-from mtcommission.loop.tuning.state_feedback import (
+from mtcommission.loop.tuning.gains import (
+    CLASSIC,
+    Shape,
     add_state_feedback,
+    build_cascade,
     design_observer,
     given_state_feedback,
     moving_modes,
@@ -211,11 +213,6 @@ class _Sketch:
     controller: Controller
     stiffness: float  # in the worst corner [N/m]
 
-    def is_worth(self, before: _Sketch) -> bool:
-        """Whether the last filter is worth its place."""
-        rises = self.controller.velocity_gain >= SEARCH.worth * before.controller.velocity_gain
-        return rises and self.stiffness >= SEARCH.worth * before.stiffness
-
 
 def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
     """Return the loop of the same shape with the filters that make the tool stiffest.
@@ -223,25 +220,27 @@ def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
     No more than the kind of control has; None if none is worth its place, or if Kp is given.
     """
     control = family.machine.control
-    begin = None if control.velocity_gain is not None else _sketch(family, shape, ())
-    best, left = begin, control.kind.force_filters - len(control.force_filters)
-    for _ in range(min(SEARCH.most_filters, left)):
-        if best is None or (better := _add_filter(family, shape, best)) is None:
+    best = None if control.velocity_gain is not None else _sketch(family, shape, ())
+    left = min(SEARCH.most_filters, control.kind.force_filters - len(control.force_filters))
+    while best and len(best.filters) < left:
+        tried = [
+            _sketch(family, shape, (*best.filters, item)) for item in _candidates(family, best)
+        ]
+        Kp, stiffness = best.controller.velocity_gain, best.stiffness
+        good = [
+            loop
+            for loop in tried
+            if loop
+            and loop.controller.velocity_gain >= SEARCH.worth * Kp
+            and loop.stiffness >= SEARCH.worth * stiffness
+        ]
+        if not good:
             break
-        best = better
-    if best is None or best is begin:
+        best = max(good, key=lambda loop: loop.stiffness)
+    if not best or not best.filters:
         return None
     tuned = tune_shape(best.family, shape, largest=family.settings.largest_fraction)
     return FilteredLoop(filters=best.filters, family=best.family, tuned=tuned) if tuned else None
-
-
-def _add_filter(family: LoopFamily, shape: Shape, before: _Sketch) -> _Sketch | None:
-    """The stiffest loop with one filter more, if that is worth its place."""
-    tried = (
-        _sketch(family, shape, (*before.filters, item)) for item in _candidates(family, before)
-    )
-    good = [loop for loop in tried if loop is not None and loop.is_worth(before)]
-    return max(good, key=lambda loop: loop.stiffness, default=None)
 
 
 def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
@@ -249,11 +248,10 @@ def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) 
     fraction = tune_on_grid(changed, shape, largest=family.settings.largest_fraction)
     if fraction is None:
         return None
-    controller = build(changed, shape, fraction=fraction)
-    softest = max(np.abs(grid.respond(controller).compliance).max() for grid in changed.grids)
-    return _Sketch(
-        filters=filters, family=changed, controller=controller, stiffness=float(1.0 / softest)
-    )
+    gains = build(changed, shape, fraction=fraction)
+    softest = max(np.abs(grid.respond(gains).compliance).max() for grid in changed.grids)
+    stiffness = float(1.0 / softest)
+    return _Sketch(filters=filters, family=changed, controller=gains, stiffness=stiffness)
 
 
 def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
@@ -261,21 +259,15 @@ def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
     for mode in family.bench.model.modes:
         if mode.measured_gain:
             for place, width in product(SEARCH.notch_places, SEARCH.notch_widths):
-                yield ForceFilter(
-                    kind=FilterKind.NOTCH,
-                    natural_frequency=place * mode.natural_frequency,
-                    damping=SEARCH.notch_depth * width,
-                    width=width,
-                )
+                omega, zeta = place * mode.natural_frequency, SEARCH.notch_depth * width
+                notch = FilterKind.NOTCH
+                yield ForceFilter(kind=notch, natural_frequency=omega, damping=zeta, width=width)
     away = [np.abs(1.0 + grid.open_loop(before.controller)) for grid in before.family.grids]
     worst = int(np.argmin([distance.min() for distance in away]))
     weakest = float(family.grids[worst].omega[away[worst].argmin()])
+    low_pass, zeta = FilterKind.LOW_PASS, SEARCH.low_pass_damping
     for factor in SEARCH.low_passes:
-        yield ForceFilter(
-            kind=FilterKind.LOW_PASS,
-            natural_frequency=factor * weakest,
-            damping=SEARCH.low_pass_damping,
-        )
+        yield ForceFilter(kind=low_pass, natural_frequency=factor * weakest, damping=zeta)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -319,9 +311,8 @@ def propose_feedback(
         if family is None:
             raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, Message("loop-sees-no-mode"))
         weighted = product(shapes, family.settings.mode_weights)
-        found = _propose(
-            family, classic, [replace(shape, mode_weight=weight) for shape, weight in weighted]
-        )
+        weighted_shapes = [replace(shape, mode_weight=weight) for shape, weight in weighted]
+        found = _propose(family, classic, weighted_shapes)
     except ComputationError as error:
         remark = Message("loop-no-state-feedback", detail=error.detail)
         return Proposals(family=cascades, classic=classic, loops=(), fastest_hz=0.0, remark=remark)
@@ -342,13 +333,10 @@ def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ..
 
 def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
     """Return loops half a step away from the good one of this shape among the proposals."""
-    steps = (1.0 / SEARCH.near, SEARCH.near)
-    near = [replace(shape, position_ratio=step * shape.position_ratio) for step in steps]
-    near += [
-        replace(shape, integral_ratio=step * shape.integral_ratio)
-        for step in steps
-        if step * shape.integral_ratio >= min(proposals.family.settings.integral_ratios)
-    ]
+    steps, Kv, Tn = (1.0 / SEARCH.near, SEARCH.near), shape.position_ratio, shape.integral_ratio
+    least = min(proposals.family.settings.integral_ratios)
+    near = [replace(shape, position_ratio=step * Kv) for step in steps]
+    near += [replace(shape, integral_ratio=step * Tn) for step in steps if step * Tn >= least]
     if shape.mode_weight:
         near += [replace(shape, mode_weight=step**2 * shape.mode_weight) for step in steps]
     found = _propose(proposals.family, proposals.classic, near)
@@ -367,27 +355,19 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
         if tuned and not any(_is_same(tuned.controller, item.tuned.controller) for item in found):
             found.append(Proposal(shape=shape, tuned=tuned))
     least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
-    return Proposals(
-        family=family,
-        classic=classic,
-        loops=tuple(
-            item
-            for item in found
-            if item.tuned.least_bandwidth_hz >= least_hz
-            and (classic is None or _keeps(classic, item.tuned, settings))
-        ),
-        fastest_hz=max((item.tuned.least_bandwidth_hz for item in found), default=0.0),
-    )
+    kept = [
+        item
+        for item in found
+        if item.tuned.least_bandwidth_hz >= least_hz
+        and (classic is None or _keeps(classic, item.tuned, settings))
+    ]
+    fastest = max((item.tuned.least_bandwidth_hz for item in found), default=0.0)
+    return Proposals(family=family, classic=classic, loops=tuple(kept), fastest_hz=fastest)
 
 
 def _is_same(one: Controller, other: Controller) -> bool:
-    pairs = (
-        (one.velocity_gain, other.velocity_gain),
-        (one.position_gain, other.position_gain),
-        (one.integral_time, other.integral_time),
-    )
-    gains = all(isclose(a, b, rel_tol=1e-2) for a, b in pairs)
-    return gains and np.allclose(one.state_gains, other.state_gains, rtol=1e-2)
+    names = ("velocity_gain", "position_gain", "integral_time", "state_gains")
+    return all(np.allclose(getattr(one, name), getattr(other, name), rtol=1e-2) for name in names)
 
 
 def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bool:

@@ -10,10 +10,16 @@ from typing import Any
 import numpy as np
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.frequency import FrequencyResponse, GainGrid, complete, lay_grids
+from mtcommission.loop.analysis import (
+    FrequencyResponse,
+    GainGrid,
+    LoopAnalysis,
+    analyse_loop,
+    complete,
+    lay_grids,
+)
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.model.controller import Controller, no_observer
+from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.messages.message import Message
@@ -33,7 +39,7 @@ class TuningSettings:
     than engineers type (Yaskawa: 40 ms at 50 Hz is a ratio of 12.6, 120 ms at 20 Hz one of 15)."""
     mode_weights: tuple[float, ...] = (1.0, 10.0)
     """Weights of the squared vibration of the tool against the squared force, see
-    ``state_feedback.add_state_feedback``; each is tried."""
+    ``gains.add_state_feedback``; each is tried."""
     least_integral_share: float = 0.5
     """Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
     displaces, summed over time, is the reciprocal (design choice)."""
@@ -56,7 +62,7 @@ class TuningSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettings:
-    """How gains and filters are looked for, and what is worth a word: the same for all machines."""
+    """How gains and filters are looked for, and what is worth a word."""
 
     least: float = 0.001
     """Below a thousandth of the symmetrical optimum, or of what was given, a gain is given up
@@ -160,10 +166,7 @@ def corner_plants(machine: Machine) -> CornerPlants:
 def close_loop(
     bench: CornerPlants, controller: Controller, grids: Sequence[GainGrid] = ()
 ) -> TunedLoop:
-    """Return the controller on the machine in every corner, analysed.
-
-    ``grids``: of every corner, where these are known already.
-    """
+    """Return the controller in every corner, analysed; ``grids``: where they are known already."""
     grids = grids or lay_grids(bench.plants, controller)
     loops = tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants)
     responses = complete(grids, controller)
@@ -177,20 +180,15 @@ def close_loop(
 
 
 def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
-    """Return a loop with one machine more behind its corners, under the same controller.
-
-    ``machine`` is the nominal one, ``place`` where the machine that is added differs from it.
-    """
+    """Return a loop with one corner more, ``place``, of the nominal machine behind its own."""
     plants = tuned.loops[0].plant, build_plant(vary(machine, place))
     beside = CornerPlants(corners=(tuned.corners[0], place), plants=plants)
     added = close_loop(beside, tuned.controller)
-    return replace(
-        tuned,
-        corners=(*tuned.corners, place),
-        loops=(*tuned.loops, added.loops[1]),
-        responses=(*tuned.responses, added.responses[1]),
-        analyses=(*tuned.analyses, added.analyses[1]),
-    )
+    names = ("corners", "loops", "responses", "analyses")
+    both: dict[str, Any] = {
+        name: (*getattr(tuned, name), getattr(added, name)[1]) for name in names
+    }
+    return replace(tuned, **both)
 
 
 def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
@@ -215,11 +213,6 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
     )
 
 
-LATE = 2.0
-"""How late an open-loop axis is [position cycles]: one until a setpoint acts, and one because
-between two setpoints both must be known."""
-
-
 def follow(machine: Machine, bench: CornerPlants) -> TunedLoop:
     """Return an open-loop axis, whose motor follows the setpoint, in every corner of the machine.
 
@@ -233,19 +226,15 @@ def follow(machine: Machine, bench: CornerPlants) -> TunedLoop:
         position_gain=0.0,
         velocity_gain=0.0,
         integral_time=inf,
-        reference_model_time=0.0,
         velocity_feedforward=1.0,
         acceleration_feedforward=1.0,
         jerk_feedforward=0.0,
         feedforward_mass=machine.mechanics.moving_mass,
         force_lag=0.0,
-        reference_delay=LATE * control.position_cycle,
+        reference_delay=INTERPOLATED * control.position_cycle,
         velocity_cycle=control.velocity_cycle,
         cycles=round(control.position_cycle / control.velocity_cycle),
-        force_filters=(),
-        sensors=("encoder",),
         state_gains=np.zeros(bench.model.order),
-        observer=no_observer(n_sensors=1),
         follows=True,
     )
     return TunedLoop(

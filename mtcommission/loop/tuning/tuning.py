@@ -5,7 +5,7 @@ It knows nothing of the moves; which loop serves them best is ``study.loops``'s 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
@@ -13,7 +13,6 @@ from math import floor, log10
 from typing import Any
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.tuning.cascade import CLASSIC, explain_cascade, symmetrical_optimum
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     build,
@@ -25,7 +24,13 @@ from mtcommission.loop.tuning.family import (
     tune_on_grid,
     tune_shape,
 )
-from mtcommission.loop.tuning.state_feedback import is_seen, moving_modes
+from mtcommission.loop.tuning.gains import (
+    CLASSIC,
+    explain_cascade,
+    is_seen,
+    moving_modes,
+    symmetrical_optimum,
+)
 from mtcommission.loop.tuning.tuned import (
     SEARCH,
     CornerPlants,
@@ -168,14 +173,8 @@ def close_as_given(family: LoopFamily) -> TunedLoop:
     if given.velocity_gain is not None:
         return close_loop(bench, build(family, CLASSIC, fraction=1.0))
     if given.has_given_gains or given.state_gains:
-        control = replace(
-            given,
-            position_gain=None,
-            integral_time=None,
-            state_feedback=StateFeedback.OFF,
-            state_gains=(),
-            minimum_bandwidth_hz=0.0,
-        )
+        control = replace(given, position_gain=None, integral_time=None, minimum_bandwidth_hz=0.0)
+        control = replace(control, state_feedback=StateFeedback.OFF, state_gains=())
         free = tune_loop(replace(machine, control=control), settings=family.settings)
         fraction = free.controller.velocity_gain / symmetrical_optimum(machine)
         return close_loop(bench, build(family, CLASSIC, fraction=fraction))
@@ -193,10 +192,9 @@ def _require_damping(bench: CornerPlants) -> None:
     """A mode without damping that the encoder does not see rings for ever under any cascade."""
     for mode in bench.model.modes:
         if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
-            raise ComputationError(
-                Outcome.UNDAMPED_MODE,
-                Message("loop-mode-without-damping", mode=mode.name, frequency=mode.frequency_hz),
-            )
+            at = mode.frequency_hz
+            detail = Message("loop-mode-without-damping", mode=mode.name, frequency=at)
+            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
 
 
 def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
@@ -206,9 +204,8 @@ def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
         closed = [float(analysis.mode_damping[index]) for analysis in tuned.analyses]
         worst = min(range(len(own)), key=lambda i: closed[i] - own[i])
         if closed[worst] < SEARCH.undamped * own[worst]:
-            yield Message(
-                "loop-takes-damping", mode=mode.name, closed=closed[worst], own=own[worst]
-            )
+            ring, rings = closed[worst], own[worst]
+            yield Message("loop-takes-damping", mode=mode.name, closed=ring, own=rings)
 
 
 def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
@@ -218,14 +215,9 @@ def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
         cure = _name_cure(family)
         for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True):
             if not analysis.is_stable:
-                detail = Message(
-                    "loop-unstable",
-                    Kv=tuned.controller.position_gain,
-                    Kp=tuned.controller.velocity_gain,
-                    Tn=tuned.controller.integral_time,
-                    corner=_name_corner(corner),
-                    cure=cure,
-                )
+                gains, where = tuned.controller, _name_corner(corner)
+                Kv, Kp, Tn = gains.position_gain, gains.velocity_gain, gains.integral_time
+                detail = Message("loop-unstable", Kv=Kv, Kp=Kp, Tn=Tn, corner=where, cure=cure)
                 raise ComputationError(Outcome.UNSTABLE_LOOP, detail)
         yield Message(
             "loop-given-gains-poor",
@@ -244,14 +236,23 @@ def _name_corner(corner: Corner) -> tuple[Message, ...]:
     """What distinguishes a corner from the nominal machine."""
     if corner == NOMINAL:
         return (Message("loop-nominal-machine"),)
-    found = [Message("place-state", name=corner.state)] if corner.state else []
-    if corner.payload:
-        found.append(Message("loop-corner-payload", value=corner.payload))
-    if corner.frequency_factor != 1.0:
-        found.append(Message("loop-corner-frequencies", value=corner.frequency_factor))
-    if corner.damping_factor != 1.0:
-        found.append(Message("loop-corner-damping", value=corner.damping_factor))
-    return tuple(found)
+    found = {
+        "loop-corner-payload": (corner.payload, 0.0),
+        "loop-corner-frequencies": (corner.frequency_factor, 1.0),
+        "loop-corner-damping": (corner.damping_factor, 1.0),
+    }
+    state = (Message("place-state", name=corner.state),) if corner.state else ()
+    others = (Message(kind, value=value) for kind, (value, own) in found.items() if value != own)
+    return (*state, *others)
+
+
+CURES = {
+    "loop-cure-kv": ("position_gain", 1),
+    "loop-cure-kp": ("velocity_gain", 1),
+    "loop-cure-kp-from": ("velocity_gain", -1),  # too soft for its integrator, or for Kv
+    "loop-cure-tn": ("integral_time", -1),
+}
+"""Which given gain to lower (1), or to raise (-1)."""
 
 
 def _name_cure(family: LoopFamily) -> Message:
@@ -259,49 +260,43 @@ def _name_cure(family: LoopFamily) -> Message:
 
     The other given gains stay as they are; what is left out is tuned, as it will be then.
     """
-    given, cures = family.machine.control, []
-
-    def largest(value: float, with_value: Callable[[float], dict[str, Any]]) -> float | None:
-        return _largest(family, value, with_value)
-
-    if given.position_gain is not None:
-        Kv = largest(given.position_gain, lambda value: {"position_gain": value})
-        cures += [Message("loop-cure-kv", value=Kv)] if Kv else []
-    if given.velocity_gain is not None:
-        Kp = largest(given.velocity_gain, lambda value: {"velocity_gain": value})
-        cures += [Message("loop-cure-kp", value=Kp)] if Kp else []
-        if not Kp:  # too soft for its integrator, or for Kv
-            softness = largest(
-                1.0 / given.velocity_gain, lambda value: {"velocity_gain": 1.0 / value}
-            )
-            cures += [Message("loop-cure-kp-from", value=1.0 / softness)] if softness else []
-    if given.integral_time is not None:
-        rate = largest(1.0 / given.integral_time, lambda value: {"integral_time": 1.0 / value})
-        cures += [Message("loop-cure-tn", value=1.0 / rate)] if rate else []
+    cures: dict[str, Message] = {}
+    for kind, (name, power) in CURES.items():
+        given = getattr(family.machine.control, name)
+        if given is None or (kind == "loop-cure-kp-from" and "loop-cure-kp" in cures):
+            continue
+        found = _largest(family, name, power)
+        if found is not None:
+            cures[kind] = Message(kind, value=found)
     if not cures:
         return Message("loop-no-cure")
-    gains = reduce(lambda one, other: Message("loop-one-or-other", first=one, second=other), cures)
+    gains = reduce(
+        lambda one, other: Message("loop-one-or-other", first=one, second=other), cures.values()
+    )
     return Message("loop-cure", gains=gains)
 
 
-def _largest(
-    family: LoopFamily, value: float, with_value: Callable[[float], dict[str, Any]]
-) -> float | None:
-    """The largest value below the given one with the margins, to three digits."""
+def _largest(family: LoopFamily, name: str, power: int) -> float | None:
+    """The largest ``power`` of a gain below the given one with the margins, as that gain.
 
-    def changed(gain: float) -> LoopFamily:
-        control = replace(family.machine.control, **with_value(gain))
+    To three digits of the power.
+    """
+
+    def changed(value: float) -> LoopFamily:
+        gain: dict[str, Any] = {name: value**power}
+        control = replace(family.machine.control, **gain)
         return replace(family, machine=replace(family.machine, control=control))
 
-    def seems(gain: float) -> bool:
-        return tune_on_grid(changed(gain), CLASSIC, largest=1.0) is not None
+    def seems(value: float) -> bool:
+        return tune_on_grid(changed(value), CLASSIC, largest=1.0) is not None
 
-    low = find_largest(seems, value, family.settings, least=SEARCH.least * value)
+    given = float(getattr(family.machine.control, name) ** power)
+    low = find_largest(seems, given, family.settings, least=SEARCH.least * given)
     if low is None:
         return None
     while tune_shape(changed(_round_down(low)), CLASSIC, largest=1.0) is None:
         low *= SEARCH.closer
-    return _round_down(low)
+    return float(_round_down(low) ** power)
 
 
 def _round_down(value: float) -> float:

@@ -1,23 +1,22 @@
-"""How much an encoder that counts in steps makes tool and set force tremble.
+"""Answers of the loop at rest to what sets in: a force on the axis, an error of the encoder.
 
-What the encoder says is wrong by up to half a step q. While the axis moves over many steps in a
-velocity cycle, the error is as good as white noise of variance q²/12. At rest it is not: the axis
-stands somewhere between two steps, and integrator and position controller carry it to and fro
-across their border. Seen in simulations, that stays below what one change of the count does, the
-whole swing after a step of q.
+What an encoder that counts in steps q says is wrong by up to half a step. While the axis moves over
+many steps in a velocity cycle, the error is as good as white noise of variance q²/12. At rest it is
+not: the axis stands somewhere between two steps, and integrator and position controller carry it to
+and fro across their border. Seen in simulations, that stays below what one change of the count
+does, the whole swing after a step of q.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import ceil, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.disturbance import step_response
-from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
 
 Array = NDArray[np.float64]
 
@@ -30,6 +29,32 @@ and no servo is slower (empirical)."""
 
 DOUBLINGS = 30
 """The noise is summed over 2^30 position cycles: days."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DisturbanceStep:
+    """Response of the tool to a step of force on the line of the drive."""
+
+    t: Array  # every velocity cycle from the step on, shape (n_samples,) [s]
+    deflection: Array  # tool displacement per newton, shape (n_samples,) [m/N]
+
+    @property
+    def peak(self) -> float:
+        """Largest displacement per newton [m/N]."""
+        return float(np.max(np.abs(self.deflection)))
+
+
+def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
+    """Return how the tool gives way to a step of force, at rest before it, for a duration [s].
+
+    The step begins with a position cycle; the setpoint rests, the force is not saturated.
+    """
+    T_v, push = loop.controller.velocity_cycle, np.zeros(loop.own_size)
+    push[: loop.plant.order] = discretise_disturbance(loop.plant, T_v)
+    nothing = np.zeros(loop.own_size - loop.held)
+    found = _step_response(loop, push, nothing, duration)[:, 0]
+    t = np.arange(len(found), dtype=np.float64) * T_v
+    return DisturbanceStep(t=t, deflection=found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,8 +81,9 @@ def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
     if resolution == 0.0:
         return EncoderNoise(tool=0.0, force=0.0)
     noise = SIGMAS / sqrt(12.0) * _standard_deviations(loop)
-    low, high = _swings(loop)
-    tool, force = max(-low[0], high[0]), high[1] - low[1]
+    sample, handed_down = loop.sensed[:, : loop.own_size]
+    swings = _step_response(loop, sample, handed_down[loop.held :], SWING)
+    tool, force = np.abs(swings[:, 0]).max(), np.ptp(swings[:, 1])
     return EncoderNoise(
         tool=resolution * max(float(noise[0]) + 0.5, float(tool)),
         force=resolution * max(float(noise[1]), float(force)),
@@ -90,13 +116,25 @@ def _standard_deviations(loop: SampledLoop) -> Array:
     return np.sqrt(largest)
 
 
-def _swings(loop: SampledLoop) -> tuple[Array, Array]:
-    """Least and largest values of tool and set force after the encoder jumps by 1, shape (2,)."""
-    sample, handed_down = loop.sensed[:, : loop.own_size]
-    found = step_response(
-        loop, _seen(loop), entry=sample, handed_down=handed_down[loop.held :], duration=SWING
-    )
-    return found.min(axis=0), found.max(axis=0)
+def _step_response(loop: SampledLoop, entry: Array, handed_down: Array, duration: float) -> Array:
+    """Tool and set force at every velocity cycle after a constant input sets in, (n, 2).
+
+    ``entry``: what the input adds to the loop's own states in a velocity cycle, ``handed_down``: to
+    what is held, in a position cycle. It begins with a position cycle.
+    """
+    size, rows = loop.own_size, _seen(loop)
+    cycle, A = loop.cycle[:size, :size], loop.lifted.A[:size, :size]
+    seen, added, state, pushed = [], [], np.eye(size), np.zeros(size)
+    for _ in range(loop.controller.cycles):
+        seen.append(rows @ state)
+        added.append(rows @ pushed)
+        state, pushed = cycle @ state, cycle @ pushed + entry
+    pushed[loop.held :] = handed_down
+    states = np.zeros((ceil(duration / loop.controller.position_cycle), size))
+    for k in range(1, len(states)):
+        states[k] = A @ states[k - 1] + pushed
+    found = states @ np.vstack(seen).T + np.concatenate(added)
+    return np.asarray(found.reshape(-1, len(rows)))
 
 
 def _seen(loop: SampledLoop) -> Array:

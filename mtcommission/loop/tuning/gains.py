@@ -1,4 +1,9 @@
-"""Active damping of the tool: LQR around the closed cascade, states by a Kalman observer.
+"""Gains of a loop: of the cascade by rules with a source or of another shape, of state feedback.
+
+- Delay of the force path T_σ = T + 2 T_v + filters (dead time, half for the hold, half for the
+  velocity from differences); Kp = f m / (2 T_σ) (symmetrical optimum).
+- ω_v = Kp/m; Tn = 4/ω_v (Yaskawa: Tn >= 4/ω_v); Kv = ω_v/4 (speed loop damping 1).
+- State feedback damps the tool: LQR around the closed cascade, states by a Kalman observer.
 
 Tuning asks for some forty regulators a machine, of one input and some ten states: too small for the
 balancing and the pencils of ``scipy.linalg.solve_continuous_are``, which agrees to 4e-10, but takes
@@ -9,20 +14,111 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import isclose
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
 from scipy.linalg.lapack import dgees
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.model.assembly import discretise
-from mtcommission.loop.model.controller import Controller, Observer
+from mtcommission.loop.model.controller import Controller, Observer, filter_delay
 from mtcommission.loop.tuning.tuned import TuningSettings
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """What a loop is beside its Kp; the defaults are the classic rule."""
+
+    position_ratio: float = 0.25  # Kv m / Kp [-]; 1/4: speed loop damping 1
+    integral_ratio: float = 4.0  # Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop
+    mode_weight: float = 0.0
+    """Of the state feedback, see ``add_state_feedback`` [-]; 0: none."""
+
+
+CLASSIC = Shape()
+
+
+def build_cascade(
+    machine: Machine, plant: Plant, *, fraction: float, shape: Shape = CLASSIC
+) -> Controller:
+    """Return the cascade without state feedback: given gains as given, the rest by its shape.
+
+    Machine and plant are nominal; ``fraction``: f, Kp over the symmetrical optimum [-].
+    """
+    given, mass = machine.control, believed_mass(machine)
+    Kp, Tn, Kv = given.velocity_gain, given.integral_time, given.position_gain
+    Kp = fraction * symmetrical_optimum(machine) if Kp is None else Kp
+    controller = Controller(
+        position_loop=given.position_loop,
+        position_gain=shape.position_ratio * Kp / mass if Kv is None else Kv,
+        velocity_gain=Kp,
+        integral_time=shape.integral_ratio * mass / Kp if Tn is None else Tn,
+        reference_model_time=given.reference_model_time,
+        velocity_feedforward=given.velocity_feedforward,
+        acceleration_feedforward=given.acceleration_feedforward,
+        jerk_feedforward=given.jerk_feedforward,
+        feedforward_mass=mass if given.feedforward_mass is None else given.feedforward_mass,
+        force_lag=machine.drive.force_lag,
+        reference_delay=0.0,
+        velocity_cycle=given.velocity_cycle,
+        cycles=round(given.position_cycle / given.velocity_cycle),
+        force_filters=given.force_filters,
+        sensors=("encoder", "tcp") if given.tcp_sensor is TcpSensor.POSITION else ("encoder",),
+        state_gains=np.zeros(plant.order),
+    )
+    tau = given.reference_delay
+    tau = controller.feedforward_delay if tau is None else tau
+    if given.position_loop is PositionLoop.DRIVE:
+        tau = max(tau, controller.handing_down_delay)  # the drive knows no newer setpoint
+    return replace(controller, reference_delay=tau)
+
+
+def believed_mass(machine: Machine) -> float:
+    """Return the moving mass at mid payload [kg]: what the controller is made for."""
+    return moving_mass(machine) + mid_payload(machine)
+
+
+def symmetrical_optimum(machine: Machine) -> float:
+    """Return Kp = m / (2 T_σ) of a nominal machine with the mass at mid payload [N s/m].
+
+    Source: symmetrical optimum (Kessler 1958), T_σ as the sum of the small time constants.
+    """
+    given = machine.control
+    delay = machine.drive.force_lag + 2.0 * given.velocity_cycle
+    delay += sum(filter_delay(item) for item in given.force_filters)
+    return believed_mass(machine) / (2.0 * delay)
+
+
+def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, ...]:
+    """Return by which rules the gains of a machine's controller were chosen."""
+    given, mass, remarks = machine.control, believed_mass(machine), []
+    Kp = controller.velocity_gain
+    fraction = Kp / symmetrical_optimum(machine)
+    integral_ratio = controller.integral_time * Kp / mass
+    position_ratio = controller.position_gain * mass / Kp
+    if given.velocity_gain is None:
+        is_optimum, found = isclose(fraction, 1.0), Message("loop-kp-largest", fraction=fraction)
+        remarks.append(Message("loop-kp-symmetrical-optimum") if is_optimum else found)
+    if given.integral_time is None:
+        is_classic = isclose(integral_ratio, CLASSIC.integral_ratio)
+        found = Message("loop-tn-searched", ratio=integral_ratio)
+        remarks.append(Message("loop-tn-yaskawa") if is_classic else found)
+    if given.position_gain is None:
+        is_classic = isclose(position_ratio, CLASSIC.position_ratio)
+        found = Message("loop-kv-searched", ratio=position_ratio)
+        remarks.append(Message("loop-kv-damping-one") if is_classic else found)
+    if given.reference_delay is None:
+        remarks.append(Message("loop-reference-delay"))
+    return tuple(remarks)
+
 
 Array = NDArray[np.float64]
 
@@ -71,11 +167,10 @@ def given_state_feedback(
     for item in machine.control.state_gains:
         gains[plant.states.index(item.state)] = item.value
     observer = design_observer(machine, plant, cascade, settings=settings)
-    hidden = [plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states]
+    hidden = tuple(plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states)
     if hidden:
-        raise ComputationError(
-            Outcome.NOT_OBSERVABLE, Message("loop-hidden-states", states=tuple(hidden))
-        )
+        detail = Message("loop-hidden-states", states=hidden)
+        raise ComputationError(Outcome.NOT_OBSERVABLE, detail)
     return replace(cascade, state_gains=gains, observer=observer)
 
 
@@ -108,11 +203,7 @@ def design_observer(
 
 
 def _gains(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    weight: float,
-    observed: tuple[int, ...],
+    machine: Machine, plant: Plant, cascade: Controller, weight: float, observed: tuple[int, ...]
 ) -> Array:
     """LQR gains on the observed plant states, shape (n_plant,).
 
@@ -122,15 +213,14 @@ def _gains(
     mode is stated as undamped. The gain on the integrator is left out: the cost does not
     weigh it.
     """
-    n, Kp = plant.order, controller.velocity_gain
-    encoder = plant.row("encoder")
+    n, encoder = plant.order, plant.row("encoder")
+    lag = encoder @ plant.A + cascade.position_gain * encoder
     A = np.zeros((n + 1, n + 1))
     A[:n, :n] = plant.A
-    A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
-    law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
-    B = np.append(plant.B, 0.0)
+    A[n, :n] = -lag / cascade.integral_time
+    law, B = cascade.velocity_gain * np.append(lag, -1.0), np.append(plant.B, 0.0)
     # States in units of what F_max does at the first mode's frequency: all numbers near 1.
-    damped = moving_modes(plant, controller.sensors)
+    damped = moving_modes(plant, cascade.sensors)
     force, omega = machine.drive.max_force, damped[0].natural_frequency
     scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
     scale[[plant.velocity, n]] *= omega
@@ -176,9 +266,9 @@ eigenvalue on the imaginary axis by some 1e-8, the root of the machine accuracy.
 def regulator_gains(A: Array, B: Array, Q: Array) -> Array:
     """Return the K of u = -K x that minimises the integral of xᵀ Q x + u² under ẋ = A x + B u.
 
-    A, B, Q have the shapes (n, n), (n,), (n, n), Q is symmetric and not negative; all scaled to
-    numbers near 1. K = Bᵀ X, shape (n,), where the columns of (I; X) span what of the Hamiltonian
-    matrix H = (A, -B Bᵀ; -Q, -Aᵀ) decays: with an ordered Schur basis (U₁; U₂) of it, X = U₂ U₁⁻¹.
+    All scaled to numbers near 1. K = Bᵀ X, shape (n,), where the columns of (I; X) span what of the
+    Hamiltonian matrix H = (A, -B Bᵀ; -Q, -Aᵀ) decays: with an ordered Schur basis (U₁; U₂) of it,
+    X = U₂ U₁⁻¹.
 
     Raises
     ------
@@ -188,14 +278,6 @@ def regulator_gains(A: Array, B: Array, Q: Array) -> Array:
 
     Source: Laub, A Schur method for solving algebraic Riccati equations, IEEE Trans. AC-24
     (1979), eqs. (5) to (8).
-
-    Examples
-    --------
-    A mass of 1 with friction 1, its position weighed by 9: K₁ = √9, K₂ = √(1 + 2 K₁) - 1.
-
-    >>> A, B = np.array([[0.0, 1.0], [0.0, -1.0]]), np.array([0.0, 1.0])
-    >>> regulator_gains(A, B, np.diag([9.0, 0.0])).round(6)
-    array([3.      , 1.645751])
     """
     n, hamiltonian = len(A), np.block([[A, -np.outer(B, B)], [-Q, -A.T]])
     if not np.isfinite(hamiltonian).all():
@@ -211,9 +293,8 @@ def regulator_gains(A: Array, B: Array, Q: Array) -> Array:
 def observer_gains(A: Array, G: Array, C: Array) -> Array:
     """Return the L of x̂⁺ = A x̂ + L (y - C x̂) with the least error under white noises.
 
-    The plant is x⁺ = A x + G w, y = C x + v; A, G, C have the shapes (n, n), (n, n_noises),
-    (n_sensors, n), and all noises variance 1. L = A P Cᵀ (C P Cᵀ + I)⁻¹, shape (n, n_sensors), the
-    predicting form, with P from the Riccati equation.
+    The plant is x⁺ = A x + G w, y = C x + v, all noises have variance 1. L = A P Cᵀ (C P Cᵀ + I)⁻¹,
+    shape (n, n_sensors), the predicting form, with P from the Riccati equation.
 
     Raises
     ------

@@ -1,1 +1,0 @@
-"""Poles, margins and frequency responses of a loop."""
