@@ -2,7 +2,7 @@
 
 Force steps of a rigid axis, shaped by two impulses for every mode and for the force lag, leave
 nothing behind: exact, without a search or a mesh. It is not optimal; a proved lower bound says how
-far from it. docs/optimal-control-bounds.md derives it.
+far from it. docs/optimal-control.md, section 8, derives it.
 """
 
 from __future__ import annotations
