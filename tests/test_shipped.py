@@ -18,6 +18,8 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
@@ -53,7 +55,13 @@ def test_every_number_has_a_source_or_is_called_illustrative(name: str) -> None:
     profile = read_shipped(name)
     assert profile.machine.source.strip()
     assert profile.machine.illustrative or "Table 1" in profile.machine.source
-    assert max(map(len, describe_shipped(profile).splitlines())) <= 80
+    for language in LANGUAGES:
+        shown = describe_shipped(profile, words := Catalogue(language))
+        assert max(map(len, shown.splitlines())) <= 80
+        assert words.text(f"example-{name}") in " ".join(shown.split())
+    source = " ".join(describe_shipped(profile, Catalogue()).split())
+    assert profile.machine.name in source
+    assert profile.machine.source in source
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -20,6 +20,7 @@ from mtcommission import cli
 from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.machine import VelocityStep
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, constant_arc, propagate
 from mtcommission.plant.plant import Plant, build_plant
@@ -357,8 +358,11 @@ def test_paper_machine_is_table_1() -> None:
 
 
 def test_terminal_shows_80_columns(found: Validation) -> None:
-    lines = fold(describe_validation(found))
+    lines = fold(describe_validation(found, Catalogue()))
     assert max(map(len, lines)) <= 80
+    german = fold(describe_validation(found, Catalogue("de")))
+    assert max(map(len, german)) <= 80
+    assert "Zeitoptimale Steuerung (Abschn. 5.1)" in german
     text = " ".join(" ".join(lines).split())
     for row in found.rows:
         assert row.ours.split()[0] in text
@@ -391,18 +395,22 @@ def test_documentation_holds_the_rows_of_the_command(found: Validation) -> None:
 
 def test_page_names_first_what_does_not_hold(found: Validation) -> None:
     """A reader must not have to search 70 rows for what the paper got wrong."""
-    printed = unescape(print_validation(found, created="today"))
+    printed = unescape(print_validation(found, Catalogue(), created="today"))
     head = printed[: printed.index('id="part-1"')]
     assert "for all F_max > 0 (sec. 5, (11)): printed 5 for all values of F_max > 0; ours" in head
     assert "relative (sec. 5.2): printed 0.23; correct 0.1998621" in head
     assert head.count("Does not hold:") == 4
     assert head.count("Misprint:") == 9
     assert "<th" not in head
+    german = unescape(print_validation(found, Catalogue("de"), created="heute"))
+    assert '<html lang="de">' in german
+    assert german.count("Gilt nicht:") == 4
+    assert "Toleranz von" in german
 
 
 def test_page_is_offline_and_escaped(found: Validation) -> None:
     row = replace(found.rows[0], reason="<b>&</b>")
-    printed = print_validation(replace(found, parts={"Plant": [row]}), created="today")
+    printed = print_validation(replace(found, parts={"plant": [row]}), Catalogue(), created="today")
     assert "&lt;b&gt;&amp;&lt;/b&gt;" in printed
     assert "<b>&" not in printed
     assert "src=" not in printed

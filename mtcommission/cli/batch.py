@@ -116,8 +116,8 @@ def validate(
     if json_file:
         write_text(json_file, dump_json(page.validation_entry(found)))
     if output:
-        text = page.print_validation(found, created=now())
+        text = page.print_validation(found, words(), created=now())
         write_files(Path(output), {"validation.html": text.encode()})
     if json_file != "-":
-        show(describe_validation(found))
+        show(describe_validation(found, words()))
     raise typer.Exit(0 if found.is_met else 1)

@@ -83,7 +83,8 @@ def list_profiles(language: LanguageOption = SPOKEN) -> None:
     """List the example machines with the source of their numbers."""
     from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 
-    sys.stdout.write("".join(describe_shipped(read_shipped(name)) for name in shipped_names()))
+    shipped = map(read_shipped, shipped_names())
+    sys.stdout.write("".join(describe_shipped(one, words()) for one in shipped))
 
 
 def show_profile(

@@ -5,40 +5,56 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from mtcommission.cli.terminal import Line, heading, table
-from mtcommission.validate.page import COUNTED, SOURCE, Validation, name_of
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.validate.page import SOURCE, Validation, heading_of, key_of, name_of
 from mtcommission.validate.row import Row
 
+STYLES = {"agrees": "green", "corrected": "yellow", "differs": "yellow", "out": "bold red"}
 
-def describe_validation(validation: Validation) -> Iterator[Line]:
+
+def describe_validation(validation: Validation, words: Catalogue) -> Iterator[Line]:
     """Yield all rows: numbers as tables, claims as paragraphs."""
     yield SOURCE
-    for name, rows in validation.parts.items():
+    for part, rows in validation.parts.items():
         numbers = [row for row in rows if not row.is_claim]
-        yield from ("", heading(name))
-        yield from _numbers(numbers) if numbers else ()
+        yield from ("", heading(heading_of(part, words)))
+        yield from _numbers(numbers, words) if numbers else ()
         yield from (f"  {row.quantity}: {row.reason}" for row in numbers if row.reason)
         for row in rows:
             if row.is_claim:
-                _, word, style = COUNTED[row.verdict]
-                yield f"{row.place}: {row.quantity}: {word}", style
-                told = [f"paper: {row.printed}", row.corrected and f"correct: {row.corrected}"]
-                told += [f"ours: {row.ours} ({row.basis})", row.reason]
-                yield from (f"  {line}" for line in told if line)
+                yield from _claim(row, words)
     yield ""
-    yield validation.count, "bold green" if validation.is_met else "bold red"
+    yield validation.count(words), "bold green" if validation.is_met else "bold red"
 
 
-def _numbers(rows: Sequence[Row]) -> list[Line]:
+def _claim(row: Row, words: Catalogue) -> Iterator[Line]:
+    verdict = words.text(f"validate-short-{key_of(row)}")
+    yield f"{row.place}: {row.quantity}: {verdict}", STYLES[key_of(row)]
+    told = {"paper": row.printed, "correct": row.corrected, "ours": f"{row.ours} ({row.basis})"}
+    for what, value in told.items():
+        if value:
+            yield f"  {words.text('validate-told', what=what, value=value)}"
+    if row.reason:
+        yield f"  {row.reason}"
+
+
+def _numbers(rows: Sequence[Row], words: Catalogue) -> list[Line]:
     cells = (
         [
             name_of(row),
-            row.printed,
-            row.ours,
-            f"{row.difference:.1e}",
-            f"{row.tolerance:.0e}",
-            COUNTED[row.verdict][1],
+            *(
+                text.replace(".", words.format.decimal_mark)
+                for text in (
+                    row.printed,
+                    row.ours,
+                    f"{row.difference:.1e}",
+                    f"{row.tolerance:.0e}",
+                )
+            ),
+            words.text(f"validate-short-{key_of(row)}"),
         ]
         for row in rows
     )
-    heads = ["Quantity", "Paper", "Ours", "Diff.", "Tol.", "Verdict"]
-    return table(heads, cells, [COUNTED[row.verdict][2] for row in rows])
+    names = ("head-quantity", "head-printed", "head-ours", "short-difference", "short-tolerance")
+    heads = [words.text(f"validate-{name}") for name in (*names, "head-verdict")]
+    return table(heads, cells, [STYLES[key_of(row)] for row in rows])

@@ -9,6 +9,7 @@ from textwrap import wrap
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, read_profile_text
 
@@ -49,13 +50,21 @@ def read_shipped(name: str) -> ShippedProfile:
     )
 
 
-def describe_shipped(profile: ShippedProfile) -> str:
+def describe_shipped(profile: ShippedProfile, words: Catalogue) -> str:
     """Return name, machine and source of a shipped profile for a terminal of 80 columns."""
-    machine = profile.machine
-    modes = ", ".join(f"{mode.frequency_hz:.3g} Hz" for mode in machine.mechanics.modes)
-    about = f"{machine.name}, axis {machine.axis} ({machine.motion.value}; modes at {modes})"
+    machine, kind = profile.machine, f"example-{profile.name}"
+    frequencies = (mode.frequency_hz for mode in machine.mechanics.modes)
+    modes = [words.format.quantity(one, "Hz", digits=3) for one in frequencies]
+    about = words.text(
+        "example-about",
+        name=words.text(kind),
+        axis_name=machine.axis,
+        motion=machine.motion.value,
+        modes=", ".join(modes),
+    )
+    source = words.known(f"{kind}-source", words.text("example-illustrative"))
     lines = [profile.name]
-    for sentence in (about, f"Source: {machine.source}"):
+    for sentence in (about, words.text("example-source", source=source)):
         lines += wrap(sentence, WIDTH, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines) + "\n"
 

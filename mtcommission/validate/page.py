@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
@@ -10,6 +11,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
 from mtcommission.sheet.document import (
     Block,
@@ -34,13 +36,6 @@ from mtcommission.validate.paper import FORCE_LIMIT, RATE_BOUND, VELOCITY_STEP, 
 from mtcommission.validate.row import Row, Verdict
 
 SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool Manipulators"
-COUNTED = {
-    Verdict.AGREES: ("agree", "agrees", "green"),
-    Verdict.CORRECTED: ("agree with the correction", "corrected", "yellow"),
-    Verdict.DIFFERS: ("differ with reason", "differs", "yellow"),
-    Verdict.OUT: ("out of tolerance", "OUT", "bold red"),
-}
-"""Words of a count, words for a narrow column, and their colours."""
 SIGNS = (
     (r"\blambda", "λ"),
     (r"phi\b", "φ"),
@@ -50,6 +45,8 @@ SIGNS = (
     (r"\^2\b", "²"),
 )
 """What a terminal may not have, and how the page shows it."""
+NUMBERS = ("printed", "correct", "ours", "difference", "tolerance")
+"""Columns of numbers."""
 SAMPLES = 800
 """Points of a curve; more are not seen."""
 SOLID = 4
@@ -69,7 +66,7 @@ class Validation:
     """The whole comparison."""
 
     cases: Cases
-    parts: dict[str, list[Row]]  # Rows by heading, in the paper's order
+    parts: dict[str, list[Row]]  # rows by part of the paper, in its order
 
     @property
     def rows(self) -> list[Row]:
@@ -81,30 +78,34 @@ class Validation:
         """Whether no row is out of tolerance."""
         return all(row.verdict is not Verdict.OUT for row in self.rows)
 
-    @property
-    def count(self) -> str:
-        """How many rows have each verdict, in words."""
-        found = [row.verdict for row in self.rows]
-        counts = ", ".join(f"{found.count(key)} {words[0]}" for key, words in COUNTED.items())
-        return f"{len(found)} rows: {counts}."
+    def count(self, words: Catalogue) -> str:
+        """Return how many rows have each verdict, in words."""
+        found = Counter(key_of(row) for row in self.rows)
+        counts = {verdict.name.lower(): found[verdict.name.lower()] for verdict in Verdict}
+        return words.text("validate-count", count=len(self.rows), **counts)
 
 
-def validate(progress: Callable[[str], None] = lambda _: None) -> Validation:
+def key_of(row: Row) -> str:
+    """Return a verdict as the texts name it: agrees, corrected, differs or out."""
+    return row.verdict.name.lower()
+
+
+def validate(progress: Callable[[Message], None] = lambda _: None) -> Validation:
     """Return the comparison of the paper with ours."""
-    progress("optimal controls")
+    progress(Message("stage-optimal-controls"))
     cases = solve_cases()
-    progress("feedback loops")
+    progress(Message("validate-stage-loops"))
     feedback, conclusions = loop_rows(cases)
-    progress("switches over the force")
+    progress(Message("validate-stage-switches"))
     parts = {
-        "Plant (sec. 2)": plant_rows(cases),
-        "Feedback control (sec. 3)": feedback,
-        "Time-optimal control (sec. 5.1)": time_rows(cases),
-        "Structure of the control (sec. 5)": structure_rows(cases),
-        "Bound on the tower's rate (sec. 5.2)": bounded_rows(cases),
-        "Damping-optimal control (sec. 6)": damping_rows(cases),
-        "Vibration (secs. 4 to 6)": [*vibration_rows(cases), *peak_rows(cases)],
-        "Conclusion (sec. 7)": conclusions,
+        "plant": plant_rows(cases),
+        "feedback": feedback,
+        "time": time_rows(cases),
+        "structure": structure_rows(cases),
+        "bound": bounded_rows(cases),
+        "damping": damping_rows(cases),
+        "vibration": [*vibration_rows(cases), *peak_rows(cases)],
+        "conclusion": conclusions,
     }
     return Validation(cases=cases, parts=parts)
 
@@ -115,8 +116,8 @@ def validation_entry(validation: Validation) -> dict[str, object]:
         "source": "Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators",
         "met": validation.is_met,
         "rows": [
-            {"part": heading, **asdict(row), "verdict": row.verdict.value}
-            for heading, rows in validation.parts.items()
+            {"part": heading_of(part, Catalogue()), **asdict(row), "verdict": row.verdict.value}
+            for part, rows in validation.parts.items()
             for row in rows
         ],
     }
@@ -127,101 +128,127 @@ def name_of(row: Row) -> str:
     return f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
 
 
-def print_validation(validation: Validation, *, created: str) -> str:
-    """Return the comparison as one page that works offline."""
-    machine, words = validation.cases.machine, Catalogue()
+def heading_of(part: str, words: Catalogue) -> str:
+    """Return the heading of a part of the paper."""
+    return words.known(f"validate-part-{part}", part)
+
+
+def print_validation(validation: Validation, words: Catalogue, *, created: str) -> str:
+    """Return the comparison as one page that works offline; its rows quote the paper."""
+    machine, say = validation.cases.machine, words.text
     parts = enumerate(validation.parts.items(), start=1)
     figures = Section(
-        key="figures", heading="Figures 4 and 5 again", blocks=_figures(validation.cases)
+        key="figures", heading=say("validate-figures"), blocks=_figures(validation.cases)
     )
     page = document(
         words,
         script_note="identify-script-note",
-        title="The paper's numbers beside ours",
+        title=say("validate-title"),
         machine=machine.name,
-        axis=f"{words.text('axis')} {machine.axis}",
+        axis=f"{say('axis')} {machine.axis}",
         identity=SOURCE,
         created=created,
-        disclaimer="Calculated, not measured.",
+        disclaimer=say("validate-disclaimer"),
         sections=(
-            _verdict(validation),
-            *(_section(f"part-{number}", heading, rows) for number, (heading, rows) in parts),
+            _verdict(validation, words),
+            *(
+                _section(f"part-{number}", heading_of(part, words), rows, words)
+                for number, (part, rows) in parts
+            ),
             figures,
         ),
     )
-    return set_html(page, decimal_mark=".")
+    return set_html(page, decimal_mark=words.format.decimal_mark)
 
 
-def _verdict(validation: Validation) -> Section:
-    is_met = validation.is_met
+def _verdict(validation: Validation, words: Catalogue) -> Section:
+    say, is_met = words.text, validation.is_met
     headline = Headline(
         is_met=is_met,
-        verdict="Nothing unexplained" if is_met else "Some rows are out of tolerance",
-        detail=validation.count,
+        verdict=say("validate-explained" if is_met else "validate-unexplained"),
+        detail=validation.count(words),
         values=(),
     )
-    remark = note(
-        f"{SOURCE}. Each number and claim stands as printed. Where it is a misprint, the "
-        "correction is given and judged; where a claim does not hold, the row says what "
-        "disproves it."
-    )
     found = []
-    for verdict, word in (
-        (Verdict.OUT, "Unexplained"),
-        (Verdict.DIFFERS, "Does not hold"),
-        (Verdict.CORRECTED, "Misprint"),
-    ):
+    for verdict in (Verdict.OUT, Verdict.DIFFERS, Verdict.CORRECTED):
         for row in validation.rows:
             if row.verdict is verdict:
-                ours = f"correct {row.corrected}" if row.corrected else f"ours {row.ours}"
-                place = f"{row.quantity} ({row.place})"
-                found.append(_typeset(f"{word}: {place}: printed {row.printed}; {ours}."))
+                told = say(
+                    "validate-found",
+                    verdict=key_of(row),
+                    quantity=row.quantity,
+                    place=row.place,
+                    printed=row.printed,
+                    value=row.corrected or row.ours,
+                    **{"is": "correct" if row.corrected else "ours"},
+                )
+                found.append(_typeset(told))
+    remark = note(say("validate-remark", source=SOURCE))
     blocks = (headline, Bullets(items=tuple(found)), remark)
-    return Section(key="verdict", heading="Verdict", blocks=blocks)
+    return Section(key="verdict", heading=say("validate-head-verdict"), blocks=blocks)
 
 
-def _section(key: str, heading: str, rows: Sequence[Row]) -> Section:
+def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> Section:
     """Return a part, what matters most on the left: a telephone shows four columns."""
     blocks: list[Block] = []
     numbers, claims = ([row for row in rows if row.is_claim is kind] for kind in (False, True))
     if numbers:
-        cells = [
-            (Column(head="Quantity", width=2.0), [name_of(row) for row in numbers]),
-            (Column(head="Printed", is_number=True), [row.printed for row in numbers]),
-            (Column(head="Correct", is_number=True), [row.corrected for row in numbers]),
-            (Column(head="Ours", is_number=True), [row.ours for row in numbers]),
-            (Column(head="Difference", is_number=True), [f"{r.difference:.2g}" for r in numbers]),
-            (Column(head="Tolerance", is_number=True), [f"{r.tolerance:.2g}" for r in numbers]),
-        ]
+        cells = {
+            "quantity": [name_of(row) for row in numbers],
+            "printed": [row.printed for row in numbers],
+            "correct": [row.corrected for row in numbers],
+            "ours": [row.ours for row in numbers],
+            "difference": [f"{row.difference:.2g}" for row in numbers],
+            "tolerance": [f"{row.tolerance:.2g}" for row in numbers],
+        }
+        cells |= {
+            name: [text.replace(".", words.format.decimal_mark) for text in cells[name]]
+            for name in list(cells)[1:]
+        }
         bases: dict[str, list[str]] = {}
         for row in numbers:
             bases.setdefault(row.basis, []).append(row.quantity)
-        told = [f"Tolerance of {'; '.join(names)}: {basis}." for basis, names in bases.items()]
-        blocks += _table("Numbers", cells, numbers, told)
-    if claims:
-        tested = [f"{row.ours} ({row.basis})" for row in claims]
-        cells = [
-            (Column(head="Claim", width=1.5), [row.quantity for row in claims]),
-            (Column(head="Printed", width=1.5), [row.printed for row in claims]),
-            (Column(head="Correct", width=1.5), [row.corrected for row in claims]),
-            (Column(head="Ours, and how it was tested", width=3.0), tested),
+        told = [
+            words.text("validate-tolerance-of", names="; ".join(names), basis=basis)
+            for basis, names in bases.items()
         ]
-        blocks += _table("Claims and formulas", cells, claims, [])
+        blocks += _table("validate-numbers", cells, {"quantity": 2.0}, numbers, told, words)
+    if claims:
+        cells = {
+            "claim": [row.quantity for row in claims],
+            "printed": [row.printed for row in claims],
+            "correct": [row.corrected for row in claims],
+            "tested": [f"{row.ours} ({row.basis})" for row in claims],
+        }
+        widths = {"claim": 1.5, "printed": 1.5, "correct": 1.5, "tested": 3.0}
+        blocks += _table("validate-claims", cells, widths, claims, [], words)
     return Section(key=key, heading=heading, blocks=tuple(blocks))
 
 
 def _table(
-    caption: str, cells: list[tuple[Column, list[str]]], rows: list[Row], told: list[str]
+    caption: str,
+    cells: dict[str, list[str]],
+    widths: dict[str, float],
+    rows: list[Row],
+    told: list[str],
+    words: Catalogue,
 ) -> list[Block]:
     """Return a table without the columns that are empty throughout, and its remarks."""
-    cells.append((Column(head="Verdict"), [row.verdict.value for row in rows]))
-    cells.append((Column(head="Place"), [row.place for row in rows]))
-    filled = [(column, map(_typeset, texts)) for column, texts in cells if any(texts)]
+    cells["verdict"] = [words.text(f"validate-is-{key_of(row)}") for row in rows]
+    cells["place"] = [row.place for row in rows]
+    filled = {name: map(_typeset, texts) for name, texts in cells.items() if any(texts)}
     loud = (Verdict.OUT, Verdict.DIFFERS)
     table = Table(
-        caption=caption,
-        columns=tuple(column for column, _ in filled),
-        rows=tuple(zip(*(texts for _, texts in filled), strict=True)),
+        caption=words.text(caption),
+        columns=tuple(
+            Column(
+                head=words.text(f"validate-head-{name}"),
+                width=widths.get(name, 1.0),
+                is_number=caption == "validate-numbers" and name in NUMBERS,
+            )
+            for name in filled
+        ),
+        rows=tuple(zip(*filled.values(), strict=True)),
         strong_rows=tuple(i for i, row in enumerate(rows) if row.verdict in loud),
     )
     reasons = [f"{row.quantity}: {row.reason}" for row in rows if row.reason]

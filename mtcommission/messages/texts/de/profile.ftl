@@ -99,3 +99,20 @@ no-loop-to-set = drive.kind = "position_source" hat keinen Regelkreis: der Motor
 acceleration-weighed = das Funktional wichtet das Quadrat der Soll-Beschleunigung schon mit 1, und F ist dieselbe; das Gewicht entfernen und die übrigen durch 1 plus dieses teilen
 payload-of-position-source = ein Motor, der dem Sollwert folgt, bewegt jede Zuladung gleich, aber jede hat eigene Frequenzen: den Schlüssel entfernen und requirements.frequency_spread weiten
 move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity, step_rate mal step_length oder dem Ende von acceleration_curve
+
+example-about = { $name }, Achse { $axis_name } ({ $motion ->
+    [rotary] drehend
+   *[linear] linear
+}; Eigenformen bei { $modes })
+example-source = Quelle: { $source }
+example-illustrative = beispielhafte Zahlen; Herleitung im Profil
+example-ball-screw = Tischachse mit Kugelgewindetrieb
+example-ball-screw-source = WZL FeedDriveLibrary, Beispiel h_i_opt (Özdemir u. a. 2015), K = A E / L; Lagersteifigkeit, Dämpfung, Zeitkonstante der Kraftregelung und Anforderungen beispielhaft; Herleitung im Profil
+example-honing-z = Honmaschine, Schlitten des Zahnrads
+example-honing-z-source = beispielhafte Zahlen; Maschinentyp nach Christiansen, Maurer, Zirn, Bild 1(b)
+example-milling-manipulator = Werkstückmanipulator einer Fräsmaschine
+example-milling-manipulator-source = Christiansen, Maurer, Zirn, Tabelle 1; max_force: Abschn. 5.1
+example-modal-two-modes = Portalachse mit zwei Eigenformen
+example-printer-belt = Kleiner Drucker mit Riemen
+example-rack-gantry = Portal mit Zahnstange und Ritzel
+example-rotary-table = Drehtisch mit Torquemotor

@@ -113,3 +113,21 @@ no-loop-to-set = drive.kind = "position_source" has no loop: the motor follows i
 acceleration-weighed = the functional weighs the square of the set acceleration by 1 already, and F is the same; remove the weight, and divide the others by 1 plus it
 payload-of-position-source = a motor that follows its setpoint moves any payload alike, but each has frequencies of its own: remove the key, and widen requirements.frequency_spread
 move-beyond-motor = got { PLAIN($got, digits: 6) } { $unit }, but the motor follows only { PLAIN($limit, digits: 6) } { $unit }, by drive.max_velocity, step_rate times step_length, or the end of acceleration_curve
+
+# The example machines. $motion: linear or rotary, $modes: frequencies
+example-about = { $name }, axis { $axis_name } ({ $motion ->
+    [rotary] rotary
+   *[linear] linear
+}; modes at { $modes })
+example-source = Source: { $source }
+example-illustrative = illustrative numbers; derivation in the profile
+example-ball-screw = Ball screw table axis
+example-ball-screw-source = WZL FeedDriveLibrary, example h_i_opt (Özdemir et al. 2015), K = A E / L; bearing stiffness, damping, force lag and requirements illustrative; derivation in the profile
+example-honing-z = Honing machine, gear wheel slide
+example-honing-z-source = illustrative numbers; machine type from Christiansen, Maurer, Zirn, Fig. 1(b)
+example-milling-manipulator = Milling machine workpiece manipulator
+example-milling-manipulator-source = Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
+example-modal-two-modes = Gantry axis with two modes
+example-printer-belt = Small printer with belt
+example-rack-gantry = Gantry with rack and pinion
+example-rotary-table = Rotary table with torque motor
