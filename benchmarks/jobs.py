@@ -122,7 +122,7 @@ def stages(repeats: int) -> list[Job]:
     from mtcommission.commission import commission
     from mtcommission.messages.catalogue import Catalogue
     from mtcommission.profile.read import parse_profile, read_source
-    from mtcommission.record.build import record_run
+    from mtcommission.record.record import record_run
     from mtcommission.sheet import print_html, print_pdf
 
     english, times = Catalogue(), dict[str, list[float]]()

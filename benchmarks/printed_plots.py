@@ -12,7 +12,7 @@ from io import BytesIO
 from pathlib import Path
 from time import process_time
 
-from mtcommission.record.files import load_record
+from mtcommission.record.record import load_record
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.document import LinePlot
 from mtcommission.sheet.figures import LIMIT, LINES

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from mtcommission.commission import Commissioning
     from mtcommission.machine.machine import Machine
-    from mtcommission.record.schema.record import Record
+    from mtcommission.record.record import Record
     from mtcommission.study.settings import Settings
 
 __all__ = ["__version__", "make_record", "run"]
@@ -59,7 +59,7 @@ def make_record(found: Commissioning) -> Record:
     from threadpoolctl import threadpool_limits
 
     from mtcommission.clock import now
-    from mtcommission.record.build import record_run
+    from mtcommission.record.record import record_run
 
     with threadpool_limits(limits=1, user_api="blas"):
         return record_run(found, created=now())

@@ -27,13 +27,13 @@ from mtcommission.messages.message import Message, Value, to_json
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.record.data import describe_move, list_data
 from mtcommission.record.files import find_checksum
-from mtcommission.record.loop import feature_entries
+from mtcommission.record.loop import ClosedLoop, feature_entries
+from mtcommission.record.machine import list_data
 from mtcommission.record.read_back import read_limits
-from mtcommission.record.schema.loop import ClosedLoop
-from mtcommission.record.schema.record import SCHEMA, Record
+from mtcommission.record.record import SCHEMA, Record
 from mtcommission.record.shape import entry_of, to_entry, to_plain
+from mtcommission.record.values import describe_move
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.attainable import NO_LIMITS
@@ -734,6 +734,7 @@ def _loop_corner(factor: float) -> Any:
         "payload": 0.0,
         "frequency_factor": factor,
         "damping_factor": 1.0,
+        "state": "",
         "gain_margin_db": 13.5,
         "phase_margin_deg": 31.8,
         "sensitivity_peak": 1.92,
@@ -792,6 +793,7 @@ def _robustness() -> Any:
         "payload": 87.3,
         "frequency_factor": 0.9517,
         "damping_factor": 1.0,
+        "state": "",
         "settling_time": 0.1391,
         "residual_deviation": 6.62e-6,
     }
@@ -866,6 +868,7 @@ def _comparison() -> Any:
         "payload": 0.0,
         "frequency_factor": 0.951,
         "damping_factor": 1.0,
+        "state": "",
         "settling_time": 0.0727,
         "residual_deviation": 4.69e-5,
         "peak_deviation": 4.71e-5,
@@ -906,6 +909,7 @@ def _response() -> Any:
         "payload": 0.0,
         "frequency_factor": 1.0,
         "damping_factor": 1.0,
+        "state": "",
         "settling_time": 0.1049,
         "residual_deviation": 4.581e-6,
         "peak_deviation": 9.46e-6,

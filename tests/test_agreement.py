@@ -12,7 +12,8 @@ from benchmarks.fuzz import call, fault_of, in_place
 from benchmarks.mutations import dice_of, resealed
 from mtcommission.errors import InputError
 from mtcommission.messages.message import Message
-from mtcommission.record.files import find_checksum, load_record
+from mtcommission.record.files import find_checksum
+from mtcommission.record.record import load_record
 from mtcommission.sheet import remark_on_print
 from tests.sheet_record import example_record, on_json
 

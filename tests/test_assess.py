@@ -116,7 +116,7 @@ def test_each_missed_requirement_is_the_limiting_one(changes: dict[str, object],
     assert limiting is not None
     assert limiting.key == name
     where = unspaced(Catalogue().say(named(found, name).where))
-    assert where == "payload 100 kg, frequencies × 0.95"
+    assert where == "payload 100 kg, frequencies × 0.95"
 
 
 def test_the_worst_move_counts_and_is_named() -> None:
@@ -132,7 +132,7 @@ def test_places_are_described_in_words() -> None:
     say = Catalogue().say
     assert (
         unspaced(say(describe_place(1, corner, 1)))
-        == "payload 50 kg, frequencies × 1.05, damping × 0.7"
+        == "payload 50 kg, frequencies × 1.05, damping × 0.7"
     )
     assert say(describe_place(2, NOMINAL, 3)) == "move 2, nominal"
 

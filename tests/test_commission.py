@@ -22,11 +22,11 @@ from mtcommission.machine.machine import Motion
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.profile.read import parse_profile, read_profile
-from mtcommission.record.build import build_record
-from mtcommission.record.files import dump_json, load_record
+from mtcommission.record.files import dump_json
 from mtcommission.record.limits import limits_answer
+from mtcommission.record.machine import Profile
 from mtcommission.record.read_back import read_filter
-from mtcommission.record.schema.record import Profile, Record
+from mtcommission.record.record import Record, build_record, load_record
 from tests.independent_loop import behind, judge, profile_of, run
 from tests.recorded_loop import setpoint_of
 

@@ -36,10 +36,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, profile_text_hash
-from mtcommission.record.build import build_record
-from mtcommission.record.data import ACCEPTED_DEFAULT
-from mtcommission.record.files import dump_json, find_checksum, load_record
-from mtcommission.record.schema.record import Profile, Record
+from mtcommission.record.files import dump_json, find_checksum
+from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
+from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import to_entry
 
 from .second_reader import ini_file, lines, simulate_file

@@ -13,9 +13,8 @@ from matplotlib.textpath import TextPath
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import tick_text
-from mtcommission.sheet.canvas import SIZE, Axis, place_labels, span, text_width
-from mtcommission.sheet.document import Border, HeatMap, Line, LinePlot, Mark, Panel, PointPlot
-from mtcommission.sheet.figures import ALONG, draw_svg
+from mtcommission.sheet.document import Border, HeatMap, Line, LinePlot, Mark, Panel
+from mtcommission.sheet.figures import ALONG, SIZE, Axis, draw_svg, span, text_width
 
 ENDS = st.tuples(st.floats(min_value=-1e6, max_value=1e6), st.floats(min_value=1e-6, max_value=1e6))
 
@@ -70,29 +69,6 @@ def test_nothing_to_show_still_has_axes():
     assert span([], is_log=True) == (1.0, 10.0)
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.floats(min_value=0.0, max_value=430.0), st.floats(min_value=0.0, max_value=120.0)
-        ),
-        min_size=1,
-        max_size=16,
-    )
-)
-def test_labels_hide_neither_each_other_nor_leave_the_frame(points):
-    """Rules of thumb often end up in the same corner; their numbers must not."""
-    places = np.array(points)
-    sizes = np.array([[text_width(str(k)), SIZE] for k in range(len(points))])
-    centres = place_labels(places, sizes, width=432.0, height=128.0, gap=3.0)
-    low, high = centres - sizes / 2, centres + sizes / 2
-    for i in range(len(points)):
-        for k in range(i):
-            beside = np.any(low[i] >= high[k] - 1e-9) or np.any(low[k] >= high[i] - 1e-9)
-            assert beside, (i, k)
-    assert np.all(low >= -1e-9)
-    assert np.all(high <= (432.0 + 1e-9, 128.0 + 1e-9))
-
-
 def line_plot(**changes):
     x = np.linspace(0.0, 10.0, 11)
     line = Line(label="a & b", x=x, y=x**2, style=4)
@@ -113,22 +89,6 @@ def test_a_curve_lies_where_its_numbers_are():
     assert "a &amp; b" in svg
 
 
-def test_a_marked_point_has_its_name_beside_it():
-    """Numbers sent the reader to a legend of sixteen lines for each point."""
-    marks = tuple(Mark(label=f"rule {k}", x=10.0 + k, y=5.0 + k, style=min(k, 2)) for k in range(4))
-    plot = PointPlot(
-        key="k",
-        caption="c",
-        alt="a",
-        x_label="x",
-        y_label="y",
-        marks=marks,
-        border=Border(label="band", y=5.0),
-    )
-    words = re.findall(r">([^<>]+)</text>", draw_svg(plot))
-    assert {"rule 0", "rule 1", "rule 2", "rule 3", "band"} <= set(words)
-
-
 def test_the_chosen_point_of_a_map_is_explained():
     plot = HeatMap(
         key="k",
@@ -140,7 +100,7 @@ def test_the_chosen_point_of_a_map_is_explained():
         x=np.array([1.0, 2.0, 4.0]),
         y=np.array([1.0, 2.0]),
         values=np.array([[1.0, 2.0, np.nan], [2.0, 4.0, 8.0]]),
-        chosen=Mark(label="chosen", x=2.0, y=1.5, style=0),
+        chosen=Mark(label="chosen", x=2.0, y=1.5),
     )
     svg = draw_svg(plot, decimal_mark=",")
     assert ">chosen</text>" in svg

@@ -16,7 +16,7 @@ import pytest
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.shipped import shipped_names
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf
 from mtcommission.sheet.content import compose

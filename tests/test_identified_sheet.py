@@ -23,9 +23,8 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.identified import read_evidence
-from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
+from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.document import Section, Table

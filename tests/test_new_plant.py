@@ -26,7 +26,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, kalman_rank
 from mtcommission.profile.describe import profile_schema, questions
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.files import load_record
+from mtcommission.record.record import load_record
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
 from mtcommission.verify.prediction import rebuild

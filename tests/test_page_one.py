@@ -21,7 +21,7 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.export.write import export_own, export_record
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
 from mtcommission.sheet import print_html, type_in
 from mtcommission.sheet.content import compose
@@ -101,6 +101,10 @@ CASES = [
 ]
 
 
+REMARKS = ("position cycle", "velocity cycle", "position loop", "Kv", "Kp", "Tn")
+"""Settings of the loop that a sheet calls by names of its own where a control has no row."""
+
+
 def _record(text: str, kind: str, *, promised: bool = False, **recommended: Any) -> Json:
     """Limits that nobody judged: unless they promise to hold, the export tries no others."""
     text = text.replace("KIND", kind)
@@ -130,7 +134,12 @@ def _type_in(record: str) -> Any:
 
 def _rows(record: Json, language: str) -> dict[str, tuple[str, ...]]:
     _, table = _page_one(record, language)
-    rows = {str(name).removeprefix("> "): tuple(map(str, others)) for name, *others in table.rows}
+    known = Catalogue(language).known
+    remarks = {"> " + known(f"name-{one.replace(' ', '-')}", one): one for one in REMARKS}
+    rows = {
+        remarks.get(str(name), str(name).removeprefix("> ")): tuple(map(str, others))
+        for name, *others in table.rows
+    }
     assert len(rows) == len(table.rows), "a parameter has two values"
     return rows
 
@@ -192,7 +201,7 @@ def test_every_row_is_the_export_s(text: str, kind: str) -> None:
     for language in LANGUAGES:
         rows = _rows(record, language)
         value = -2  # behind the old value, where there is one
-        shown = {name: re.split("[\u202f×]", row[value])[0] for name, row in rows.items()}
+        shown = {name: row[value].split("\u202f")[0] for name, row in rows.items()}
         if language == "de":
             assert not any("." in one for one in shown.values() if _number(one) != one)
             shown = {name: one.replace(",", ".") for name, one in shown.items()}
@@ -245,14 +254,14 @@ def test_sinumerik_can_be_typed_in() -> None:
     delays = [name for name in rows if "EQUIV" in name]
     assert delays == ["N32800 $MA_EQUIV_CURRCTRL_TIME[0]"]
     assert rows["N32620 $MA_FFW_MODE"][-2] == "4"
-    assert "MD10050 x MD10060 (?)" in rows["position cycle"][-1]
+    assert "see MD10061" in rows["N10050 x N10060"][-1]
     assert rows["N32431 $MA_MAX_AX_JERK[0]"][-1].endswith("unit (?)")
 
 
 def test_today_s_values_stand_beside_the_new_ones() -> None:
     rows = _rows(_record(SCREW, "sinumerik"), "de")
     assert rows["N32300 $MA_MAX_AX_ACCEL[0]"][0] == "2,5\u202fm/s²"
-    assert rows["N32200 $MA_POSCTRL_GAIN[0]"][0] == "1,5\u202f×\u202f1000/min"
+    assert rows["N32200 $MA_POSCTRL_GAIN[0]"][0] == "1,5\u202f[1000/min]"
     assert rows["p1462"][0] == ""
 
 

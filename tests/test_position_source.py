@@ -21,9 +21,9 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.record.data import list_data
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
+from mtcommission.record.machine import list_data
 from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint

@@ -162,7 +162,7 @@ def test_a_run_uses_one_thread_whatever_the_process_allows(
         seen.append({one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"})
 
     monkeypatch.setattr("mtcommission.commission.commission", look)
-    monkeypatch.setattr("mtcommission.record.build.record_run", look)
+    monkeypatch.setattr("mtcommission.record.record.record_run", look)
     with threadpool_limits(limits=3, user_api="blas"):
         look()
         mtcommission.run(folder / "axis.toml")

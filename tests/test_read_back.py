@@ -8,11 +8,11 @@ import pytest
 
 from mtcommission.machine.shapers import shape
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.machine import Datum, Profile
 from mtcommission.record.read_back import read_filter, read_machine
-from mtcommission.record.schema.machine import Datum
-from mtcommission.record.schema.record import Profile, Record
-from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
+from mtcommission.record.values import SetpointFilterEntry
 from tests.sheet_record import example_record
 
 

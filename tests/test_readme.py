@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from mtcommission import cli
-from mtcommission.record.files import load_record
 from mtcommission.record.read_back import read_limits, read_machine
+from mtcommission.record.record import load_record
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 
 ROOT = Path(__file__).parent.parent

@@ -17,10 +17,10 @@ from mtcommission.errors import InputError
 from mtcommission.machine.machine import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
+from mtcommission.record.machine import Profile
 from mtcommission.record.read_back import read_filter
-from mtcommission.record.schema.record import Profile, Record
+from mtcommission.record.record import Record, build_record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.columns import Axis

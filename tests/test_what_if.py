@@ -30,8 +30,7 @@ from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
 from mtcommission.options import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.record.schema.what_if import WhatIfPart
-from mtcommission.record.what_if import what_if_part
+from mtcommission.record.what_if import WhatIfPart, what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of

@@ -28,7 +28,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile
-from mtcommission.record.data import ACCEPTED_DEFAULT, list_data
+from mtcommission.record.machine import ACCEPTED_DEFAULT, list_data
 from mtcommission.wizard.answers import (
     FILES,
     MODAL,

@@ -32,7 +32,7 @@ from mtcommission.messages.message import Message
 if TYPE_CHECKING:
     from mtcommission.profile.read import ProfileSource
     from mtcommission.recommend import Recommendation
-    from mtcommission.record.schema.values import Words
+    from mtcommission.record.values import Words
 
 ROWS_BELOW = 4
 """Lines that ``run`` says below its answer: what was written, and what to do next."""
@@ -62,9 +62,9 @@ def run(
     from mtcommission.commission import commission
     from mtcommission.control_kinds.kinds import GENERIC
     from mtcommission.export.catalogue import CONTROL_KEYS
-    from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
+    from mtcommission.record.record import record_run
     from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
     from mtcommission.sheet.verdict import (
         assumed_and_binding,
@@ -259,13 +259,14 @@ def limits(
 
 
 def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> str:
-    from mtcommission.record.data import machine_entry, profile_entry
+    from mtcommission.record.machine import MachineEntry, Profile
+    from mtcommission.record.shape import entry_of
     from mtcommission.record.what_if import what_if_part
     from mtcommission.sheet import print_answers
 
     machine, limits = found.machine, found.choice.limits
     part = what_if_part(machine, found.plant, found.tuned, limits, found.today)
-    about, text = machine_entry(machine), profile_entry(source)
+    about, text = entry_of(MachineEntry, machine), entry_of(Profile, source)
     return print_answers(part, about, text, created=now(), language=language)
 
 

@@ -6,7 +6,7 @@ from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.record.identified import IdentifiedPart
 from mtcommission.sheet.identified import doubts_and_notes, facts, mode_heads, mode_row
 
 

@@ -11,9 +11,8 @@ from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.limits import LimitsAnswer
-from mtcommission.record.schema.limits import RecommendedEntry, RuleResult, TodayEntry
-from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
+from mtcommission.record.limits import LimitsAnswer, RecommendedEntry, RuleResult, TodayEntry
+from mtcommission.record.moves import AssessmentPart, SimulationPart
 from mtcommission.sheet.limits import ROUNDED
 from mtcommission.sheet.tables import (
     CORNER,

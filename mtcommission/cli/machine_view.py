@@ -6,14 +6,19 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
-from mtcommission.machine.basis import describe_kind, list_assumed, list_neglected
+from mtcommission.machine.basis import (
+    OF_LOOP,
+    describe_kind,
+    list_assumed,
+    list_neglected,
+    mark_assumed,
+    say_loop,
+)
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
-
-LOOP_KEYS = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
 
 
 def describe_machine(
@@ -74,17 +79,12 @@ def _limits(machine: Machine, plant: Plant, spoken: Catalogue) -> Iterator[list[
 
 def _basis(machine: Machine, spoken: Catalogue) -> Iterator[list[str]]:
     """The control with its loop, what is assumed, and what is neglected."""
-    control, printed = machine.control, spoken.format
+    control = machine.control
     name = spoken.text(f"control-kind-{control.kind.key}")
-    loop = spoken.text(
-        "no-position-loop"
-        if machine.drive.follows
-        else f"position-loop-{control.position_loop.value}",
-        position_cycle=printed.quantity(control.position_cycle, "s"),
-        velocity_cycle=printed.quantity(control.velocity_cycle, "s"),
-    )
-    if any(map(machine.is_assumed, LOOP_KEYS)):
-        loop = spoken.text("assumed", value=loop)
+    where = "" if machine.drive.follows else control.position_loop.value
+    loop = say_loop(where, control.position_cycle, control.velocity_cycle, spoken)
+    keys = OF_LOOP[1:2] if machine.drive.follows else OF_LOOP
+    loop = mark_assumed(loop, keys, list(filter(machine.is_assumed, keys)), spoken)
     has = spoken.say(describe_kind(control.kind, follows=machine.drive.follows))
     for label, sentences in (
         ("control", [f"{name}: {has}"]),

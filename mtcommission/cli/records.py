@@ -34,7 +34,7 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
-    from mtcommission.record.files import load_record
+    from mtcommission.record.record import load_record
     from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
 
@@ -95,7 +95,7 @@ def export(
     require_writable(output, inputs=[record])
 
     from mtcommission.export.write import export_record
-    from mtcommission.record.files import load_record
+    from mtcommission.record.record import load_record
 
     loaded = load_record(record)
     with show_stage() as progress:

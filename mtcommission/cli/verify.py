@@ -49,7 +49,8 @@ def verify(
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.machine import Motion
     from mtcommission.profile.read import parse_profile
-    from mtcommission.record.files import dump_json, load_record
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.record import load_record
     from mtcommission.verify.columns import Axis
     from mtcommission.verify.entry import verification_entry
     from mtcommission.verify.new_limits import find_new_limits

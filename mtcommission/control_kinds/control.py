@@ -13,7 +13,7 @@ from mtcommission.control_kinds.syntax import Layout
 from mtcommission.control_kinds.wording import DEGREE, MICRO, MILLI, name_mode, show_value
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import AxisUnits
+from mtcommission.units.axis_units import LINEAR, AxisUnits
 
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which controls number them."""
@@ -111,6 +111,12 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
         Row(Setting.FILTER_WIDTH, "filter {} width"),
     )
     return {row.setting: row for row in rows}
+
+
+def is_neutral(row: Row) -> bool:
+    """Return whether a row is named by what it is, not as a control spells it."""
+    neutral = neutral_rows(LINEAR).get(row.setting)
+    return neutral is not None and row.name == neutral.name.format(row.index)
 
 
 def say_neutrally(keys: Iterable[Key], units: AxisUnits) -> tuple[Row, ...]:

@@ -17,7 +17,7 @@ from mtcommission.export.held import Held, read_limits, write_limits
 from mtcommission.export.subject import Subject, for_mode
 from mtcommission.limits.judge import Candidate
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.limits import ModeLimitsEntry
+from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 SHARES = tuple(1.0 - 1e-3 * n for n in (0, 1, 2, 4, 8, 16, 32, 64))

@@ -17,9 +17,9 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.data import ACCEPTED_DEFAULT
-from mtcommission.record.schema.limits import ModeLimitsEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.limits import ModeLimitsEntry
+from mtcommission.record.machine import ACCEPTED_DEFAULT
+from mtcommission.record.record import Record
 
 WIDTH = 96
 """Columns of the header's sentences."""

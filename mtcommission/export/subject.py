@@ -25,9 +25,9 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
+from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import close_as_held, read_limits, read_machine
-from mtcommission.record.schema.limits import ModeLimitsEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 REBUILT, ROUNDING = 1e-6, 1e-12

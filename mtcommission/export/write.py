@@ -40,8 +40,8 @@ from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.limits.judge import Candidate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.limits import ModeLimitsEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.limits import ModeLimitsEntry
+from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole
 

@@ -19,7 +19,7 @@ from mtcommission.machine.identified import Estimate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.record.identified import IdentifiedPart
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 from mtcommission.version import __version__
 

@@ -17,7 +17,7 @@ from mtcommission.identify.identified import Identified
 from mtcommission.identify.measurement import Input, Output
 from mtcommission.machine.identified import MeasuredFile, MeasuredMode, ShaperProposal
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.identified import (
+from mtcommission.record.identified import (
     IdentifiedPart,
     MeasuredResponseEntry,
     MeasuredStateEntry,

@@ -15,7 +15,7 @@ from mtcommission.identify.identified import Identified
 from mtcommission.identify.states import identify
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.files import dump_json
-from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.record.identified import IdentifiedPart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

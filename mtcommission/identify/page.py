@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.record.identified import IdentifiedPart
 from mtcommission.sheet.document import BigValue, Block, Headline, Preformatted, Section, document
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import (

@@ -16,8 +16,7 @@ from mtcommission.machine.identified import (
     ShaperProposal,
 )
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.record.identified import evidence_checksum
-from mtcommission.record.schema.identified import IdentifiedPart
+from mtcommission.record.identified import IdentifiedPart, evidence_checksum
 from mtcommission.record.shape import to_plain
 from mtcommission.units.axis_units import LINEAR, ROTARY
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isinf
 
 from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
+
+OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
 
 SAID = (
     "requirements.frequency_spread",
@@ -119,3 +122,21 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
     if not machine.drive.encoder_resolution and not machine.drive.follows:
         yield Message("neglected-encoder")
     yield Message("neglected-travel")
+
+
+def say_loop(place: str, position_cycle: float, velocity_cycle: float, words: Catalogue) -> str:
+    """Return where the position loop closes, "" for nowhere, and the cycles [s]."""
+    return words.text(
+        f"position-loop-{place}" if place else "no-position-loop",
+        position_cycle=words.format.quantity(position_cycle, "s"),
+        velocity_cycle=words.format.quantity(velocity_cycle, "s"),
+    )
+
+
+def mark_assumed(said: str, keys: Sequence[str], assumed: Sequence[str], words: Catalogue) -> str:
+    """Return what rests on some keys of the profile, and which of them nobody stated."""
+    if not assumed:
+        return said
+    if len(assumed) == len(keys):
+        return words.text("assumed", value=said)
+    return words.text("assumed-of", value=said, names=", ".join(map(words.name, assumed)))

@@ -115,9 +115,13 @@ class Today:
         ACCELERATIONS, "Limit of the acceleration that is in the control now.", "2 m/s^2"
     )
     jerk: float | None = keyed(JERKS, "Limit of the jerk.", "40 m/s^3", left_out=None)
-    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
-    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
-    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
+    position_gain: float | None = keyed(
+        POSITION_GAINS, "Kv.", "60 1/s", default=None, is_listed=False
+    )
+    velocity_gain: float | None = keyed(
+        VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None, is_listed=False
+    )
+    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None, is_listed=False)
     setpoint_filter: SetpointFilter | None = keyed(
         HELD_FILTER, 'Filter behind the setpoint generator, or "none".', "none", default=None
     )
@@ -145,6 +149,7 @@ class Control:
         "Time constant of the reference model in the integral branch; 0 = none.",
         "5 ms",
         default=0.0,
+        is_listed=False,
     )
     velocity_feedforward: float = keyed(
         FEEDFORWARDS,
@@ -152,6 +157,7 @@ class Control:
         "1.0",
         default=1.0,
         left_out=None,
+        is_listed=False,
     )
     acceleration_feedforward: float = keyed(
         FEEDFORWARDS,
@@ -159,18 +165,24 @@ class Control:
         "1.0",
         default=1.0,
         left_out=None,
+        is_listed=False,
     )
     jerk_feedforward: float = keyed(
-        FEEDFORWARDS, "Weight, times feedforward_mass and force_lag.", "0.0", default=0.0
+        FEEDFORWARDS,
+        "Weight, times feedforward_mass and force_lag.",
+        "0.0",
+        default=0.0,
+        is_listed=False,
     )
     feedforward_mass: float | None = keyed(
         MASSES,
         "Mass of the feed-forward; default: moving mass at mid payload.",
         "800 kg",
         default=None,
+        is_listed=False,
     )
     reference_delay: float | None = keyed(
-        DELAYS, "Delay of the reference path, or auto.", AUTO, default=None
+        DELAYS, "Delay of the reference path, or auto.", AUTO, default=None, is_listed=False
     )  # τ [s]; None: chosen so that feed-forward meets feedback
     position_cycle: float = keyed(
         CYCLES,
@@ -228,6 +240,7 @@ class Control:
         "15 Hz",
         key="minimum_bandwidth",
         default=0.0,
+        is_listed=False,
     )  # 0: none
 
     @property

@@ -119,9 +119,14 @@ class Drive:
         "Friction that any motion must overcome; not available for motion.",
         "0 N",
         default=0.0,
+        is_listed=False,
     )
     viscous_friction: float = keyed(
-        DAMPINGS, "Friction per velocity, on the line of the drive.", "0 N s/m", default=0.0
+        DAMPINGS,
+        "Friction per velocity, on the line of the drive.",
+        "0 N s/m",
+        default=0.0,
+        is_listed=False,
     )
     lead: float | None = keyed(
         LEADS,
@@ -130,10 +135,18 @@ class Drive:
         default=None,
     )
     gear: float = keyed(
-        GEARS, "Turns of the motor per turn of screw, pinion or rotary axis.", "1", default=1.0
+        GEARS,
+        "Turns of the motor per turn of screw, pinion or rotary axis.",
+        "1",
+        default=1.0,
+        is_listed=False,
     )
     encoder_resolution: float = keyed(
-        RESOLUTIONS, "Smallest step of the measured position.", "0.1 um", default=0.0
+        RESOLUTIONS,
+        "Smallest step of the measured position.",
+        "0.1 um",
+        default=0.0,
+        is_listed=False,
     )  # 0: not stated
 
     @property

@@ -1,12 +1,11 @@
 """Commissioning <-> JSON: the record that stays, and that every sheet is printed from.
 
-schema/     the exact shape, a file for each of its parts, with the rules that a field must keep
-rules.py    those rules: words, names, lengths, what must not be zero
-shape.py    entries <-> JSON, and results -> entries: attributes of the same name
-files.py    Record <-> text
-build.py    Commissioning -> Record, by data.py, limits.py, loop.py, moves.py, robustness.py
-            and what_if.py, which tell only what has another name or form there
+values.py, machine.py, moves.py, limits.py, loop.py, optima.py, robustness.py, what_if.py,
+identified.py    a part each: its tables, and what fills them from results
+record.py        the whole: built, and read back
+shape.py         tables <-> JSON, results -> tables; rules.py: what a field must keep
+files.py         JSON files, sealed by a checksum
 read_back.py, verified.py    the machine and limits of a record; what ``verify`` found
 
-Nothing is imported here: reading a record must not load the solvers.
+A field of a table has the name of the result's attribute, or says where that is found (``of``).
 """

@@ -1,57 +1,288 @@
-"""Recommendation and commissioning -> all about the limits, as the record holds it."""
+"""The limits of a record: recommended, today's, by rules, and what stands in their way."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.limits.commissioning_rule import RuleResult as RuleOutcome
+from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY, RuleFormula
 from mtcommission.limits.judge import Candidate
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.recommend import Recommendation
-from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.moves import assessment_part
-from mtcommission.record.schema.limits import (
-    Alternative,
-    AttainableEntry,
-    ImprovementEntry,
-    JudgedLimits,
-    Landscape,
-    LimitsEntry,
-    LimitsPart,
-    ListedEntry,
-    ModeLimitsEntry,
-    MoveSizesEntry,
-    RecommendedEntry,
-    RuleResult,
-    RuleText,
-    SizesEntry,
-    TodayEntry,
+from mtcommission.record.moves import AssessmentPart, assessment_part
+from mtcommission.record.rules import above_zero, filled, found_in, long, one_of
+from mtcommission.record.shape import entry_of, of
+from mtcommission.record.values import (
+    Array,
+    MoveKeys,
+    NotNegative,
+    Positive,
+    PositiveOrNone,
+    Positives,
+    SetpointFilterEntry,
+    Words,
+    describe_move,
+    rounded,
 )
-from mtcommission.record.schema.moves import AssessmentPart
-from mtcommission.record.schema.values import Words
-from mtcommission.record.shape import entry_of
-from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
+from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import NO_LIMITS, ModeLimits
 from mtcommission.study.loops import describe_loop
-from mtcommission.study.robustness import KeptRange, MoveSizes
+from mtcommission.study.robustness import KeptRange
 from mtcommission.study.rules import TodaysValues
 
 if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
     from mtcommission.commission import Commissioning
 
-Array = NDArray[np.float64]
-Judged = TypeVar("Judged", bound=JudgedLimits)
+Plane = Annotated[list[list[float | None]], long("acceleration", "jerk_time")]
+PerSize = Annotated[list[float | None], long("size")]
 
 REACHED = ("settling_time", "residual_deviation", "peak_deviation")
 """What is None where nothing was judged."""
+
+
+def _checked(record: Any) -> list[str]:
+    return [check.name for check in record.assessment.checks]
+
+
+def _plotted(values: Array) -> Array:
+    return rounded(values, 5)
+
+
+def _jerk_if_limited(limits: MotionLimits) -> float | None:
+    return limits.jerk if limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SizesEntry:
+    """Between which sizes of a move all requirements were judged [m/s or m, as the move]."""
+
+    smallest: float
+    largest: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorstSizeEntry:
+    """The worst of all sizes of move for one requirement."""
+
+    requirement: Annotated[str, found_in(_checked)]
+    value: float  # worst of the sizes that were looked at
+    bound: float | None  # what no size between them exceeds either; None: not proved
+    move: int  # its number, from 1
+    size: float  # velocity step or distance of the worst
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecommendedEntry:
+    """Limits for the control, what binds them, and where they were judged."""
+
+    acceleration: Positive = of("limits.acceleration")
+    jerk: Positive = of("limits.jerk")
+    jerk_time: Positive = of("limits.jerk_time")
+    setpoint_filter: SetpointFilterEntry | None
+    bound_by: Words
+    settling_time: PositiveOrNone
+    residual_deviation: NotNegative
+    peak_deviation: float
+    valid_for: Annotated[list[SizesEntry], long("/moves")]
+    worst_sizes: list[WorstSizeEntry] = of("sizes")  # empty where the listed sizes alone count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsEntry(RecommendedEntry):
+    """The same with the factors by which all frequencies or damping ratios may be off.
+
+    None: the requirements are not even kept at those of the profile.
+    """
+
+    frequency_range: list[float] | None
+    damping_range: list[float] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TodayEntry:
+    """The values now in the control, judged; all None where ``failure`` says why they cannot be."""
+
+    acceleration: Positive = of("today.acceleration")
+    jerk: float | None = of("today.jerk")  # None: the control has no limit of the jerk
+    jerk_time: Positive = of("limits.jerk_time")  # then the ramp that was simulated
+    setpoint_filter: SetpointFilterEntry | None = of("today.setpoint_filter")
+    Kv: float = of("controller.position_gain")
+    Kp: float = of("controller.velocity_gain")
+    Tn: float = of("controller.integral_time")
+    stated: list[str]  # which of Kv, Kp and Tn are today's
+    basis: Words  # the same as a sentence
+    failure: Message | None
+    bound_by: Message | None
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float | None
+    meets_requirements: bool
+    keeps_reserve: bool
+    frequency_range: list[float] | None
+    valid_for: list[SizesEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedLimits:
+    """Limits and what they reach, worst over moves and corners."""
+
+    acceleration: Positive = of("limits.acceleration")
+    jerk: Positive = of("limits.jerk")
+    settling_time: PositiveOrNone
+    residual_deviation: NotNegative
+    peak_deviation: float
+    meets_requirements: bool = of("assessment.is_met")
+    keeps_reserve: bool  # they need no more of what is allowed than recommendations may use
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListedEntry(JudgedLimits):
+    """Limits for the listed sizes alone: what it costs to serve every smaller move, too."""
+
+    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
+    valid_for: list[SizesEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alternative(JudgedLimits):
+    """Other limits, and why they are shown."""
+
+    name: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleResult(Alternative):
+    """A maker's or textbook's rule, in the same simulation."""
+
+    source: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleStepEntry:
+    """One line of the hand calculation."""
+
+    name: Words
+    formula: Words
+    value: float | None
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleText:
+    """The commissioning rule, in words and as a formula, with its range, applied here."""
+
+    text: Words = of(lambda _: DESCRIPTION)
+    formula: list[RuleFormula] = of("formulas")
+    advice: Words = of(lambda _: ADVICE)
+    valid_for: Words = of(lambda _: VALIDITY)
+    acceleration: Positive = of("limits.acceleration")
+    jerk: Positive = of("limits.jerk")
+    jerk_time: Positive = of("limits.jerk_time")
+    average: float = of("best.average")
+    chosen: Words = of("best.name")
+    bound_by: Words = of("best.bound_by")
+    predicted_settling_time: float | None
+    predicted_residual: float | None = of("best.residual_deviation")
+    steps: list[RuleStepEntry]
+    warnings: list[Words]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Landscape:
+    """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
+
+    acceleration: Annotated[list[float], filled, above_zero]
+    jerk_time: Annotated[list[float], filled, above_zero]
+    settling_time: Plane = of("settling_time", by=_plotted)
+    residual_deviation: Plane = of("residual_deviation", by=_plotted)
+    usage: Plane = of("usage", by=_plotted)  # share of the limits of force and bounded peaks [-]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeLimitsEntry:
+    """Limits for one machining mode, from a band of its own; None where ``reason`` says why."""
+
+    name: Annotated[str, one_of("surface", "accuracy", "speed")]
+    band: float
+    acceleration: float | None = of("candidate.limits.acceleration")
+    jerk: float | None = of("candidate.limits.jerk")
+    jerk_time: float | None = of("candidate.limits.jerk_time")
+    bound_by: Words
+    settling_time: float | None = of("candidate.settling_time")
+    residual_deviation: float | None = of("candidate.residual_deviation")
+    peak_deviation: float | None = of("candidate.peak_deviation")
+    meets_requirements: bool = of("candidate.assessment.is_met")
+    reason: Words
+    attainable: float | None  # the band that could be asked for instead
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttainableEntry:
+    """A requirement that stands in the way: ``value`` could be met instead, by these limits."""
+
+    requirement: str  # named as in the verdict's checks
+    limit: float
+    value: float
+    unit: str
+    acceleration: float = of("limits.acceleration")
+    jerk: float = of("limits.jerk")
+    together_with: list[str]  # what must give way, too, where none helps alone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveSizesEntry:
+    """The same limits on smaller and larger moves than the profile's, worst over the corners.
+
+    An end of ``size`` means: the band is kept at least so far.
+    """
+
+    way: Words = of("name")  # recommended, by the commissioning rule, or by a moving average alone
+    acceleration: Positive = of("limits.acceleration")
+    jerk: float | None = of("limits", by=_jerk_if_limited)
+    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
+    move: MoveKeys = of("move", by=describe_move)
+    own: Positive = of("move", by=size_of)  # size of the profile's move
+    size: Positives = of("size", by=_plotted)  # velocity steps or distances
+    settling_time: PerSize = of("settling_time", by=_plotted)
+    residual_deviation: PerSize = of("residual_deviation", by=_plotted)
+    full_from: float | None  # from here on the acceleration is reached; None: never
+    kept_from: float | None  # the band is kept about ``own`` from here; None: not even there
+    kept_to: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImprovementEntry:
+    """What a single change would bring; ``outcome`` says why it has no number, or is not judged."""
+
+    name: str = of("change", by=lambda change: change.kind.removeprefix("change-"))
+    change: Words
+    settling_time: float | None
+    saved: float | None  # of the settling time
+    share: float | None  # the same relative to that of the recommendation [-]
+    meets_requirements: bool
+    outcome: Words = of("outcome", by=lambda outcome: outcome or "")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsPart:
+    """All about the limits."""
+
+    recommended: LimitsEntry
+    listed_only: ListedEntry | None  # None: the listed sizes alone count anyway, or none are met
+    today: TodayEntry | None  # None: the profile does not state the values now in the control
+    modes: list[ModeLimitsEntry]
+    attainable: list[AttainableEntry]  # empty: all are met, or no single one is the obstacle
+    move_sizes: list[MoveSizesEntry]
+    alternatives: list[Alternative]
+    rules: list[RuleResult]
+    rule: RuleText
+    landscape: Landscape = of("choice.landscape")
+    warnings: list[Words]  # part of the record's warnings, too
+    would_bring: list[ImprovementEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,21 +297,24 @@ class LimitsAnswer:
     warnings: list[Words]
 
 
+Judged = TypeVar("Judged", bound=JudgedLimits)
+
+
 def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
     """Return limits, rules and verdict, as ``limits --json`` prints them."""
     choice, machine, today = found.choice, found.machine, found.today
-    assert found.rule is not None
-    return LimitsAnswer(
+    return entry_of(
+        LimitsAnswer,
+        found,
         recommended=_recommended(RecommendedEntry, machine, choice),
-        today=_today(machine, today) if today else None,
+        today=today and _today(machine, today),
         rules=[_judged(RuleResult, item, machine) for item in found.rules],
-        rule=_rule_text(found.rule),
         assessment=assessment_part(choice.candidate.assessment, machine.requirements.reserve),
         warnings=[
             *describe_loop(found.tuned.controller),
             *choice.warnings,
             *found.tuned.warnings,
-            *([today.failure] if today and today.failure else []),
+            *_failure(today),
         ],
     )
 
@@ -88,8 +322,9 @@ def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
 def limits_part(found: Commissioning) -> LimitsPart:
     """Return all about the limits of a record."""
     choice, machine, today, listed = found.choice, found.machine, found.today, found.listed
-    seen = choice.landscape
-    return LimitsPart(
+    return entry_of(
+        LimitsPart,
+        found,
         recommended=_recommended(
             LimitsEntry,
             machine,
@@ -97,62 +332,40 @@ def limits_part(found: Commissioning) -> LimitsPart:
             frequency_range=_ends(found.robustness.frequency_error),
             damping_range=_ends(found.robustness.damping_range),
         ),
-        listed_only=_judged(
-            ListedEntry,
-            listed,
-            machine,
-            setpoint_filter=filter_entry(listed.limits.setpoint_filter),
-            valid_for=_sizes(machine, every=False),
-        )
-        if listed
-        else None,
-        today=_today(machine, today) if today else None,
+        listed_only=listed
+        and _judged(ListedEntry, listed, machine, valid_for=_sizes(machine, every=False)),
+        today=today and _today(machine, today),
         modes=[_mode_entry(mode) for mode in found.modes],
-        attainable=[entry_of(AttainableEntry, item, item.limits) for item in found.attainable],
-        move_sizes=[_move_sizes_entry(item) for item in found.move_sizes],
         alternatives=[_judged(Alternative, item, machine) for item in found.alternatives],
         rules=[_judged(RuleResult, item, machine) for item in found.rules],
-        rule=_rule_text(found.rule),
-        landscape=entry_of(
-            Landscape,
-            seen,
-            settling_time=_plotted(seen.settling_time),
-            residual_deviation=_plotted(seen.residual_deviation),
-            usage=_plotted(seen.usage),
-        ),
-        warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
+        warnings=[*choice.warnings, *_failure(today)],
         would_bring=[
-            entry_of(
-                ImprovementEntry,
-                item,
-                name=item.change.kind.removeprefix("change-"),
-                share=item.saved / found.recommended.settling_time,
-                outcome=item.outcome or "",
-            )
+            entry_of(ImprovementEntry, item, share=item.saved / found.recommended.settling_time)
             for item in found.improvements
         ],
     )
 
 
+def _failure(today: TodaysValues | None) -> list[Message]:
+    return [today.failure] if today and today.failure else []
+
+
 def _recommended(form: type[Any], machine: Machine, choice: Choice, **more: object) -> Any:
     best = choice.candidate
-    item = best.limits.setpoint_filter or machine.control.setpoint_filter
     return entry_of(
         form,
         best,
-        best.limits,
-        setpoint_filter=filter_entry(item),
+        setpoint_filter=best.limits.setpoint_filter or machine.control.setpoint_filter,
         bound_by=choice.bound_by,
         valid_for=_sizes(machine, every=best.assessment.is_met),
-        worst_sizes=best.sizes,
         **more,
     )
 
 
-def _ends(error: KeptRange) -> list[float] | None:
+def _ends(error: KeptRange | None) -> list[float] | None:
     """Both ends of a range that was found; None where an end was not."""
-    ends = [error.kept_from, error.kept_to]
-    return ends if all(map(isfinite, ends)) else None
+    ends = [error.kept_from, error.kept_to] if error else []
+    return ends if ends and all(map(isfinite, ends)) else None
 
 
 def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
@@ -163,89 +376,36 @@ def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
 
 
 def _judged(form: type[Judged], item: Candidate, machine: Machine, **more: object) -> Judged:
-    return entry_of(
-        form,
-        item,
-        item.limits,
-        meets_requirements=item.assessment.is_met,
-        keeps_reserve=item.assessment.keeps(machine.requirements.reserve),
-        **more,
-    )
+    keeps = item.assessment.keeps(machine.requirements.reserve)
+    return entry_of(form, item, keeps_reserve=keeps, **more)
 
 
 def _today(machine: Machine, found: TodaysValues) -> TodayEntry:
     """What the values now in the control do; nothing is judged where that cannot be told."""
-    judged, loop = found.judged, found.controller
-    limiting = judged and judged.assessment.limiting_requirement
+    judged = found.judged
+    verdict = judged.assessment if judged else None
+    limiting = verdict.limiting_requirement if verdict else None
+    is_met = verdict is not None and verdict.is_met
     return entry_of(
         TodayEntry,
-        found.today,
         found,
-        found.limits,
-        *([judged] if judged else []),
-        setpoint_filter=filter_entry(found.today.setpoint_filter),
-        Kv=loop.position_gain,
-        Kp=loop.velocity_gain,
-        Tn=loop.integral_time,
+        judged,
         bound_by=limiting.message if limiting else None,
-        meets_requirements=judged is not None and judged.assessment.is_met,
-        keeps_reserve=judged is not None and judged.assessment.keeps(machine.requirements.reserve),
-        frequency_range=_ends(found.frequency_error) if found.frequency_error else None,
-        valid_for=_sizes(machine, every=judged is not None and judged.assessment.is_met),
+        meets_requirements=is_met,
+        keeps_reserve=verdict is not None and verdict.keeps(machine.requirements.reserve),
+        frequency_range=_ends(found.frequency_error),
+        valid_for=_sizes(machine, every=is_met),
         **({} if judged else dict.fromkeys(REACHED)),
     )
 
 
-def _rule_text(rule: RuleOutcome) -> RuleText:
-    """The commissioning rule, applied to a machine."""
-    return entry_of(
-        RuleText,
-        rule,
-        rule.best,
-        rule.limits,
-        text=DESCRIPTION,
-        formula=rule.formulas,
-        advice=ADVICE,
-        valid_for=VALIDITY,
-        chosen=rule.best.name,
-        predicted_residual=rule.best.residual_deviation,
-    )
-
-
 def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
-    candidate, found = mode.candidate, mode.attainable
-    is_met = candidate.assessment.is_met
+    is_met, found = mode.candidate.assessment.is_met, mode.attainable
     return entry_of(
         ModeLimitsEntry,
         mode,
-        candidate,
-        candidate.limits,
         bound_by=mode.bound_by if is_met else NO_LIMITS,
-        meets_requirements=is_met,
         reason="" if is_met else NO_LIMITS,
         attainable=found.value if found else None,
         **({} if is_met else dict.fromkeys(("acceleration", "jerk", "jerk_time", *REACHED))),
     )
-
-
-def _move_sizes_entry(item: MoveSizes) -> MoveSizesEntry:
-    limits = item.limits
-    is_limited = limits.jerk_time > 2.0 * NO_JERK_LIMIT
-    return entry_of(
-        MoveSizesEntry,
-        item,
-        limits,
-        way=item.name,
-        jerk=limits.jerk if is_limited else None,
-        setpoint_filter=filter_entry(limits.setpoint_filter),
-        move=describe_move(item.move),
-        own=size_of(item.move),
-        size=_plotted(item.size),
-        settling_time=_plotted(item.settling_time),
-        residual_deviation=_plotted(item.residual_deviation),
-    )
-
-
-def _plotted(values: Array) -> Array:
-    """Values to five digits: enough for a plot, and short to write."""
-    return np.array([float(f"{value:.5g}") for value in values.flat]).reshape(values.shape)

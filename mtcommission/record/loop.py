@@ -1,39 +1,243 @@
-"""Commissioning -> the feedback loop as the record holds it."""
+"""The feedback loop of a record."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning
-from mtcommission.control_kinds.kind import ControlKind, PositionLoop
+from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.loop.analysis import FrequencyResponse, find_mixed_modes
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller, filter_delay
-from mtcommission.loop.model.diagram import check_by_blocks
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.control import ForceFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.record.data import by_mode
-from mtcommission.record.schema.loop import (
-    CandidateEntry,
-    ClosedLoop,
-    DelayEntry,
-    FeatureEntry,
-    FeedforwardEntry,
-    LoopCornerEntry,
-    LoopPart,
-    Margins,
-    ObserverEntry,
-    VariantEntry,
+from mtcommission.record.rules import long, named, one_of
+from mtcommission.record.shape import entry_of, of
+from mtcommission.record.values import (
+    ByMode,
+    Jerk,
+    Matrix,
+    Positive,
+    PositiveOrNone,
+    Series,
+    Words,
+    by_mode,
+    mode_names,
 )
-from mtcommission.record.schema.values import Series
-from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loops import LoopStudy, LoopTrial
+
+if TYPE_CHECKING:
+    from mtcommission.commission import Commissioning
+
+BODE = ("open_loop_db", "open_loop_deg", "closed_velocity_db")
+LOOPS = ("without-state-feedback", "with-state-feedback", "loop-in-use")
+"""Whose answer to a disturbance there may be."""
+
+
+def _drawn(record: Any) -> list[str]:
+    return [] if record.machine.follows else list(BODE)
+
+
+def _damped(record: Any) -> list[str]:
+    return [] if record.machine.follows else mode_names(record)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedLoop:
+    """The linear nominal loop from [x_ref, v_ref, a_ref, j_ref] to the outputs."""
+
+    A: Annotated[Matrix, long("states", "states")]
+    B: Annotated[Matrix, long("states", "inputs")]
+    C: Annotated[Matrix, long("outputs", "states")]
+    D: Annotated[Matrix, long("outputs", "inputs")]
+    dt: float
+    states: list[str]
+    inputs: list[str]
+    outputs: list[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedforwardEntry:
+    """Weights of the feed-forward [-], and the mass by which acceleration becomes force."""
+
+    velocity: float = of("velocity_feedforward")
+    acceleration: float = of("acceleration_feedforward")
+    jerk: float = of("jerk_feedforward")
+    mass: float = of("feedforward_mass")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ObserverEntry:
+    """The predicting observer at the velocity cycle: x̂⁺ = A x̂ + B F_set + L (y - C x̂)."""
+
+    states: list[str]
+    sensors: list[str]
+    A: Annotated[Matrix, long("states", "states")]
+    B: Annotated[list[float], long("states")]
+    C: Annotated[Matrix, long("", "states")]
+    L: Annotated[Matrix, long("states")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Margins:
+    """How good a loop is."""
+
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+    sensitivity_peak: float
+    bandwidth_hz: float | None
+    dynamic_stiffness: float  # least disturbance force per displacement of the tool, any frequency
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariantEntry(Margins):
+    """The loop without or with state feedback, each with its own best limits."""
+
+    name: Message
+    used: bool
+    mode_damping: ByMode
+    weakest_frequency_hz: float
+    settling_time: float | None = of("candidate.settling_time")
+    residual_deviation: float | None = of("candidate.residual_deviation")
+    max_force: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CandidateEntry(Margins):
+    """A loop that was tried with the limits that suit it best; margins and stiffness worst case."""
+
+    dynamic_stiffness: Positive
+    Kv: float = of("tuned.controller.position_gain")
+    Kp: float = of("tuned.controller.velocity_gain")
+    Tn: float = of("tuned.controller.integral_time")
+    state_feedback: bool = of(lambda trial: bool(trial.tuned.controller.state_gains.any()))
+    settling_time: PositiveOrNone = of("candidate.settling_time")
+    meets_requirements: bool = of("candidate.assessment.is_met")
+    classic: bool  # by the classic rule
+    used: bool  # everything else in the record is about this one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopCornerEntry(Margins):
+    """How good the loop is in one corner of payload and spread, the nominal machine first."""
+
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    state: str = ""  # as the profile names it
+    mode_damping: ByMode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DelayEntry:
+    """What delays one path of the loop [s]."""
+
+    path: Message
+    setpoint_age: float  # how old the setpoint is that is taken
+    dead_time: float  # whole cycles until it acts
+    hold: float  # mean age of a held value
+    lag: float  # first-order lags: drive, filters
+    total: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JerkFeedforwardEntry:
+    """The recommended limits with some weight of the jerk feed-forward, worst case."""
+
+    weight: float
+    used: bool
+    reference_delay: float
+    max_force: float  # the largest |F_set| that the loop asks for, whatever the drive can give
+    settling_time: float | None
+    residual_deviation: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeatureEntry:
+    """Whether the kind of control has something, and where that was read."""
+
+    name: Annotated[str, one_of(*FEATURES)]
+    has: bool
+    parameters: str  # its names in the control
+    source: str
+    verified: bool  # else printed with "(?)"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossCheckEntry:
+    """What python-control says of the nominal loop, put together from the same blocks."""
+
+    pole_difference: float  # largest distance of a pole in the z plane [-]
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopPart:
+    """The controller and how good its loop is; margins with the loop cut at F_set.
+
+    From ``kind`` to ``observer`` it is all that a second program needs beside ``plant``, defined
+    in docs/feedback-loop.md. Where the motor follows its setpoint there is no loop: gains, margins
+    and stiffness are None, what is told of them is empty, and ``closed_loop`` still moves the axis.
+    """
+
+    kind: Annotated[str, one_of(*KINDS)]
+    jerk: Jerk = of("kind.jerk")
+    position_loop: Annotated[str, one_of(*(place.value for place in PositionLoop))]
+    features: list[FeatureEntry]
+    Kv: float | None = of("position_gain")
+    Kp: float | None = of("velocity_gain")
+    Tn: float | None = of("integral_time")
+    reference_model_time: float
+    reference_delay: float
+    reference_age: float  # of the setpoint from which the wanted state is taken
+    velocity_age: float  # of the one from which the wanted velocity is taken
+    state_feedback: dict[str, float]
+    feedforward: FeedforwardEntry
+    position_cycle: Positive
+    velocity_cycle: Positive
+    force_lag: float
+    motion_force: Positive  # bound of F_set
+    force_filters: list[ForceFilter]
+    encoder_resolution: float  # 0: not stated; then encoder_noise is None
+    encoder_noise: EncoderNoise | None
+    sensors: list[str]
+    observer: ObserverEntry
+    closed_loop: ClosedLoop
+    poles: Matrix  # real and imaginary part each
+    gain_margin_db: float | None  # the smaller of the two
+    gain_margin_up_db: float | None  # by how much the gain may rise; None: by any amount
+    gain_margin_down_db: float | None
+    phase_margin_deg: float | None
+    sensitivity_peak: float | None
+    bandwidth_hz: float | None
+    dynamic_stiffness: float | None
+    weakest_frequency_hz: float | None
+    mode_damping: dict[str, float]
+    candidates: list[CandidateEntry]  # soonest first
+    reasons: list[Words]  # why one of them is used
+    variants: list[VariantEntry]
+    worst_corner: Margins | None
+    worst_mode_damping: Annotated[dict[str, float], named(_damped)]
+    corners: list[LoopCornerEntry]
+    cross_check: CrossCheckEntry | None
+    delays: list[DelayEntry]
+    # The tool's displacement per newton after a step of force, by loop.
+    disturbance: Annotated[Series, one_of(*LOOPS)]
+    jerk_feedforward: list[JerkFeedforwardEntry]
+    bode: Annotated[Series, named(_drawn)]
+    remarks: list[Words]  # which rule chose what
+    warnings: list[Words]  # what is poor about the loop; part of the record's warnings, too
+
 
 PUSH_STEP = 0.5e-3
 """Spacing of the samples of a disturbance response for its plot [s]."""
@@ -60,17 +264,11 @@ def loop_part(found: Commissioning) -> LoopPart:
         tuned,
         control,
         machine.drive,
-        jerk=control.kind.jerk,
         position_loop=control.position_loop,
         features=feature_entries(control.kind),
         encoder_noise=_noise(tuned, machine.drive.encoder_resolution),
         state_feedback={state: gain for state, gain in gains if gain},
-        feedforward=FeedforwardEntry(
-            velocity=controller.velocity_feedforward,
-            acceleration=controller.acceleration_feedforward,
-            jerk=controller.jerk_feedforward,
-            mass=controller.feedforward_mass,
-        ),
+        feedforward=controller,
         observer=entry_of(
             ObserverEntry,
             controller.observer,
@@ -84,7 +282,10 @@ def loop_part(found: Commissioning) -> LoopPart:
             inputs=INPUTS,
             outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
         ),
-        candidates=[_candidate_entry(trial) for trial in found.loop.trials],
+        candidates=[
+            entry_of(CandidateEntry, trial, _worst_corner(trial.tuned))
+            for trial in found.loop.trials
+        ],
         reasons=found.loop.remarks,
         variants=[_variant_entry(plant, variant) for variant in found.loop.variants],
         corners=[
@@ -99,16 +300,15 @@ def loop_part(found: Commissioning) -> LoopPart:
 
 
 def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
-    """Gains, poles and margins of a loop; None and empty where the motor follows its setpoint."""
+    """Poles and margins of a loop; None and empty where the motor follows its setpoint."""
     if tuned.controller.follows:
         empty = {"poles": [], "mode_damping": {}, "worst_mode_damping": {}, "bode": NO_SERIES}
         return dict.fromkeys(NOT_WITHOUT_LOOP) | empty
-    controller, nominal = tuned.controller, tuned.nominal
+    from mtcommission.loop.model.diagram import check_by_blocks  # python-control: 0.3 s
+
+    nominal = tuned.nominal
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return {
-        "Kv": controller.position_gain,
-        "Kp": controller.velocity_gain,
-        "Tn": controller.integral_time,
         "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
         "mode_damping": by_mode(plant, nominal.mode_damping),
         "worst_corner": _worst_corner(tuned),
@@ -143,55 +343,40 @@ def feature_entries(kind: ControlKind) -> list[FeatureEntry]:
 
 
 def _worst_corner(tuned: TunedLoop) -> Margins:
-    return Margins(
-        gain_margin_db=finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
-        phase_margin_deg=finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+    return entry_of(
+        Margins,
+        gain_margin_db=min(a.gain_margin_db for a in tuned.analyses),
+        phase_margin_deg=min(a.phase_margin_deg for a in tuned.analyses),
         sensitivity_peak=max(a.sensitivity_peak for a in tuned.analyses),
-        bandwidth_hz=finite_or_none(tuned.least_bandwidth_hz),
+        bandwidth_hz=tuned.least_bandwidth_hz,
         dynamic_stiffness=tuned.least_stiffness,
     )
 
 
-def _candidate_entry(trial: LoopTrial) -> CandidateEntry:
-    controller, candidate = trial.tuned.controller, trial.candidate
-    return entry_of(
-        CandidateEntry,
-        trial,
-        _worst_corner(trial.tuned),
-        candidate,
-        Kv=controller.position_gain,
-        Kp=controller.velocity_gain,
-        Tn=controller.integral_time,
-        state_feedback=bool(controller.state_gains.any()),
-        meets_requirements=candidate.assessment.is_met,
-    )
-
-
 def _variant_entry(plant: Plant, variant: LoopTrial) -> VariantEntry:
-    nominal, candidate = variant.tuned.nominal, variant.candidate
+    nominal = variant.tuned.nominal
     return entry_of(
         VariantEntry,
         variant,
         nominal,
-        candidate,
         mode_damping=by_mode(plant, nominal.mode_damping),
-        max_force=candidate.assessment.check_of(SET_FORCE).value,
+        max_force=variant.candidate.assessment.check_of(SET_FORCE).value,
     )
 
 
 def _bode(response: FrequencyResponse) -> Series:
     phase = np.degrees(np.unwrap(np.angle(response.open_loop)))
-    signals = {
-        "open_loop_db": _decibel(response.open_loop),
-        # In (-360, 0] at its start, as drive engineers draw it.
-        "open_loop_deg": (phase - 360.0 * np.ceil(phase[0] / 360.0)).tolist(),
-        "closed_velocity_db": _decibel(response.closed_velocity_loop),
-    }
-    return Series(t=response.frequency_hz.tolist(), signals=signals)
+    # The phase begins in (-360, 0], as drive engineers draw it.
+    columns = (
+        _decibel(response.open_loop),
+        phase - 360.0 * np.ceil(phase[0] / 360.0),
+        _decibel(response.closed_velocity_loop),
+    )
+    return entry_of(Series, t=response.frequency_hz, signals=_lists(BODE, columns))
 
 
-def _decibel(response: NDArray[np.complex128]) -> list[float]:
-    return list((20 * np.log10(np.abs(response))).tolist())
+def _decibel(response: NDArray[np.complex128]) -> NDArray[np.float64]:
+    return np.asarray(20 * np.log10(np.abs(response)))
 
 
 def _disturbance(study: LoopStudy) -> Series:
@@ -199,11 +384,12 @@ def _disturbance(study: LoopStudy) -> Series:
         return NO_SERIES
     t = next(iter(study.disturbed.values())).t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
-    steps = {name: step.deflection for name, step in study.disturbed.items()}
-    return Series(
-        t=t[::every].tolist(),
-        signals={name: deflection[::every].tolist() for name, deflection in steps.items()},
-    )
+    steps = [step.deflection[::every] for step in study.disturbed.values()]
+    return entry_of(Series, t=t[::every], signals=_lists(study.disturbed, steps))
+
+
+def _lists(names: Iterable[str], columns: Iterable[NDArray[np.float64]]) -> dict[str, list[float]]:
+    return {name: column.tolist() for name, column in zip(names, columns, strict=True)}
 
 
 def _delay_entries(controller: Controller) -> list[DelayEntry]:
@@ -211,47 +397,31 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
     T_p, T_v = controller.position_cycle, controller.velocity_cycle
     filters = sum(filter_delay(item) for item in controller.force_filters)
     left = (1.0 - controller.jerk_feedforward) * controller.force_lag
-    is_held = controller.position_loop is PositionLoop.CONTROL
-    held = 0.5 * (T_p - T_v)
-    position = {"dead": T_p, "hold": held}
-    if controller.position_loop is PositionLoop.DRIVE:
-        position = {}
+    held, half = 0.5 * (T_p - T_v), 0.5 * T_v
     # Interpolation between two setpoints waits for the second one.
-    handing_down = {"dead": T_p, "hold": held if is_held else T_p}
-
-    def entry(
-        path: Message, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
-    ) -> DelayEntry:
-        return DelayEntry(
-            path=path,
+    down = held if controller.position_loop is PositionLoop.CONTROL else T_p
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    position = (0.0, 0.0) if in_drive else (T_p, held)
+    paths = {  # age of the setpoint, dead time, hold, lag
+        "position-setpoint": (controller.reference_delay, 0.0, 0.0, 0.0),
+        "position-controller": (0.0, *position, 0.0),
+        "velocity-feed-forward": (controller.velocity_age, T_p, down, 0.0),
+        "wanted-state": (controller.reference_age, T_p, down, 0.0),
+        "force-feed-forward": (0.0, T_p + T_v, down + half, left + filters),
+        "velocity-controller": (half, T_v, half, controller.force_lag + filters),
+    }
+    if controller.follows:
+        paths = {"position-setpoint": (0.0, T_p, T_p, 0.0)}
+    elif not controller.state_gains.any():
+        del paths["wanted-state"]
+    return [
+        DelayEntry(
+            path=Message(f"path-{path}"),
             setpoint_age=age,
             dead_time=dead,
             hold=hold,
             lag=lag,
             total=age + dead + hold + lag,
         )
-
-    if controller.follows:
-        return [entry(Message("path-position-setpoint"), dead=T_p, hold=T_p)]
-    ahead = {"age": controller.reference_age, **handing_down}
-    velocity = {"age": controller.velocity_age, **handing_down}
-    wanted = [entry(Message("path-wanted-state"), **ahead)] if controller.state_gains.any() else []
-    return [
-        entry(Message("path-position-setpoint"), age=controller.reference_delay),
-        entry(Message("path-position-controller"), **position),
-        entry(Message("path-velocity-feed-forward"), **velocity),
-        *wanted,
-        entry(
-            Message("path-force-feed-forward"),
-            dead=T_p + T_v,
-            hold=handing_down["hold"] + 0.5 * T_v,
-            lag=left + filters,
-        ),
-        entry(
-            Message("path-velocity-controller"),
-            age=0.5 * T_v,
-            dead=T_v,
-            hold=0.5 * T_v,
-            lag=controller.force_lag + filters,
-        ),
+        for path, (age, dead, hold, lag) in paths.items()
     ]

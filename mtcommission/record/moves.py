@@ -1,30 +1,37 @@
-"""Moves through the loop -> their entries in the record, and the verdict."""
+"""The simulated moves of a record, and the verdict on them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 
 from mtcommission.limits.judge import Assessment, MoveResult, evaluate_moves
-from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
-from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, longest_period
-from mtcommission.record.data import Array, by_mode, by_name, describe_move, filter_entry
-from mtcommission.record.schema.moves import (
-    AssessmentPart,
-    Check,
-    MoveEntry,
-    ResponseEntry,
-    Segment,
-    SetpointEntry,
-    SimulationPart,
+from mtcommission.record.rules import filled, named
+from mtcommission.record.shape import entry_of, of
+from mtcommission.record.values import (
+    ByMode,
+    BySignal,
+    InCorner,
+    MoveKeys,
+    Series,
+    SetpointFilterEntry,
+    Words,
+    by_mode,
+    by_name,
+    describe_move,
+    series_of,
+    signals_of,
 )
-from mtcommission.record.schema.values import Series
-from mtcommission.record.shape import entry_of
-from mtcommission.setpoint.setpoint import sample_setpoint
+from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
+
+REFERENCES = ("x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation", "F_set")
+"""Signals of a simulated move beside those of the plant."""
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
@@ -34,6 +41,92 @@ PLOT_TAIL = 0.15
 
 LEAST_TAIL = 0.4
 """The least of it, as a share of the move [-]; and two periods of the slowest mode."""
+
+
+def moved_signals(record: Any) -> list[str]:
+    """Return the names of all signals of a simulated move."""
+    return [*REFERENCES, *signals_of(record)]
+
+
+def _segments(setpoint: Setpoint) -> list[Segment]:
+    pairs = zip(setpoint.segment_durations.tolist(), setpoint.segment_jerks.tolist(), strict=True)
+    return [Segment(duration=duration, jerk=jerk) for duration, jerk in pairs]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Segment:
+    """One segment of Ruckig's profile."""
+
+    duration: float
+    jerk: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointEntry:
+    """The setpoint of a move with the recommended limits."""
+
+    duration: float
+    setpoint_filter: SetpointFilterEntry | None
+    segments: list[Segment] = of(_segments)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResponseEntry(InCorner):
+    """A closed-loop response in one corner."""
+
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    mode_amplitudes: ByMode
+    peaks: BySignal
+    max_force: float
+    rms_force: float
+    saturated: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveEntry:
+    """One move with the recommended limits: nominal response, corners, motion for the plots."""
+
+    move: MoveKeys = of("setpoint.move", by=describe_move)
+    setpoint: SetpointEntry
+    response: ResponseEntry
+    corners: Annotated[list[ResponseEntry], filled]
+    series: Annotated[Series, named(moved_signals)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """One requirement against what was found."""
+
+    name: str
+    value: float | None  # None: not settled
+    limit: float
+    reserve: float  # share of the limit that a recommendation may use [-]
+    unit: str
+    met: bool
+    where: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssessmentPart:
+    """The verdict."""
+
+    met: bool
+    checks: list[Check]
+    obstacle: str  # the requirement that stands in the way; "": none
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationPart:
+    """What ``simulate`` prints: the first move's setpoint and response, and all moves."""
+
+    setpoint: SetpointEntry
+    response: ResponseEntry
+    corners: list[ResponseEntry]
+    moves: list[MoveEntry]
+    warnings: list[Words]  # what is poor about the loop
+    assessment: AssessmentPart
 
 
 def simulation_part(
@@ -54,12 +147,10 @@ def simulation_part(
 def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
     """Return the verdict as the record holds it, with the share that recommendations may use."""
     limiting = assessment.limiting_requirement
+    checks = assessment.checks
     return AssessmentPart(
         met=assessment.is_met,
-        checks=[
-            entry_of(Check, check, reserve=check.requirement.share(reserve))
-            for check in assessment.checks
-        ],
+        checks=[entry_of(Check, one, reserve=one.requirement.share(reserve)) for one in checks],
         obstacle=limiting.key if limiting else "",
     )
 
@@ -75,53 +166,22 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     t = nominal.t[shown]
     delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)
     now = sample_setpoint(setpoint, t)
-    extra = {
-        "x_ref_delayed": delayed[:, 0],
-        "v_ref": now[:, 1],
-        "a_ref": now[:, 2],
-        "j_ref": now[:, 3],
-        "deviation": nominal.deviation[shown],
-        "F_set": nominal.force[shown],
-    }
-    durations, jerks = setpoint.segment_durations.tolist(), setpoint.segment_jerks.tolist()
+    columns = (delayed[:, 0], *now[:, 1:4].T, nominal.deviation[shown], nominal.force[shown])
     responses = [
-        _response_entry(plant, corner, response)
+        entry_of(
+            ResponseEntry,
+            corner,
+            response,
+            mode_amplitudes=by_mode(plant, response.mode_amplitudes),
+            peaks=by_name(plant.signals, response.peaks),
+        )
         for corner, response in zip(tuned.corners, result.responses, strict=True)
     ]
-    return MoveEntry(
-        move=describe_move(setpoint.move),
-        setpoint=SetpointEntry(
-            duration=setpoint.duration,
-            setpoint_filter=filter_entry(setpoint.setpoint_filter),
-            segments=[Segment(duration=d, jerk=j) for d, j in zip(durations, jerks, strict=True)],
-        ),
+    references = dict(zip(REFERENCES, columns, strict=True))
+    return entry_of(
+        MoveEntry,
+        result,
         response=responses[0],
         corners=responses,
-        series=series_entry(plant, t, nominal.states[shown], extra),
+        series=series_of(plant, t, nominal.states[shown], references),
     )
-
-
-def _response_entry(plant: Plant, corner: Corner, response: LoopResponse) -> ResponseEntry:
-    return entry_of(
-        ResponseEntry,
-        corner,
-        response,
-        mode_amplitudes=by_mode(plant, response.mode_amplitudes),
-        peaks=by_name(plant.signals, response.peaks),
-    )
-
-
-def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
-    """Return signals by name, states and outputs, rounded to seven digits: for plots only.
-
-    ``t``, ``states``: shapes (n_samples,) [s], (n_samples, n_states); ``extra``: further signals
-    by name, each of shape (n_samples,).
-    """
-
-    def rounded(values: Array) -> list[float]:
-        return [float(f"{value:.7g}") for value in values]
-
-    columns = dict(zip(plant.states, states.T, strict=True))
-    columns |= dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True))
-    signals = {name: rounded(column) for name, column in {**extra, **columns}.items()}
-    return Series(t=rounded(t), signals=signals)

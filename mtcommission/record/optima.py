@@ -1,13 +1,11 @@
-"""Optima of moves, and the loop beside them -> their entries in the record."""
+"""The optimal controls of a record, and the loop beside them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import isfinite
-from typing import TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
-from mtcommission.limits.optima import Optima
-from mtcommission.optimal.band.band_optimum import BandOptimum
-from mtcommission.optimal.band.robust import RobustForce
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
@@ -16,27 +14,232 @@ from mtcommission.optimal.solution import (
     side_text,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.record.data import Array, by_name, describe_move
-from mtcommission.record.moves import series_entry
-from mtcommission.record.schema.comparisons import ComparedEntry, ComparisonEntry, FedForwardEntry
-from mtcommission.record.schema.optima import (
-    ArcEntry,
-    BandEntry,
-    ForceSegment,
-    LawEntry,
-    OptimaEntry,
-    OptimumEntry,
-    ProofEntry,
-    RobustEntry,
-    TouchPointEntry,
+from mtcommission.record.rules import named, one_of
+from mtcommission.record.shape import entry_of, of
+from mtcommission.record.values import (
+    Array,
+    BySignal,
+    InCorner,
+    MoveKeys,
+    Positive,
+    Series,
+    Words,
+    by_name,
+    describe_move,
+    series_of,
+    signals_of,
 )
-from mtcommission.record.shape import entry_of
-from mtcommission.study.optimum import MoveComparison, WithinBand
 
-InBand = TypeVar("InBand", BandEntry, RobustEntry)
+if TYPE_CHECKING:  # the optima's own libraries take a while to load
+    from mtcommission.limits.optima import Optima
+    from mtcommission.optimal.band.force import BandForce
+    from mtcommission.study.optimum import MoveComparison, WithinBand
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
+
+
+def _signals(record: Any) -> list[str]:
+    return ["F_set", *signals_of(record)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArcEntry:
+    """An arc of an optimal control."""
+
+    t_start: float
+    t_end: float
+    control: str = of("control", by=control_text)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TouchPointEntry:
+    """Where a limit is touched for a moment."""
+
+    t: float
+    limit: str = of(lambda point: side_text(point.signal, point.side))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofEntry:
+    """What proves a least time; None: not known."""
+
+    t_f_lower_bound: float | None
+    relative_gap: float | None
+    adjoint_initial: dict[str, float]
+    switching_slopes: list[float]
+    switching_law_holds: bool
+    terminal_jacobian_rank: int | None = of(
+        "terminal_jacobian_rank", by=lambda rank: rank if rank >= 0 else None
+    )
+    terminal_jacobian_condition: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawEntry:
+    """How well a damping-optimal control keeps its law."""
+
+    adjoint_initial: dict[str, float]
+    law_residual: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimumEntry:
+    """An optimal control as ``optimal --json`` prints it, with its motion for the plots."""
+
+    kind: Annotated[str, one_of("time", "damping")]
+    method: str
+    f_max: Positive = of("force_limit")
+    move: MoveKeys = of("move", by=describe_move)
+    limits: dict[str, float]
+    t_f: Positive
+    arcs: list[ArcEntry]
+    switching_times: list[float] = of("arcs", by=lambda arcs: [arc.t_end for arc in arcs[:-1]])
+    touch_points: list[TouchPointEntry]
+    peaks: BySignal
+    terminal_error: dict[str, float]
+    cost: float | None
+    cost_terms: dict[str, float]
+    weights: dict[str, float]
+    certificate: ProofEntry | LawEntry
+    series: Annotated[Series, named(_signals)]
+
+
+def _force_segments(force: BandForce) -> list[ForceSegment]:
+    return [
+        ForceSegment(duration=arc.t_end - arc.t_start, force=float(arc.output @ arc.initial))
+        for arc in force.arcs
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceSegment:
+    """A set force and how long it acts."""
+
+    duration: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WithinBandEntry:
+    """A control to a state from which the free motion keeps the tool within the band."""
+
+    t_f: Positive = of("force.t_f")
+    band: Positive = of("force.band")
+    offset: float = of("force.offset")  # from where the tool comes to rest to the reference
+    segments: list[ForceSegment] = of("force", by=_force_segments)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandEntry(WithinBandEntry):
+    """The fastest one."""
+
+    lower_bound: float  # proved
+    gap: float  # between that and t_f, relative to t_f
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustEntry(WithinBandEntry):
+    """The fastest force found after which all ``machines`` of the spread keep the band."""
+
+    machines: int
+    peak: float  # largest deviation afterwards, over those machines
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimaEntry:
+    """The optima of one move; ``remarks`` say why one was not found."""
+
+    move: MoveKeys = of("move", by=describe_move)
+    time: OptimumEntry
+    constrained: OptimumEntry | None  # None: the profile bounds no peaks
+    damping: OptimumEntry | None
+    band: BandEntry | None
+    robust: RobustEntry | None  # None where there is no spread, too
+    remarks: list[Words]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedEntry:
+    """One way of doing a move, in the loop or by an optimal control on the plant."""
+
+    name: Words
+    transfer_time: float | None
+    overshoot: float
+    peaks: dict[str, float]
+    max_force: float
+    heat: float
+    work: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FedForwardEntry(InCorner):
+    """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
+
+    control: Words
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    saturated_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparisonEntry:
+    """One move in the loop and by its optima."""
+
+    controls: list[ComparedEntry]
+    fed_forward: list[FedForwardEntry]
+    claims: list[Words]  # of the paper, measured: overshoot, and a transfer time far from the least
+    why_not_the_optimum: list[Words]  # what each optimum does when it is fed forward
+
+
+def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
+    """Return the optima of one move: at exact rest, and within the band."""
+    found = {"time": item.time, "constrained": item.constrained, "damping": item.damping}
+    return entry_of(
+        OptimaEntry,
+        item,
+        band=within.optimum,
+        robust=within.robust,
+        remarks=[*item.remarks, *within.remarks],
+        **{key: one and optimum_entry(plant, one) for key, one in found.items()},
+    )
+
+
+def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> OptimumEntry:
+    """Return an optimal control of a plant as ``optimal --json`` prints it."""
+    motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / PLOT_SAMPLES)
+    limits = {bound.name: bound.value for bound in solution.bounds}
+    certificate: ProofEntry | LawEntry
+    if isinstance(solution, TimeOptimum):
+        if isfinite(solution.jerk_limit):
+            limits["jerk"] = solution.jerk_limit
+        proof = solution.certificate
+        adjoint = _known(plant, proof.adjoint_initial)
+        certificate = entry_of(ProofEntry, proof, adjoint_initial=adjoint)
+        own: dict[str, object] = {"kind": "time", "cost": None, "cost_terms": {}, "weights": {}}
+    else:
+        weights = {item.state: item.value for item in solution.weights}
+        terms = by_name(("F_set", *weights), solution.cost_terms)
+        adjoint = _known(plant, solution.adjoint_initial)
+        certificate = entry_of(LawEntry, solution, adjoint_initial=adjoint)
+        own = {"kind": "damping", "touch_points": [], "cost_terms": terms, "weights": weights}
+    return entry_of(
+        OptimumEntry,
+        solution,
+        limits=limits,
+        peaks=by_name(plant.signals, solution.peaks),
+        terminal_error=by_name(plant.states, solution.terminal_error),
+        certificate=certificate,
+        series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
+        **own,
+    )
+
+
+def _known(plant: Plant, values: Array) -> dict[str, float]:
+    """What is known of an adjoint, by state."""
+    adjoint = by_name(plant.states, values)
+    return {state: value for state, value in adjoint.items() if isfinite(value)}
 
 
 def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntry:
@@ -49,99 +252,8 @@ def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntr
             for control in comparison.controls
         ],
         fed_forward=[
-            entry_of(FedForwardEntry, found, found.corner, control=name)
+            entry_of(FedForwardEntry, found, control=name)
             for name, rows in comparison.fed_forward
             for found in rows
         ],
     )
-
-
-def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
-    """Return the optima of one move: at exact rest, and within the band."""
-    band, robust = within.optimum, within.robust
-    return OptimaEntry(
-        move=describe_move(item.move),
-        time=optimum_entry(plant, item.time),
-        constrained=optimum_entry(plant, item.constrained) if item.constrained else None,
-        damping=optimum_entry(plant, item.damping) if item.damping else None,
-        band=_within(BandEntry, band) if band else None,
-        robust=_within(RobustEntry, robust) if robust else None,
-        remarks=[*item.remarks, *within.remarks],
-    )
-
-
-def _within(form: type[InBand], found: BandOptimum | RobustForce) -> InBand:
-    segments = [
-        ForceSegment(duration=arc.t_end - arc.t_start, force=float(arc.output @ arc.initial))
-        for arc in found.force.arcs
-    ]
-    return entry_of(form, found, found.force, segments=segments)
-
-
-def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> OptimumEntry:
-    """Return an optimal control of a plant as ``optimal --json`` prints it."""
-    motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / PLOT_SAMPLES)
-    found = (
-        _time_optimal(plant, solution)
-        if isinstance(solution, TimeOptimum)
-        else _damping_optimal(plant, solution)
-    )
-    limits = {bound.name: bound.value for bound in solution.bounds}
-    if isinstance(solution, TimeOptimum) and isfinite(solution.jerk_limit):
-        limits["jerk"] = solution.jerk_limit
-    return entry_of(
-        OptimumEntry,
-        solution,
-        f_max=solution.force_limit,
-        move=describe_move(solution.move),
-        limits=limits,
-        arcs=[entry_of(ArcEntry, arc, control=control_text(arc.control)) for arc in solution.arcs],
-        switching_times=[arc.t_end for arc in solution.arcs[:-1]],
-        peaks=by_name(plant.signals, solution.peaks),
-        terminal_error=by_name(plant.states, solution.terminal_error),
-        series=series_entry(plant, motion.t, motion.states, {"F_set": motion.force}),
-        **found,
-    )
-
-
-def _time_optimal(plant: Plant, solution: TimeOptimum) -> dict[str, object]:
-    """What a time-optimal control alone has."""
-    proof = solution.certificate
-    rank = proof.terminal_jacobian_rank
-    return {
-        "kind": "time",
-        "touch_points": [
-            TouchPointEntry(t=point.t, limit=side_text(point.signal, point.side))
-            for point in solution.touch_points
-        ],
-        "cost": None,
-        "cost_terms": {},
-        "weights": {},
-        "certificate": entry_of(
-            ProofEntry,
-            proof,
-            adjoint_initial=_known(plant, proof.adjoint_initial),
-            terminal_jacobian_rank=rank if rank >= 0 else None,
-        ),
-    }
-
-
-def _damping_optimal(plant: Plant, solution: DampingOptimum) -> dict[str, object]:
-    """What a damping-optimal control alone has."""
-    names = ("F_set", *(item.state for item in solution.weights))
-    return {
-        "kind": "damping",
-        "touch_points": [],
-        "cost_terms": by_name(names, solution.cost_terms),
-        "weights": {item.state: item.value for item in solution.weights},
-        "certificate": LawEntry(
-            adjoint_initial=_known(plant, solution.adjoint_initial),
-            law_residual=solution.law_residual,
-        ),
-    }
-
-
-def _known(plant: Plant, values: Array) -> dict[str, float]:
-    """What is known of an adjoint, by state."""
-    adjoint = by_name(plant.states, values)
-    return {state: value for state, value in adjoint.items() if isfinite(value)}

@@ -18,9 +18,9 @@ from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.schema.limits import LimitsEntry
-from mtcommission.record.schema.record import FORCE_LIMITS, Record
-from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.record.limits import LimitsEntry
+from mtcommission.record.record import FORCE_LIMITS, Record
+from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 

@@ -8,10 +8,11 @@ in a curve) and refused elsewhere, unless the entry may be null.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, Field, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from math import isfinite, nan
+from operator import attrgetter
 from types import NoneType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -123,23 +124,40 @@ def find_broken_rules(record: Any) -> Iterator[Message]:
     yield from look("", record, (), record)
 
 
+def of(
+    path: str | Callable[[Any], object],
+    *,
+    by: Callable[[Any], object] | None = None,
+    default: object = MISSING,
+) -> Any:
+    """Return the field of an entry that is found elsewhere in the result than at its own name.
+
+    ``path``: attributes with dots between them, or a function of the result; ``by``: what is made
+    of the value; ``default``: what a record means that does not have it.
+    """
+    return field(default=default, metadata={"of": path, "by": by})
+
+
 def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
     """Return an entry whose values are the attributes of the same names of some results.
 
-    The first source that has the attribute gives it (``is_used`` gives ``used``); ``given`` has
-    another name or form there. Arrays and tuples become lists, results within them entries, numbers
-    that are not finite None, and what has a word or a key (a requirement) that.
+    The first source that has the attribute gives it (``is_used`` gives ``used``; ``of`` names
+    another); ``given`` has another form there. Arrays and tuples become lists, results within them
+    entries, numbers that are not finite None, and what has a word or a key (a requirement) that.
 
     Examples
     --------
-    >>> from mtcommission.record.schema.moves import Segment
+    >>> from mtcommission.record.moves import Segment
     >>> entry_of(Segment, Segment(duration=0.1, jerk=2.0), jerk=float("inf"))
     Segment(duration=0.1, jerk=None)
     """
+    hints = _hints(form)  # type: ignore[arg-type]
     return form(
         **{
-            name: _held(given[name] if name in given else _find(name, sources), hint)
-            for name, hint in _hints(form).items()  # type: ignore[arg-type]
+            one.name: _held(
+                given[one.name] if one.name in given else _find(one, sources), hints[one.name]
+            )
+            for one in fields(form)  # type: ignore[arg-type]
         }
     )
 
@@ -149,12 +167,18 @@ def finite_or_none(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def _find(name: str, sources: tuple[object, ...]) -> object:
+def _find(one: Field[Any], sources: tuple[object, ...]) -> object:
+    path, by = (one.metadata.get(key) for key in ("of", "by"))
+    if callable(path):
+        return path(sources[0])
     for source in sources:
-        for attribute in (name, f"is_{name}"):
-            if hasattr(source, attribute):
-                return getattr(source, attribute)
-    raise AttributeError(f"{name} of {', '.join(type(source).__name__ for source in sources)}")
+        for attribute in filter(None, (path, one.name, f"is_{one.name}")):
+            try:
+                value = attrgetter(attribute)(source)
+            except AttributeError:
+                continue
+            return by(value) if by else value
+    raise AttributeError(f"{one.name} of {', '.join(type(source).__name__ for source in sources)}")
 
 
 def _held(value: Any, hint: Any) -> object:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mtcommission.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, fault, load_json
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.record.shape import WRONG, to_entry
 
 VERDICTS = ("holds", "does not hold", "cannot tell")

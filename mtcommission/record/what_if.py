@@ -1,8 +1,10 @@
-"""Loop, machine and requirements as data: enough to simulate any other move from the record."""
+"""All that a page needs to run a record's loop again with other values."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
@@ -12,24 +14,21 @@ from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.schema.values import SetpointFilterEntry
-from mtcommission.record.schema.what_if import (
-    KnownLimitsEntry,
-    LimitEntry,
-    NeedsEntry,
-    NoisyCornerEntry,
-    SampledEntry,
-    SignalEntry,
-    StateEntry,
-    VariedModeEntry,
-    VariedPlantEntry,
-    WhatIfPart,
+from mtcommission.record.rules import above_zero, filled, long, of_one_size, one_of
+from mtcommission.record.shape import entry_of, of
+from mtcommission.record.values import (
+    InCorner,
+    Jerk,
+    Matrix,
+    Positive,
+    SetpointFilterEntry,
+    describe_move,
 )
-from mtcommission.record.shape import entry_of
 from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Yields
 from mtcommission.requirements.together import bounded_states
@@ -38,6 +37,135 @@ from mtcommission.study.rules import TodaysValues
 
 PAYLOAD = 1.0
 """At which the share of a payload in a mode's inertia is read [kg]: it is linear in it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampledEntry:
+    """The nominal loop at the velocity cycle, for whoever closes it on other machines.
+
+    X over ``states``: the plant's first, F_set at ``pending``, what the position cycle hands down
+    from ``held`` on. X⁺ = ``cycle`` X in a velocity cycle; after ``cycles`` of these the states
+    from ``held`` on become ``by_state`` X, X from before them, plus ``by_setpoint`` times (x_ref,
+    v_ref, a_ref, j_ref) at that time, then one position cycle earlier, and so on. Where the motor
+    follows, what is handed down are its position, velocity, acceleration and jerk.
+    """
+
+    follows: bool
+    velocity_cycle: Positive
+    cycles: Annotated[int, above_zero]
+    reference_delay: float
+    states: list[str]
+    pending: int
+    held: int
+    cycle: Matrix
+    by_state: Matrix
+    by_setpoint: Matrix
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariedModeEntry:
+    """Where a mode stands in the plant; payload p divides its terms by 1 + p ``payload_share``."""
+
+    deflection: int
+    rate: int
+    payload_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalEntry:
+    """A row over the plant's states whose largest magnitude counts, from t_e + τ on or always."""
+
+    name: str
+    unit: str
+    row: list[float]
+    less: int | None  # less that derivative of the delayed setpoint, 0: position; None: as it is
+    is_after: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariedPlantEntry:
+    """The nominal plant, and what payload, frequency and damping change in it.
+
+    The force moves the state ``velocity`` by 1/(``moving_mass`` + payload); where the motor
+    follows, the last state is its acceleration and B the jerk's. ``signals``: the motor's force,
+    then each that a check of the same name bounds.
+    """
+
+    A: Matrix
+    B: list[float]
+    tcp: list[float]
+    signals: Annotated[list[SignalEntry], filled]
+    position: int
+    velocity: int
+    moving_mass: float
+    modes: list[VariedModeEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoisyCornerEntry(InCorner):
+    """A corner, and what the steps of the encoder add there either way."""
+
+    tool_noise: float = of("tool")
+    force_noise: float = of("force")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateEntry:
+    """The plant in a state in which it was measured, and the loop around it."""
+
+    name: str
+    plant: VariedPlantEntry
+    loop: SampledEntry
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitEntry:
+    """A requirement; ``of_listed``: smaller moves than the listed ones need not keep it."""
+
+    name: str
+    unit: str
+    limit: float
+    of_listed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeedsEntry:
+    """What moves are judged by; None: not stated. ``every_size``: smaller moves count, too."""
+
+    checks: list[LimitEntry]
+    tcp_deviation: Positive
+    contour_feed: float | None
+    motion_force: Positive
+    static_load: float
+    every_size: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownLimitsEntry:
+    """Limits to begin with; ``loop`` where it is another one, ``states``: in each state."""
+
+    name: Annotated[str, one_of("today", "recommended")]
+    acceleration: Positive
+    jerk: Positive
+    setpoint_filter: SetpointFilterEntry | None
+    loop: SampledEntry | None
+    states: list[StateEntry] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WhatIfPart:
+    """All that it takes to run other limits, moves and machines through the loop again."""
+
+    jerk: Jerk
+    loop: SampledEntry
+    plant: VariedPlantEntry
+    corners: Annotated[list[NoisyCornerEntry], filled]
+    moves: Annotated[list[dict[str, float]], of_one_size, long("/moves")]
+    requirements: NeedsEntry
+    limits: Annotated[list[KnownLimitsEntry], filled]
+    force_filters: list[ForceFilter]
+    states: list[StateEntry] = field(default_factory=list)
+    averages: list[float] | None  # least and longest moving average; None: the control has none
 
 
 def what_if_part(
@@ -53,12 +181,12 @@ def what_if_part(
     """
     controller, control = tuned.controller, machine.control
     given = limits.setpoint_filter or control.setpoint_filter
-    known = [_known("recommended", limits, entry=filter_entry(given))]
+    known = [_known("recommended", limits, given)]
     if today is not None and today.judged is not None:
         own = build_loop(plant, today.controller, model=plant) if today.stated else None
-        entry = filter_entry(today.today.setpoint_filter)
+        given = today.today.setpoint_filter
         states = _states(machine, plant, today.controller) if today.stated else []
-        known.insert(0, _known("today", today.limits, entry=entry, loop=own, states=states))
+        known.insert(0, _known("today", today.limits, given, own, states))
     average = control.kind.find_filter(MOVING_AVERAGE)
     return WhatIfPart(
         jerk=control.kind.jerk.value,
@@ -66,7 +194,11 @@ def what_if_part(
         plant=_plant_entry(machine, plant),
         states=_states(machine, plant, controller),
         corners=[
-            _corner_entry(machine, corner, loop)
+            entry_of(
+                NoisyCornerEntry,
+                corner,
+                encoder_noise(loop, resolution=machine.drive.encoder_resolution),
+            )
             for corner, loop in zip(tuned.corners, tuned.loops, strict=True)
         ],
         moves=[describe_move(move) for move in machine.moves],
@@ -156,16 +288,10 @@ def _payload_share(machine: Machine, mode: str, radius: float) -> float:
     return float(1.0 / ratio[0] - 1.0) / PAYLOAD
 
 
-def _corner_entry(machine: Machine, corner: Corner, loop: SampledLoop) -> NoisyCornerEntry:
-    noise = encoder_noise(loop, resolution=machine.drive.encoder_resolution)
-    return entry_of(NoisyCornerEntry, corner, tool_noise=noise.tool, force_noise=noise.force)
-
-
 def _known(
     name: str,
     limits: MotionLimits,
-    *,
-    entry: SetpointFilterEntry | None,
+    given: SetpointFilter | None,
     loop: SampledLoop | None = None,
     states: Sequence[StateEntry] = (),
 ) -> KnownLimitsEntry:
@@ -173,7 +299,7 @@ def _known(
         KnownLimitsEntry,
         limits,
         name=name,
-        setpoint_filter=entry,
+        setpoint_filter=given,
         loop=sampled_entry(loop) if loop else None,
-        states=list(states),
+        states=states,
     )

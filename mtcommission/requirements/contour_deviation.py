@@ -34,4 +34,5 @@ CONTOUR_DEVIATION = Requirement(
     with_noise=lambda value, noise: value + noise.tool,
     by_poles=lambda plant: Swing(signal=tool_deviation(plant.order)),
     yields=Yields.FIRST,
+    whole_move=("requirements.contour_deviation", "requirements.contour_feed"),
 )

@@ -97,6 +97,8 @@ class Requirement:
     at_most: Callable[[Machine, float], float] = field(default=lambda *_: inf, compare=False)
     """What limits with an acceleration [m/s²] are not expected to exceed: where that is below the
     bound the search does not look, and the judge decides; inf: only a response tells."""
+    whole_move: tuple[str, str] = field(default=("", ""), compare=False)
+    """Where it bounds the tool while it moves: keys that ask for it, and up to which velocity."""
     rests_on: tuple[str, str] = field(default=("", ""), compare=False)
     """Beginning and end of the keys of data that decide it where nobody stated them; "": none."""
 

@@ -1,11 +1,11 @@
 """The commissioning sheet: record -> neutral document -> HTML, PDF.
 
 content.py    record -> document: four pages and an appendix
-              (verdict, basis, responses, loop, measurements; limits, machine, identified,
-              robustness, differences, evidence)
+              (verdict, basis, responses, loop, measurements; limits, identified, appendix,
+              differences)
 document.py   what a document consists of
 tables.py     the printing kit: a table is quantities and items
-plots.py      curves in SI -> plots; figures.py and canvas.py draw them for print
+plots.py      curves in SI -> plots; figures.py draws them for print
 diagram.py    the loop as a drawing (structure.svg)
 html.py       document -> one offline page (page.html, page.css, page.js)
 what_if.py    what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.machine import MachineEntry
-from mtcommission.record.schema.record import Profile, Record
-from mtcommission.record.schema.what_if import WhatIfPart
+from mtcommission.record.machine import MachineEntry, Profile
+from mtcommission.record.record import Record
 from mtcommission.record.verified import Verified
+from mtcommission.record.what_if import WhatIfPart
 from mtcommission.sheet.verdict import type_in
 
 if TYPE_CHECKING:

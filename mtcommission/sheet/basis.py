@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from mtcommission.machine.basis import OF_LOOP, mark_assumed, say_loop
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.machine import Datum
-from mtcommission.record.schema.record import Record
-from mtcommission.record.schema.robustness import DampingErrorEntry, FrequencyErrorEntry
+from mtcommission.record.machine import Datum
+from mtcommission.record.record import Record
+from mtcommission.record.robustness import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.tables import show
 
 Row = tuple[str, str]
@@ -14,8 +15,6 @@ Row = tuple[str, str]
 ILLUSTRATIVE = "source-illustrative"
 NOT_STATED = {"source-default", ILLUSTRATIVE, "source-accepted-default"}
 """Sources of values that nobody stated for this machine."""
-
-OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
 
 MARKED = (
     *("control.", "requirements.reserve", "requirements.payload (least)"),
@@ -148,18 +147,12 @@ def kept_sentence(record: Record, words: Catalogue) -> str:
 
 def _control(record: Record, words: Catalogue) -> str:
     loop = record.loop
-    where = words.text(
-        "no-position-loop" if record.machine.follows else f"position-loop-{loop.position_loop}",
-        position_cycle=show(loop.position_cycle, words, "s"),
-        velocity_cycle=show(loop.velocity_cycle, words, "s"),
-    )
     name = _marked(record, "control.kind", control_name(loop.kind, words), words)
-    stated = [item for item in record.data if item.key in OF_LOOP]
-    assumed = [item for item in stated if is_assumed(record, item.key)]
-    if len(assumed) == len(stated):
-        return f"{name}; {words.text('assumed', value=where) if stated else where}"
-    names = ", ".join(datum_name(item, words) for item in assumed)
-    return f"{name}; {words.text('assumed-of', value=where, names=names) if assumed else where}"
+    keys = [item.key for item in record.data if item.key in OF_LOOP]
+    assumed = [key for key in keys if is_assumed(record, key)]
+    place = "" if record.machine.follows else loop.position_loop
+    said = say_loop(place, loop.position_cycle, loop.velocity_cycle, words)
+    return f"{name}; {mark_assumed(said, keys, assumed, words)}"
 
 
 def _spread(

@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.record.verified import Verified
+from mtcommission.sheet.appendix import (
+    certificates,
+    comparisons,
+    machine_data,
+    requirements,
+    robustness,
+    versions,
+)
 from mtcommission.sheet.differences import differences
 from mtcommission.sheet.document import HASH_DIGITS, Block, Document, Section, document
-from mtcommission.sheet.evidence import certificates, comparisons, versions
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.limits import landscape, limits_by_mode, rule, rules
 from mtcommission.sheet.loop import loop_details, third_page
-from mtcommission.sheet.machine import machine_data, requirements
 from mtcommission.sheet.measurements import fourth_page
 from mtcommission.sheet.responses import motions, move_sizes, second_page
-from mtcommission.sheet.robustness import robustness
 from mtcommission.sheet.tables import words_for
 from mtcommission.sheet.verdict import first_page, type_in
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.sheet.document import Diagram
 from mtcommission.sheet.tables import PATH_GAINS, show
 from mtcommission.web import fill_template

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.loop import Margins
-from mtcommission.record.schema.machine import Datum
-from mtcommission.record.schema.record import Record
+from mtcommission.record.loop import Margins
+from mtcommission.record.machine import Datum
+from mtcommission.record.record import Record
 from mtcommission.sheet.basis import datum, datum_name
 from mtcommission.sheet.document import Block, Paragraph, Table, note
 from mtcommission.sheet.tables import (

@@ -165,25 +165,11 @@ class LinePlot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mark:
-    """A named point; ``style``: which symbol."""
+    """A named point."""
 
     label: str
     x: float
     y: float
-    style: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PointPlot:
-    """Named points over two logarithmic axes, and the band."""
-
-    key: str
-    caption: str
-    alt: str
-    x_label: str
-    y_label: str
-    marks: tuple[Mark, ...]
-    border: Border
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -222,7 +208,7 @@ class Diagram:
     svg: str
 
 
-Plot = LinePlot | PointPlot | HeatMap
+Plot = LinePlot | HeatMap
 Block: TypeAlias = (
     Paragraph
     | Bullets

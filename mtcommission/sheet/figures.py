@@ -1,35 +1,192 @@
-"""Plots of the document as SVG for print, with legends and axes."""
+"""Plots of the document as SVG for print: axes, legends, curves and maps on a canvas."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from html import escape
+from math import ceil, floor, log10, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.quantities import tick_text
-from mtcommission.sheet.canvas import (
-    GRID,
-    INK,
-    SIZE,
-    Axis,
-    Canvas,
-    corner_points,
-    place_labels,
-    shorten,
-    span,
-    text_width,
-)
-from mtcommission.sheet.document import HeatMap, Line, LinePlot, Panel, Plot, PointPlot
+from mtcommission.sheet.document import HeatMap, Line, LinePlot, Panel, Plot
 
 Array = NDArray[np.float64]
+Box = tuple[float, float, float, float]
+"""Left, top, right and bottom [pt]."""
+
+SIZE = 8.0
+"""Font size [pt]; no smaller in print."""
+
+CHARACTER = 0.6
+"""Mean width of a character of DejaVu Sans in the names of curves, relative to the font size."""
+
+INK, GRID = "#000000", "#cccccc"
+
+TICKS = 6
+"""Steps on an axis, at most."""
+
+DECADES = 30.0
+"""Ratio of the ends of a logarithmic axis below which ticks stand inside the decades, too."""
+
+INSIDE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+"""Where they stand then, in each decade."""
+
+FEWEST = 3
+"""Ticks inside the decades that are too few to read a value by."""
+
+
+class Canvas:
+    """A growing drawing [pt]; what is drawn later lies on top."""
+
+    def __init__(self, width: float, height: float) -> None:
+        self.width, self.height = width, height
+        self._parts: list[str] = []
+        self._clips = 0
+
+    def line(
+        self,
+        points: Array,
+        *,
+        color: str = INK,
+        width: float = 0.6,
+        dashes: tuple[float, ...] = (),
+    ) -> None:
+        """Draw a line through points, shape (n, 2)."""
+        dash = f' stroke-dasharray="{" ".join(f"{part:g}" for part in dashes)}"' if dashes else ""
+        self._parts.append(
+            f'<path d="{_path(points)}" fill="none" stroke="{color}" stroke-width="{width:g}"'
+            f' stroke-linejoin="round"{dash}/>'
+        )
+
+    def area(self, points: Array, *, color: str, edge: str = "none") -> None:
+        """Fill the polygon through points, shape (n, 2)."""
+        self._parts.append(f'<path d="{_path(points)}Z" fill="{color}" stroke="{edge}"/>')
+
+    def box(self, box: Box, *, color: str = "none", edge: str = INK) -> None:
+        """Draw the edge of a box, or fill it."""
+        self._parts.append(
+            f'<rect {_rectangle(box)} fill="{color}" stroke="{edge}" stroke-width="0.6"/>'
+        )
+
+    def text(self, x: float, y: float, words: str, *, anchor: str = "start") -> None:
+        """Write words on a base line; anchor is start, middle or end."""
+        self._parts.append(
+            f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}">{escape(words)}</text>'
+        )
+
+    def hatch(self, box: Box) -> None:
+        """Fill a box with slanted lines."""
+        self._parts.append(
+            '<pattern id="hatch" width="4" height="4" patternUnits="userSpaceOnUse">'
+            '<path d="M0 4L4 0" stroke="#888888" stroke-width="0.5"/></pattern>'
+        )
+        self.box(box, color="url(#hatch)", edge="none")
+
+    def clip(self, box: Box) -> None:
+        """Cut off what is drawn from here on outside a box, until ``unclip``."""
+        self._clips += 1
+        self._parts.append(
+            f'<clipPath id="c{self._clips}"><rect {_rectangle(box)}/></clipPath>'
+            f'<g clip-path="url(#c{self._clips})">'
+        )
+
+    def unclip(self) -> None:
+        """End what ``clip`` began."""
+        self._parts.append("</g>")
+
+    def finish(self) -> str:
+        """Return the drawing; the same calls always give the same text."""
+        return (
+            '<svg xmlns="http://www.w3.org/2000/svg" '
+            f'width="{self.width:g}pt" height="{self.height:g}pt" '
+            f'viewBox="0 0 {self.width:g} {self.height:g}" '
+            f'font-family="DejaVu Sans" font-size="{SIZE:g}">{"".join(self._parts)}</svg>'
+        )
+
+
+def _path(points: Array) -> str:
+    return "M" + "L".join(f"{x:.2f} {y:.2f}" for x, y in np.asarray(points).tolist())
+
+
+def _rectangle(box: Box) -> str:
+    left, top, right, bottom = box
+    return f'x="{left:.2f}" y="{top:.2f}" width="{right - left:.2f}" height="{bottom - top:.2f}"'
+
+
+def text_width(words: str) -> float:
+    """Return about how wide words are [pt]; short ones may be a few per cent wider."""
+    return CHARACTER * SIZE * len(words)
+
+
+def corner_points(sides: int, radius: float, *, inner: float = 1.0) -> Array:
+    """Return the corners of a star, shape (2 sides, 2), the first on top; inner 1: a polygon."""
+    angle = np.arange(2 * sides) * pi / sides
+    far = np.where(np.arange(2 * sides) % 2 == 0, radius, radius * inner)
+    return np.column_stack([far * np.sin(angle), -far * np.cos(angle)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """An axis of a plot: values at its ends, and their places [pt]."""
+
+    low: float
+    high: float
+    begin: float
+    end: float
+    is_log: bool = False
+
+    def at(self, values: Array | float) -> Array:
+        """Return the places of values [pt]."""
+        low, high, x = self.low, self.high, np.asarray(values, dtype=np.float64)
+        if self.is_log:
+            low, high, x = np.log(low), np.log(high), np.log(x)
+        return np.asarray(self.begin + (x - low) / (high - low) * (self.end - self.begin))
+
+    def ticks(self, *, most: int = TICKS) -> list[float]:
+        """Return values for the ticks, about ``most`` at most."""
+        if self.is_log:
+            is_short = self.high < DECADES * self.low
+            powers = range(floor(log10(self.low)), ceil(log10(self.high)) + 1)
+            parts = INSIDE if is_short else (1.0,)
+            # Written with powers of ten, 0.1 may come out as 0.1000000001.
+            found = [float(f"{part * 10.0**power:.3g}") for power in powers for part in parts]
+            found = [value for value in found if self.low <= value <= self.high]
+            # Within less than half a decade even steps are more, and rounder, than these.
+            if len(found) > (FEWEST if is_short else 1):
+                return found
+        rough = (self.high - self.low) / most
+        size = 10.0 ** floor(log10(rough))
+        step = next(part * size for part in (1.0, 2.0, 5.0, 10.0) if part * size >= rough)
+        first, last = ceil(self.low / step - 1e-9), floor(self.high / step + 1e-9)
+        return [place * step for place in range(first, last + 1)]
+
+
+def span(parts: Iterable[Array], *, is_log: bool, room: float = 0.06) -> tuple[float, float]:
+    """Return the ends of an axis on which all values that are finite are seen.
+
+    ``room`` is the space beyond them, as a share of what they span.
+    """
+    values = np.concatenate([np.zeros(0), *map(np.ravel, parts)])
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return (1.0, 10.0) if is_log else (0.0, 1.0)
+    low, high = float(values.min()), float(values.max())
+    if is_log:
+        factor = max((high / low) ** room, 1.05)
+        return low / factor, high * factor
+    margin = room * (high - low) or abs(high) or 1.0
+    return low - margin, high + margin
+
 
 WIDTH, LEFT, RIGHT = 493.2, 46.0, 8.0
 """Width of a plot on the A4 page (174 mm, so that letters keep their size), and the room beside its
 axes [pt]."""
 
-PANEL, TITLE, SQUARE, SCATTER, FOOT = 50.0, 13.0, 128.0, 200.0, 26.0
-"""Heights of a panel, its title, a map, named points and the x labels [pt]."""
+PANEL, TITLE, SQUARE, FOOT = 50.0, 13.0, 128.0, 26.0
+"""Heights of a panel, its title, a map and the x labels [pt]."""
 
 ROW, SAMPLE, SPACE = 11.0, 24.0, 14.0
 """Of a legend: height of a row, length of a line, space behind an entry [pt]."""
@@ -55,13 +212,6 @@ LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
 a black-and-white print."""
 
 STAR = corner_points(5, 6.5, inner=0.4)
-SYMBOLS: tuple[tuple[str, Array], ...] = (
-    ("#0b4f9e", STAR),
-    ("#00795c", np.array([[-2.6, -2.6], [2.6, -2.6], [2.6, 2.6], [-2.6, 2.6]])),
-    ("#c44e00", corner_points(8, 2.8)),
-)
-"""Colour and shape by style of a mark."""
-
 CHOSEN = "#d00000"
 
 
@@ -88,8 +238,6 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".", panel_height: float = PANEL
     """Return a plot as SVG; the same plot always gives the same text."""
     if isinstance(plot, LinePlot):
         return _line_plot(plot, decimal_mark, panel_height)
-    if isinstance(plot, PointPlot):
-        return _point_plot(plot, decimal_mark)
     return _heat_map(plot, decimal_mark)
 
 
@@ -133,53 +281,6 @@ def _course(line: Line, x: Axis, y: Axis) -> Array:
     if line.is_stepped:
         px, py = np.repeat(px, 2)[1:], np.repeat(py, 2)[:-1]
     return np.column_stack([px, py])
-
-
-def _point_plot(plot: PointPlot, decimal_mark: str) -> str:
-    bottom = TITLE + SCATTER
-    canvas = Canvas(WIDTH, bottom + FOOT)
-    canvas.text(LEFT, TITLE - 4.0, plot.y_label)
-    _draw_legend(canvas, [[Entry(plot.border.label)]])
-    places = np.array([[mark.x, mark.y] for mark in plot.marks])
-    x, y = point_axes(plot, (LEFT, TITLE, WIDTH - RIGHT, bottom))
-    _draw_grid(canvas, x, y, decimal_mark)
-    _draw_limit(canvas, x, y, plot.border.y)
-    canvas.box((x.begin, y.end, x.end, y.begin))
-    points = np.column_stack([x.at(places[:, 0]), y.at(places[:, 1])])
-    _name_points(canvas, [mark.label for mark in plot.marks], points, x, y)
-    for mark, point in zip(plot.marks, points, strict=True):
-        color, shape = SYMBOLS[mark.style]
-        canvas.area(shape + point, color=color)
-    _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
-    return canvas.finish()
-
-
-def point_axes(plot: PointPlot, box: tuple[float, float, float, float]) -> tuple[Axis, Axis]:
-    """Return the logarithmic axes on which all points and the band are seen."""
-    left, top, right, bottom = box
-    x, y = (np.array([getattr(mark, name) for mark in plot.marks]) for name in "xy")
-    (x_low, x_high) = span([x], is_log=True)
-    (y_low, y_high) = span([y, np.array([plot.border.y])], is_log=True)
-    return (
-        Axis(low=x_low, high=x_high, begin=left, end=right, is_log=True),
-        Axis(low=y_low, high=y_high, begin=bottom, end=top, is_log=True),
-    )
-
-
-def _name_points(canvas: Canvas, names: list[str], points: Array, x: Axis, y: Axis) -> None:
-    """Write its name beside every point, joined to it where it stands off."""
-    corner, names = np.array([x.begin, y.end]), [shorten(name) for name in names]
-    sizes = np.array([[text_width(name), SIZE] for name in names])
-    centres = corner + place_labels(
-        points - corner, sizes, width=x.end - x.begin, height=y.begin - y.end, gap=5.0
-    )
-    low, high = centres - sizes / 2, centres + sizes / 2
-    for point, end in zip(points, np.clip(points, low, high), strict=True):
-        if np.hypot(*(end - point)) > 1.5 * SIZE:
-            canvas.line(np.vstack([point, end]), color="#888888", width=0.4)
-    for name, least, most, centre in zip(names, low, high, centres, strict=True):
-        canvas.box((least[0], least[1], most[0], most[1]), color="white", edge="none")
-        canvas.text(centre[0], centre[1] + 0.36 * SIZE, name, anchor="middle")
 
 
 def _heat_map(plot: HeatMap, decimal_mark: str) -> str:

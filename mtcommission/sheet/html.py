@@ -12,9 +12,7 @@ import numpy as np
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
-from mtcommission.sheet.canvas import place_labels, shorten
-from mtcommission.sheet.document import Document, Formula, LinePlot, PointPlot
-from mtcommission.sheet.figures import point_axes
+from mtcommission.sheet.document import Document, Formula, LinePlot
 from mtcommission.sheet.what_if import Panel
 from mtcommission.web import json_for_script, render_page
 
@@ -24,12 +22,6 @@ DIGITS = 5
 
 SCRIPTS = ("page.js", "engine.js", "what_if.js")
 """Of a page; the first one draws plots, the others are of its interactive part."""
-
-LETTER = 7.2
-"""Mean width of a letter in the names of points [px]."""
-
-FRAME = (820.0, 340.0)
-"""Width and height of the axes of a point plot, as page.js draws it [px]."""
 
 
 def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = None) -> str:
@@ -44,7 +36,7 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         block.key: _plot_data(block)
         for section in document.sections
         for block in section.blocks
-        if isinstance(block, LinePlot | PointPlot)
+        if isinstance(block, LinePlot)
     }
     return render_page(
         FOLDER,
@@ -69,21 +61,9 @@ def _set_formula(formula: Formula) -> Markup:
     return Markup(f'<span class="math">{marked}</span>')
 
 
-def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:
+def _plot_data(plot: LinePlot) -> dict[str, Any]:
     """Return a plot as page.js draws it."""
-    if isinstance(plot, PointPlot):
-        return {
-            "kind": "PointPlot",
-            "x_label": plot.x_label,
-            "y_label": plot.y_label,
-            "border": asdict(plot.border),
-            "marks": [
-                {**asdict(mark), "name": shorten(mark.label), "beside": beside}
-                for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
-            ],
-        }
     return {
-        "kind": "LinePlot",
         "x_label": plot.x_label,
         "x_is_log": plot.x_is_log,
         "link": plot.link,
@@ -105,16 +85,6 @@ def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:
             for panel in plot.panels
         ],
     }
-
-
-def _label_offsets(plot: PointPlot) -> list[list[float | None]]:
-    """Return where each name stands beside its point [px], before the reader zooms."""
-    width, height = FRAME
-    x, y = point_axes(plot, (0.0, 0.0, width, height))
-    points = np.array([[float(x.at(mark.x)), float(y.at(mark.y))] for mark in plot.marks])
-    sizes = np.array([[LETTER * len(shorten(mark.label)), 13.0] for mark in plot.marks])
-    centres = place_labels(points, sizes, width=width, height=height, gap=7.0)
-    return [_rounded(offset) for offset in np.round(centres - points, 1)]
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float | None]:

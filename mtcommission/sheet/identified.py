@@ -10,14 +10,14 @@ import numpy as np
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.identified import (
+from mtcommission.record.identified import (
     IdentifiedPart,
     MeasuredResponseEntry,
     ToolSensorEntry,
 )
-from mtcommission.record.schema.limits import JudgedLimits, LimitsEntry
-from mtcommission.record.schema.machine import ModeEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.limits import JudgedLimits, LimitsEntry
+from mtcommission.record.machine import ModeEntry
+from mtcommission.record.record import Record
 from mtcommission.sheet.document import (
     Block,
     Bullets,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -11,22 +11,20 @@ from numpy.typing import NDArray
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema.limits import Alternative, LimitsEntry, ModeLimitsEntry
-from mtcommission.record.schema.loop import LoopPart
-from mtcommission.record.schema.machine import ModeEntry
-from mtcommission.record.schema.moves import MoveEntry
-from mtcommission.record.schema.record import Record
-from mtcommission.record.schema.values import Words
+from mtcommission.record.limits import Alternative, ModeLimitsEntry
+from mtcommission.record.loop import LoopPart
+from mtcommission.record.machine import ModeEntry
+from mtcommission.record.moves import MoveEntry
+from mtcommission.record.record import Record
+from mtcommission.record.values import Words
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
-    Border,
     Contour,
     Formula,
     HeatMap,
     Mark,
     Paragraph,
-    PointPlot,
     Table,
     Tone,
     note,
@@ -56,9 +54,6 @@ UNSEEN = 0.1
 
 SMALLEST = 1e-12
 """Stands for zero in a logarithm; far below any share of a limit that matters."""
-
-RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
-"""Symbols of the point plot."""
 
 
 def shown_jerk(
@@ -194,63 +189,15 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
 
 
 def rules(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield the rules of thumb that meet all requirements as a table, all of them as a plot."""
-    text, part = words.text, record.limits
-    every = [*part.alternatives, *part.rules]
-
-    def names(items: Iterable[Alternative]) -> str:
-        return "; ".join(words.say(item.name) for item in items)
-
-    good = [item for item in part.rules if item.meets_requirements]
-    missed = names(item for item in every if not item.meets_requirements)
-    left_out = names(it for it in every if it.settling_time is None or not it.residual_deviation)
+    """Yield limits condensed from the optima, and rules of thumb, with what they give."""
     columns = (
         Quantity("rule", "name", width=2.2),
-        Quantity("source", "source", width=2.3),
+        Quantity("source", lambda item: getattr(item, "source", ""), width=2.3),
         *limits_columns(record, words),
     )
-    if good:
-        yield table(words, "rules-caption", columns, good)
-    if missed:
-        yield Paragraph(text=text("rules-missed", names=missed))
-    yield from _comparison(record, words)
-    if left_out:
-        yield note(text("unsettled-rules", names=left_out))
-
-
-def _comparison(record: Record, words: Catalogue) -> Iterator[PointPlot]:
-    """Settling time against residual; nothing if no point has both."""
-    text, f, part, permitted = words.text, words.format, record.limits, find_band(record)
-    recommended = part.recommended
-    named: list[tuple[str, LimitsEntry | Alternative, int]] = [
-        (text("recommended"), recommended, RECOMMENDED),
-        *((words.say(item.name), item, ALTERNATIVE) for item in part.alternatives),
-        *((words.say(item.name), item, RULE) for item in part.rules),
-    ]
-    found = ((name, it.settling_time, it.residual_deviation, style) for name, it, style in named)
-    points = [(name, t, e, style) for name, t, e, style in found if t and e]
-    if not points or permitted is None:
-        return
-    t_scale = f.scale(max(t for _, t, _, _ in points), "s")
-    e_scale = f.scale(permitted, motion_unit("m", rotary=words.rotary))
-    yield PointPlot(
-        key="comparison",
-        caption=text("compare-caption"),
-        alt=text(
-            "compare-alt",
-            settling=SETTLING.show(recommended, words),
-            residual=show(recommended.residual_deviation, words, "m"),
-        ),
-        x_label=label(words, text("settling-time"), t_scale.unit),
-        y_label=label(words, text("residual"), e_scale.unit),
-        marks=tuple(
-            Mark(label=name, x=t / t_scale.size, y=e / e_scale.size, style=style)
-            for name, t, e, style in points
-        ),
-        border=Border(
-            label=text("band", band=show(permitted, words, "m")), y=permitted / e_scale.size
-        ),
-    )
+    every = [*record.limits.alternatives, *record.limits.rules]
+    if every:
+        yield table(words, "rules-caption", columns, every)
 
 
 def landscape(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -285,7 +232,6 @@ def landscape(record: Record, words: Catalogue) -> Iterator[Block]:
             label=text("chosen"),
             x=chosen.jerk_time / t_scale.size,
             y=chosen.acceleration / a_scale.size,
-            style=RECOMMENDED,
         ),
         contours=_borders(record, t_scale.size, a_scale.size, words),
     )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema.loop import (
+from mtcommission.record.loop import (
     CandidateEntry,
     FeatureEntry,
     JerkFeedforwardEntry,
@@ -23,7 +23,8 @@ from mtcommission.record.schema.loop import (
     Margins,
     VariantEntry,
 )
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
+from mtcommission.sheet.appendix import held_range
 from mtcommission.sheet.basis import control_name
 from mtcommission.sheet.diagram import structure
 from mtcommission.sheet.document import (
@@ -46,7 +47,6 @@ from mtcommission.sheet.plots import (
     Signals,
     line_plot,
 )
-from mtcommission.sheet.robustness import held_range
 from mtcommission.sheet.tables import (
     BANDWIDTH,
     DASH,
@@ -115,7 +115,6 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)
-        yield from _jerk_feedforward(record, words)
     if loop.remarks:
         yield Subheading(text=text("remarks"))
         yield _said(loop.remarks, words)
@@ -410,24 +409,6 @@ def _delays(record: Record, words: Catalogue) -> Table:
     times = (Quantity(key.replace("_", "-"), known(key), "s") for key in keys)
     path = Quantity("path", "path", width=1.6)
     return table(words, "delays-caption", (path, *times), record.loop.delays)
-
-
-def _jerk_feedforward(record: Record, words: Catalogue) -> Iterator[Table]:
-    entries = record.loop.jerk_feedforward
-
-    def weight(item: JerkFeedforwardEntry) -> str:
-        return _used(words.format.number(item.weight), item, words)
-
-    columns = (
-        Quantity("jerk-weight", weight, width=1.4),
-        Quantity("reference-delay", "reference_delay", "s"),
-        wide(MAX_FORCE, 1.0, name="wanted-force"),
-        SETTLING,
-        RESIDUAL,
-    )
-    if entries:
-        caption = "jerk-feedforward-caption"
-        yield table(words, caption, columns, entries, strong=lambda item: item.used)
 
 
 def _control_has(record: Record, words: Catalogue) -> Iterator[Block]:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema.moves import MoveEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.record.moves import MoveEntry
+from mtcommission.record.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (

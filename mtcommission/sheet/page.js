@@ -1,7 +1,7 @@
 "use strict";
 // Draws the plots of the sheet: zoom by dragging, values under the cursor, linked axes.
 
-const WIDEST = 900, NARROWEST = 340, LEFT = 62, RIGHT = 18, PANEL = 110, SQUARE = 340, TITLE = 22, LEGEND = 26, FOOT = 42;
+const WIDEST = 900, NARROWEST = 340, LEFT = 62, RIGHT = 18, PANEL = 110, TITLE = 22, LEGEND = 26, FOOT = 42;
 const data = JSON.parse(document.getElementById("plots").textContent);
 const linked = new Map();
 // Drawing units of the plot that is being drawn: pixels, so that letters stay as large as they are.
@@ -100,14 +100,9 @@ function path(line, x, y) {
   return d;
 }
 
-function namesIn(plot) {
-  const curves = plot.panels?.flatMap(panel => panel.lines) ?? plot.marks;
-  return curves.map(curve => curve.label);
-}
-
 function fit(host, plot) {
   // A name longer than a narrow page shrinks the plot rather than being cut.
-  const longest = Math.max(...namesIn(plot).map(name => name.length));
+  const longest = Math.max(...plot.panels.flatMap(panel => panel.lines).map(line => line.label.length));
   const least = Math.max(NARROWEST, LEFT + 62 + 7.2 * longest);
   return Math.round(Math.min(WIDEST, Math.max(least, host.clientWidth)));
 }
@@ -137,24 +132,24 @@ function drawLegend(svg, rows) {
   return LEGEND * rows.length;
 }
 
-function wholeLines(plot) {
+function whole(plot) {
   let low = Infinity, high = -Infinity;
   for (const panel of plot.panels) for (const line of panel.lines) {
     low = Math.min(low, line.x[0]);
     high = Math.max(high, line.x[line.x.length - 1]);
   }
-  return {x: [low, high]};
+  return [low, high];
 }
 
 function drawLines(svg, plot, view, key) {
   const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines))));
   svg.setAttribute("viewBox", `0 0 ${across} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
-  const x = scale(...view.x, LEFT, across - RIGHT, plot.x_is_log), titles = [];
+  const x = scale(...view, LEFT, across - RIGHT, plot.x_is_log), titles = [];
   let top = head;
   plot.panels.forEach((panel, i) => {
     let low = Infinity, high = -Infinity;
     for (const line of panel.lines) {
-      const [first, last] = inView(line, ...view.x);
+      const [first, last] = inView(line, ...view);
       for (let k = first; k < last; k++) {
         low = Math.min(low, line.y[k]);
         high = Math.max(high, line.y[k]);
@@ -193,70 +188,20 @@ function drawLines(svg, plot, view, key) {
   return {x, point, head};
 }
 
-function span(values, extra) {
-  return widen(Math.min(...values, ...extra), Math.max(...values, ...extra), true);
-}
-
-function wholePoints(plot) {
-  return {x: span(plot.marks.map(mark => mark.x), []), y: span(plot.marks.map(mark => mark.y), [plot.border.y])};
-}
-
-function drawMark(parent, mark, px, py) {
-  const shapes = [
-    `M${px} ${py - 9}l2.6 6 6.4.6-4.9 4.3 1.5 6.3-5.6-3.4-5.6 3.4 1.5-6.3-4.9-4.3 6.4-.6z`,
-    `M${px - 5} ${py - 5}h10v10h-10z`,
-    `M${px - 5} ${py}a5 5 0 1 0 10 0a5 5 0 1 0-10 0`,
-  ];
-  return add(parent, "path", {class: `m${mark.style}`, d: shapes[mark.style]});
-}
-
-function drawPoints(svg, plot, view, key) {
-  const bottom = TITLE + SQUARE;
-  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT}`);
-  const x = scale(...view.x, LEFT, across - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
-  frame(svg, x, y, key);
-  const title = add(svg, "text", {x: LEFT, y: TITLE - 6}, plot.y_label);
-  add(svg, "path", {class: "border", d: `M${x.to - 24 - 7.2 * plot.border.label.length} ${TITLE - 10}h-34`});
-  add(svg, "text", {x: x.to, y: TITLE - 6, "text-anchor": "end"}, plot.border.label);
-  const inside = add(svg, "g", {"clip-path": `url(#${key})`});
-  add(inside, "path", {class: "border", d: `M${x.from} ${y.at(plot.border.y)}H${x.to}`});
-  for (const mark of plot.marks) {
-    drawMark(inside, mark, x.at(mark.x), y.at(mark.y));
-    const [dx, dy] = mark.beside, px = x.at(mark.x), py = y.at(mark.y), half = 3.6 * mark.name.length;
-    const apart = Math.hypot(Math.max(Math.abs(dx) - half, 0), Math.max(Math.abs(dy) - 7, 0));
-    if (apart > 14) add(inside, "path", {class: "grid", d: `M${px} ${py}L${px + Math.sign(dx) * Math.max(Math.abs(dx) - half, 0)} ${py + dy}`});
-    add(inside, "text", {x: px + dx, y: py + dy + 4, "text-anchor": "middle"}, mark.name);
-  }
-  labelX(svg, x, bottom, plot.x_label);
-  const point = (place, height) => {
-    title.textContent = plot.y_label;
-    if (place === null) return;
-    const far = mark => Math.hypot(x.at(mark.x) - x.at(place), y.at(mark.y) - y.at(height));
-    const near = plot.marks.reduce((best, mark) => far(mark) < far(best) ? mark : best);
-    if (far(near) < 40) add(title, "tspan", {dx: 16}, `${near.label}: ${show(near.x)}; ${show(near.y)}`);
-  };
-  return {x, y, point, stops: plot.marks.map(mark => [mark.x, mark.y]).sort((a, b) => a[0] - b[0])};
-}
-
-const KINDS = {
-  LinePlot: [drawLines, wholeLines],
-  PointPlot: [drawPoints, wholePoints],
-};
-
 function start(host) {
-  const key = host.dataset.plot, plot = data.plots[key], [draw, whole] = KINDS[plot.kind];
+  const key = host.dataset.plot, plot = data.plots[key];
   const svg = add(host, "svg", {role: "img", tabindex: 0, "aria-label": host.dataset.alt});
-  const group = linked.get(plot.link ?? key) ?? [];
-  linked.set(plot.link ?? key, group);
+  const group = linked.get(plot.link) ?? [];
+  linked.set(plot.link, group);
   const me = {full: whole(plot), drawn: null, place: null};
   me.view = me.full;
   me.draw = () => {
     across = me.width = fit(host, plot);
     svg.replaceChildren();
-    me.drawn = draw(svg, plot, me.view, key);
+    me.drawn = drawLines(svg, plot, me.view, key);
   };
   me.zoom = view => { me.view = view ?? me.full; me.draw(); };
-  me.point = (place, height) => { me.place = place; me.drawn.point(place, height); };
+  me.point = place => { me.place = place; me.drawn.point(place); };
   group.push(me);
   me.draw();
   new ResizeObserver(() => { if (fit(host, plot) !== me.width) me.draw(); }).observe(host);
@@ -267,29 +212,25 @@ function listen(svg, me, group) {
   const all = action => group.forEach(action);
   const read = event => {
     const spot = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    const {x, y} = me.drawn;
-    const px = Math.min(Math.max(spot.x, x.from), x.to), py = y ? Math.min(Math.max(spot.y, y.to), y.from) : 0;
-    return {px, py, x: x.of(px), y: y ? y.of(py) : 0};
+    const {x} = me.drawn, px = Math.min(Math.max(spot.x, x.from), x.to);
+    return {px, x: x.of(px)};
   };
   let begun = null, brush = null;
   svg.addEventListener("pointerdown", event => { begun = read(event); });
   svg.addEventListener("pointermove", event => {
     const now = read(event);
-    all(other => other.point(now.x, now.y));
+    all(other => other.point(now.x));
     if (!begun) return;
     brush?.remove();
-    const {y} = me.drawn, [top, bottom] = y ? [Math.min(begun.py, now.py), Math.abs(now.py - begun.py)] : [me.drawn.head, svg.viewBox.baseVal.height - me.drawn.head - FOOT];
-    brush = add(svg, "rect", {class: "brush", x: Math.min(begun.px, now.px), y: top, width: Math.abs(now.px - begun.px), height: bottom});
+    const {head} = me.drawn, height = svg.viewBox.baseVal.height - head - FOOT;
+    brush = add(svg, "rect", {class: "brush", x: Math.min(begun.px, now.px), y: head, width: Math.abs(now.px - begun.px), height});
   });
   svg.addEventListener("pointerup", event => {
     const now = read(event), then = begun;
     begun = null;
     brush?.remove();
-    if (!then || Math.abs(now.px - then.px) < 8 || (me.drawn.y && Math.abs(now.py - then.py) < 8)) return;
-    const order = (a, b) => a < b ? [a, b] : [b, a];
-    const view = {x: order(then.x, now.x)};
-    if (me.drawn.y) view.y = order(then.y, now.y);
-    all(other => other.zoom(view));
+    if (!then || Math.abs(now.px - then.px) < 8) return;
+    all(other => other.zoom([Math.min(then.x, now.x), Math.max(then.x, now.x)]));
   });
   svg.addEventListener("pointerleave", () => { begun = null; brush?.remove(); all(other => other.point(null)); });
   svg.addEventListener("dblclick", () => all(other => other.zoom(null)));
@@ -297,24 +238,17 @@ function listen(svg, me, group) {
 }
 
 function press(event, me, all) {
-  const {x, y} = me.drawn, step = (x.to - x.from) / 100;
+  const {x} = me.drawn, step = (x.to - x.from) / 100;
   const from = me.place === null ? (x.from + x.to) / 2 : x.at(me.place);
   const turn = {ArrowLeft: -step, ArrowRight: step}[event.key];
   const factor = {"+": 0.5, "-": 2}[event.key];
-  if (turn !== undefined && me.drawn.stops) {
-    // Point plots have nothing between their points: the arrows go from one to the next.
-    const {stops} = me.drawn;
-    me.stop = ((me.stop ?? (turn > 0 ? -1 : 0)) + Math.sign(turn) + stops.length) % stops.length;
-    all(other => other.point(...stops[me.stop]));
-  } else if (turn !== undefined) {
+  if (turn !== undefined) {
     const place = x.of(Math.min(Math.max(from + turn, x.from), x.to));
-    all(other => other.point(place, y ? y.of((y.from + y.to) / 2) : 0));
+    all(other => other.point(place));
   } else if (factor !== undefined) {
     const half = factor * (x.to - x.from) / 2;
     const low = x.of(from - half), high = x.of(from + half);
-    const view = {x: [Math.max(low, me.full.x[0]), Math.min(high, me.full.x[1])]};
-    if (y) view.y = me.view.y;
-    all(other => other.zoom(view));
+    all(other => other.zoom([Math.max(low, me.full[0]), Math.min(high, me.full[1])]));
   } else if (event.key === "0" || event.key === "Escape") all(other => other.zoom(null));
   else return;
   event.preventDefault();

@@ -21,7 +21,6 @@ from mtcommission.sheet.document import (
     Document,
     HeatMap,
     LinePlot,
-    PointPlot,
     Section,
 )
 from mtcommission.sheet.figures import PANEL, draw_svg
@@ -87,7 +86,7 @@ def _data(
 
     On a page a plot is drawn in each of the heights among which the template chooses.
     """
-    if isinstance(block, LinePlot | PointPlot | HeatMap | Diagram):
+    if isinstance(block, LinePlot | HeatMap | Diagram):
         if isinstance(block, Diagram):
             pictures[block.key] = [block.svg]
         elif isinstance(block, LinePlot):

@@ -11,11 +11,11 @@ import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.limits import ImprovementEntry, MoveSizesEntry
-from mtcommission.record.schema.moves import MoveEntry
-from mtcommission.record.schema.optima import OptimaEntry, OptimumEntry
-from mtcommission.record.schema.record import Record
-from mtcommission.record.schema.values import Series, Words
+from mtcommission.record.limits import ImprovementEntry, MoveSizesEntry
+from mtcommission.record.moves import MoveEntry
+from mtcommission.record.optima import OptimaEntry, OptimumEntry
+from mtcommission.record.record import Record
+from mtcommission.record.values import Series, Words
 from mtcommission.sheet.basis import find_band
 from mtcommission.sheet.document import Block, LinePlot, Paragraph, Subheading, Table, note
 from mtcommission.sheet.limits import jerk_column, other_limits
@@ -150,7 +150,7 @@ def motions(record: Record, words: Catalogue) -> Iterator[Block]:
         yield Subheading(text=move_title(move.move, number, words))
         yield Paragraph(text=reference_sentence(record, number, words))
         yield table(words, "amplitudes-caption", amplitude, amplitudes.items(), move=short)
-        yield from _segments(move, short, words)
+        yield from _filter_note(move, words)
         yield from _motion_plots(record, number, short, words)
         yield _peaks(record, optima, move, short, words)
         yield from (note(words.say(remark)) for remark in optima.remarks)
@@ -166,18 +166,11 @@ def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, 
     return [(name, style, item) for name, style, item in found if item is not None]
 
 
-def _segments(move: MoveEntry, title: str, words: Catalogue) -> Iterator[Block]:
-    setpoint = move.setpoint
-    columns = (
-        Quantity("segment", lambda it: str(it[0])),
-        Quantity("duration", lambda it: it[1].duration, "s"),
-        Quantity("jerk", lambda it: it[1].jerk, "m/s^3"),
-    )
-    segments = enumerate(setpoint.segments, start=1)
-    yield table(words, "setpoint-caption", columns, segments, move=title)
-    if setpoint.setpoint_filter:
-        longer = show(setpoint.setpoint_filter.duration, words, "s")
-        said = say_filter(setpoint.setpoint_filter, words)
+def _filter_note(move: MoveEntry, words: Catalogue) -> Iterator[Block]:
+    item = move.setpoint.setpoint_filter
+    if item:
+        longer = show(item.duration, words, "s")
+        said = say_filter(item, words)
         yield note(words.text("setpoint-behind-filter", filter=said, time=longer))
 
 

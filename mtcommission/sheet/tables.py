@@ -15,8 +15,8 @@ from mtcommission.machine.shapers import name_shaper
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import DIGITS
-from mtcommission.record.schema.machine import MachineEntry
-from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.record.machine import MachineEntry
+from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.requirements.register import read_requirement
 from mtcommission.sheet.document import Cell, Column, Formula, Table
 

@@ -8,17 +8,25 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
+from mtcommission.control_kinds.control import is_neutral
 from mtcommission.errors import ComputationError, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, join_by_and, parts_of
-from mtcommission.messages.quantities import THIN_SPACE, pretty_unit
-from mtcommission.record.schema.limits import AttainableEntry
-from mtcommission.record.schema.moves import Check
-from mtcommission.record.schema.optima import BandEntry, RobustEntry
-from mtcommission.record.schema.record import Record
+from mtcommission.messages.quantities import pretty_unit
+from mtcommission.record.limits import AttainableEntry
+from mtcommission.record.moves import Check
+from mtcommission.record.optima import BandEntry, RobustEntry
+from mtcommission.record.record import Record
 from mtcommission.requirements.register import REGISTER, read_requirement
 from mtcommission.requirements.requirement import Requirement
-from mtcommission.sheet.basis import basis_rows, data_rows, find_number, holds_rows, is_assumed
+from mtcommission.sheet.basis import (
+    basis_rows,
+    data_rows,
+    datum_name,
+    find_number,
+    holds_rows,
+    is_assumed,
+)
 from mtcommission.sheet.document import (
     BigValue,
     Block,
@@ -45,8 +53,6 @@ from mtcommission.sheet.tables import (
 if TYPE_CHECKING:
     from mtcommission.control_kinds.syntax import Entry
     from mtcommission.export.write import Export
-
-CONTOUR = "requirements.contour_deviation"
 
 ROUNDING = 1e-6
 """Relative difference that search and check may have where the reserve is just kept."""
@@ -92,10 +98,13 @@ def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Ite
 def headline(record: Record, words: Catalogue) -> Headline:
     """Return the verdict with the limits to enter and what they give."""
     text, limits, assessment = words.text, record.limits.recommended, record.assessment
-    settling, residual = (one.show(limits, words) for one in (SETTLING, RESIDUAL))
-    said = _now_and_then(record, words) or [
-        text("what-they-give", settling=settling, residual=residual)
-    ]
+    given, today = _gives(limits, words), record.limits.today
+    if today is None:
+        settling, residual = given
+        said = [text("what-they-give", settling=settling, residual=residual)]
+    else:
+        now = text("now-no-result") if today.failure else " / ".join(_gives(today, words))
+        said = [text("now-and-then", now=now, then=" / ".join(given)), words.say(today.basis)]
     if assessment.obstacle:
         obstacle = say_requirement(assessment.obstacle, words)
         said.append(f"{text('obstacle', obstacle=obstacle)}.")
@@ -105,13 +114,12 @@ def headline(record: Record, words: Catalogue) -> Headline:
         is_met=assessment.met,
         verdict=text("verdict-met" if assessment.met else "verdict-not-met"),
         detail=" ".join(said),
-        values=(
-            BigValue(label=text("acceleration"), value=_acceleration(record, words), aside="a"),
-            BigValue(label=text("jerk"), value=_jerk(record, words), aside="j"),
-            *_jerk_time(record, words),
-            *_setpoint_filter(record, words),
-        ),
+        values=tuple(_big_values(record, words)),
     )
+
+
+def _gives(limits: object, words: Catalogue) -> tuple[str, str]:
+    return SETTLING.show(limits, words), RESIDUAL.show(limits, words)
 
 
 def headline_as_typed(record: Record, typed: Export | Message, words: Catalogue) -> Headline:
@@ -123,11 +131,11 @@ def headline_as_typed(record: Record, typed: Export | Message, words: Catalogue)
     is_missed = said.is_met and not typed.is_met
     added = (*([typed.judgement] if is_missed else []), *typed.doubts)
     details = [said.detail, *map(words.say, added)]
-    shown, wanted = _acceleration_typed(record, typed, words), _acceleration(record, words)
-    if shown != wanted:
-        first, *others = said.values
+    first, *others = said.values
+    shown = _acceleration_typed(record, typed, words)
+    if shown != first.value:
         said = replace(said, values=(replace(first, value=shown), *others))
-        details.insert(0, words.text("as-typed", acceleration=shown, wanted=wanted))
+        details.insert(0, words.text("as-typed", acceleration=shown, wanted=first.value))
     said = replace(said, detail=" ".join(details))
     if not said.is_met or typed.meets_requirements:
         return said
@@ -149,16 +157,12 @@ def signature(record: Record, typed: Export | Message, words: Catalogue) -> tupl
     return Paragraph(text=values), lines
 
 
-def _acceleration(record: Record, words: Catalogue) -> str:
-    return show(record.limits.recommended.acceleration, words, "m/s^2")
-
-
 def _acceleration_typed(record: Record, typed: Export | Message, words: Catalogue) -> str:
     """What is typed where that is less than what was recommended, rounding apart."""
-    run = record.limits.recommended.acceleration
-    if isinstance(typed, Message) or typed.limits.acceleration >= WHOLE * run:
-        return _acceleration(record, words)
-    return show(typed.limits.acceleration, words, "m/s^2")
+    acceleration = record.limits.recommended.acceleration
+    if not isinstance(typed, Message) and typed.limits.acceleration < WHOLE * acceleration:
+        acceleration = typed.limits.acceleration
+    return show(acceleration, words, "m/s^2")
 
 
 def _jerk(record: Record, words: Catalogue) -> str:
@@ -166,41 +170,25 @@ def _jerk(record: Record, words: Catalogue) -> str:
     return show(value, words, "m/s^3", "no-jerk-limit")
 
 
-def _jerk_time(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
-    """The jerk time where it is entered, or where no filter needs its place."""
-    limits = record.limits.recommended
-    if record.loop.jerk == "none" or (limits.setpoint_filter and record.loop.jerk == "limit"):
-        return ()
-    value = show(limits.jerk_time, words, "s")
-    return (BigValue(label=words.text("jerk-time"), value=value, aside="a / j"),)
-
-
-def _setpoint_filter(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
-    """The filter that belongs to the limits; nothing where there is none."""
-    item = record.limits.recommended.setpoint_filter
+def _big_values(record: Record, words: Catalogue) -> Iterator[BigValue]:
+    """Acceleration, jerk, jerk time where it is entered or no filter needs its place, filter."""
+    text, limits, jerk = words.text, record.limits.recommended, record.loop.jerk
+    item = limits.setpoint_filter
+    acceleration = show(limits.acceleration, words, "m/s^2")
+    yield BigValue(label=text("acceleration"), value=acceleration, aside="a")
+    yield BigValue(label=text("jerk"), value=_jerk(record, words), aside="j")
+    if jerk != "none" and not (item and jerk == "limit"):
+        time = show(limits.jerk_time, words, "s")
+        yield BigValue(label=text("jerk-time"), value=time, aside="a / j")
     if item is None:
-        return ()
+        return
     (_, kind), *numbers = filter_rows(item, words)
     if item.frequency_hz:
         labels = (kind, *(label for label, _ in numbers[1:]))
-        return tuple(
-            BigValue(label=capitalised(label), value=number)
-            for label, (_, number) in zip(labels, numbers, strict=True)
-        )
-    return (BigValue(label=capitalised(kind), value=", ".join(number for _, number in numbers)),)
-
-
-def _now_and_then(record: Record, words: Catalogue) -> list[str]:
-    """What today's values give beside the recommended ones; nothing if none are stated."""
-    today = record.limits.today
-    if today is None:
-        return []
-    now, then = (
-        f"{SETTLING.show(item, words)} / {RESIDUAL.show(item, words)}"
-        for item in (today, record.limits.recommended)
-    )
-    now = words.text("now-no-result") if today.failure else now
-    return [words.text("now-and-then", now=now, then=then), words.say(today.basis)]
+        for label, (_, number) in zip(labels, numbers, strict=True):
+            yield BigValue(label=capitalised(label), value=number)
+    else:
+        yield BigValue(label=capitalised(kind), value=", ".join(number for _, number in numbers))
 
 
 def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
@@ -210,10 +198,11 @@ def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
         if not isinstance(requirement, Requirement) or requirement.message not in binding:
             continue
         begin, name = requirement.rests_on
-        keys = [item.key for item in record.data if begin and item.key.startswith(begin)]
-        keys = [one for one in keys if one.endswith(name) and is_assumed(record, one)]
-        if keys:
-            named = words.text("assumed-binds", keys=", ".join(keys))
+        data = [item for item in record.data if begin and item.key.startswith(begin)]
+        data = [one for one in data if one.key.endswith(name) and is_assumed(record, one.key)]
+        if data:
+            names = ", ".join(datum_name(one, words) for one in data)
+            named = words.text("assumed-binds", data=names)
             found.append(f"{named}{_with_another(record, name, words)}")
     return found
 
@@ -311,13 +300,18 @@ def met_at_all(is_met: bool, keeps_reserve: bool, words: Catalogue) -> str:
 
 def _judged_during(record: Record, words: Catalogue) -> str:
     """Whether the tool is judged during the move, and what that means for the user."""
-    if find_number(record, CONTOUR) is None:
-        peak = show(record.limits.recommended.peak_deviation, words, "m")
-        return words.text("contour-not-judged", peak=peak)
-    feed = find_number(record, "requirements.contour_feed")
-    if feed is None:
-        return words.text("contour-judged")
-    return words.text("contour-judged-to-feed", feed=show(feed, words, "m/s"))
+    every = [item for item in REGISTER if isinstance(item, Requirement) and item.whole_move[0]]
+    asked = []
+    for item in every:
+        bound, feed = (find_number(record, key) for key in item.whole_move)
+        if bound is not None:
+            to = "none" if feed is None else show(feed, words, "m/s")
+            asked.append(Message("judged-to-feed", requirement=item.message, feed=to))
+    if asked:
+        return words.text("judged-in-motion", requirements=join_by_and(asked))
+    peak = show(record.limits.recommended.peak_deviation, words, "m")
+    keys = "; ".join(words.name(one.whole_move[0]) for one in every)
+    return words.text("judged-at-rest", peak=peak, keys=keys)
 
 
 def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block:
@@ -325,7 +319,7 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
     if isinstance(typed, Message):
         return Paragraph(text=words.text("entry-none", why=typed), tone=Tone.WARNING)
     columns = [
-        Quantity("parameter", _name, width=3.15),
+        Quantity("parameter", lambda entry: _name(entry, words), width=3.15),
         Quantity("new-value", lambda entry: _typed(entry.value, entry, words), "", width=1.45),
         Quantity("meaning", lambda entry: _meaning(entry, words), width=4.3),
     ]
@@ -337,10 +331,12 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
     )
 
 
-def _name(entry: Entry) -> str:
+def _name(entry: Entry, words: Catalogue) -> str:
     row = entry.row
     if row.is_elsewhere:
-        return f"{ELSEWHERE_MARK} {row.name}"
+        own = f"name-{row.name.replace(' ', '-')}"
+        name = words.known(own, row.name) if is_neutral(row) else row.name
+        return f"{ELSEWHERE_MARK} {name}"
     return f"[{row.section}] {row.name}" if row.section else row.name
 
 
@@ -349,8 +345,9 @@ def _typed(value: str, entry: Entry, words: Catalogue) -> str:
     if not NUMBER.fullmatch(value):
         return value
     unit = pretty_unit({"us": "µs"}.get(entry.row.unit, entry.row.unit))
-    times = f"×{THIN_SPACE}" if MULTIPLE.match(unit) else ""
-    return words.format.with_unit(value, times + unit).replace(".", words.format.decimal_mark)
+    if MULTIPLE.match(unit):
+        unit = f"[{unit}]"
+    return words.format.with_unit(value, unit).replace(".", words.format.decimal_mark)
 
 
 def _meaning(entry: Entry, words: Catalogue) -> str:

@@ -15,9 +15,9 @@ from typing import Any
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema.values import SetpointFilterEntry
-from mtcommission.record.schema.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain
+from mtcommission.record.values import SetpointFilterEntry
+from mtcommission.record.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.sheet.tables import say_filter, say_requirement, show
 
 SMALLEST_SHARE = 50.0

@@ -32,10 +32,10 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> tuple[R
     # The record needs python-control, which limits do without.
     from mtcommission.commission import commission
     from mtcommission.machine.plausibility import check_plausibility
-    from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.record.identified import read_evidence
-    from mtcommission.record.schema.record import Profile
+    from mtcommission.record.machine import Profile
+    from mtcommission.record.record import build_record
 
     found = commission(machine)
     record = build_record(

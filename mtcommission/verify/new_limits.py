@@ -8,7 +8,7 @@ from mtcommission.commission import commission
 from mtcommission.errors import ComputationError
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

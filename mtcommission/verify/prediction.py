@@ -17,9 +17,9 @@ from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.record.loop import LoopPart
 from mtcommission.record.read_back import read_machine
-from mtcommission.record.schema.loop import LoopPart
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Array
 

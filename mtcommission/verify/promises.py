@@ -8,7 +8,7 @@ from math import hypot, inf, isfinite, pi, sqrt
 import numpy as np
 
 from mtcommission.messages.message import Message
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits

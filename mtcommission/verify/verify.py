@@ -12,7 +12,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.record.read_back import read_limits
-from mtcommission.record.schema.record import Record
+from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all, what_of, worst
 from mtcommission.verify.motions import Recorded, lay_out

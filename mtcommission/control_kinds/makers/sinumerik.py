@@ -191,7 +191,7 @@ def _sinumerik(axis: Axis, loop: Values) -> list[Row]:
         *_sinamics(axis, loop),
         Row(
             Setting.POSITION_CYCLE,
-            "position cycle",
+            "N10050 x N10060",
             unit="us",
             scale=MICRO,
             digits=9,
@@ -276,11 +276,25 @@ def _sinamics(axis: Axis, loop: Values) -> Iterator[Row]:
             codes={"low_pass": "1", "notch": "2"},
             meaning=Message("sinumerik-filter-kind"),
         )
-        for place in (first + 1, first + 3) if is_notch else (first + 1,):
-            yield doubted(Setting.FILTER_FREQUENCY, f"p{place}", index=index, unit="Hz", digits=5)
-        own, other = (first + 4, first + 2) if is_notch else (first + 2, first + 4)
-        yield doubted(Setting.FILTER_DAMPING, f"p{own}", index=index)
-        yield doubted(Setting.FILTER_WIDTH, f"p{other}", index=index)
+        # The damping of a notch is that of the numerator, its width that of the denominator.
+        own, other = Setting.FILTER_DAMPING, Setting.FILTER_WIDTH
+        parts = ("denominator", "numerator") if is_notch else ("denominator",)
+        for place, part in enumerate(parts):
+            frequency = first + 1 + 2 * place
+            yield doubted(
+                Setting.FILTER_FREQUENCY,
+                f"p{frequency}",
+                index=index,
+                unit="Hz",
+                digits=5,
+                meaning=Message(f"sinumerik-{part}-frequency"),
+            )
+            yield doubted(
+                other if is_notch and part == "denominator" else own,
+                f"p{frequency + 1}",
+                index=index,
+                meaning=Message(f"sinumerik-{part}-damping"),
+            )
 
 
 def _sinumerik_notes(axis: Axis, _typed: Typed) -> tuple[Message, ...]:

@@ -89,6 +89,10 @@ name-dwell = Verweilzeit
 name-max-settling-time = Größte Einschwingzeit
 name-frequency-spread = Streuung der Frequenzen
 name-damping-spread = Streuung der Dämpfungen
+name-payload-radius = Trägheitsradius der Zuladung
+name-surface = Band für Oberflächen
+name-accuracy = Band für Genauigkeit
+name-speed = Band für Geschwindigkeit
 name-payload-least = Zuladung (kleinste)
 name-payload-largest = Zuladung (größte)
 

@@ -64,8 +64,8 @@ verdict-incomplete = Erfüllt, ABER UNVOLLSTÄNDIG
 verdict-missed = Anforderungen so eingegeben NICHT erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
-# $keys of the profile; another-gives: $change and what it would $given
-assumed-binds = Das Begrenzende beruht auf einem angenommenen Wert ({ $keys })
+# $data: their names; another-gives: $change and what it would $given
+assumed-binds = Das Begrenzende beruht auf einem angenommenen Wert ({ $data })
 another-gives = . { $change }: { $given }.
 another-unknown = : ihn angeben.
 obstacle = Begrenzende Anforderung: { $obstacle }
@@ -100,9 +100,13 @@ reserve-kept = { $axis ->
 position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
 position-loop-interpolated = Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
 position-loop-drive = Lageregler im Antrieb (DSC), { $velocity_cycle }; Sollwert { $position_cycle }
-contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
-contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
-contour-not-judged = Beurteilt ab dem Stillstand. Vorher weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.
+judged-in-motion = Fährt das Werkzeug eine Bahn ab, zählt: { $requirements }; muss es am Ende stillstehen: die Restabweichung.
+# $feed: up to which velocity it counts, or none
+judged-to-feed = { $requirement }{ $feed ->
+    [none] { "" }
+   *[other] { " bis " }{ $feed }
+}
+judged-at-rest = Beurteilt ab dem Stillstand. Vorher weicht das Werkzeug bis { $peak } ab: für Bahnen im Profil angeben: { $keys }.
 encoder-steps = { $axis ->
     [rotary] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, das Sollmoment bis ± { $force }
    *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Soll{ word-force-behind } bis ± { $force }
@@ -203,14 +207,9 @@ meaning = Bedeutung
 rule-step = Schritt
 rule-how = Formel
 rules-heading = Vergleich mit Faustregeln
-rules-caption = Regeln von Herstellern und Lehrbüchern, die alle Anforderungen erfüllen, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
-rules-missed = Nicht alle Anforderungen erfüllen: { $names }.
+rules-caption = Grenzen aus den Optima und Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
 rule = Regel
 meets = Alles erfüllt
-compare-caption = Einschwingzeit gegen Restabweichung: Empfehlung, Alternativen und Regeln
-compare-alt = Jeder Punkt ist eine Wahl der Grenzwerte; weiter links schwingt früher ein, weiter unten schwingt weniger nach. Empfohlen: { $settling } und { $residual }. Die Zahlen stehen in den Tabellen.
-unsettled-rules = Nicht eingeschwungen, daher nicht im Diagramm: { $names }.
-band = Band { $band }
 landscape-heading = Kennfeld der Einschwingzeit
 landscape-caption = Größte Einschwingzeit über Beschleunigung und Ruckzeit
 landscape-alt = Kennfeld über { $rows } Beschleunigungen und { $columns } Ruckzeiten; Einschwingzeiten von { $least } bis { $most }; der gewählte Punkt liegt bei { $acceleration } und { $jerk_time }.
@@ -280,9 +279,7 @@ peaks-caption = { $move }: größte Beträge
 signal-head = Signal
 amplitudes-caption = { $move }: Amplituden am Werkzeug nach dem Ende des Sollwerts
 amplitude = Amplitude
-setpoint-caption = { $move }: Abschnitte des Sollwerts
 duration = Dauer
-segment = Abschnitt
 setpoint-behind-filter = Dahinter das Sollwertfilter der Steuerung ({ $filter }), das den Sollwert um { $time } verlängert.
 comparison-heading = Vergleich mit den optimalen Steuerungen
 comparison-note = { $axis ->
@@ -296,12 +293,6 @@ overshoot = Überschwingen
 peak-of = Höchstwert { $name }
 heat = Wärme
 work = Arbeit
-fed-forward-caption = { $move }: die optimale Steuerung selbst als Vorsteuerung, an der Nennmaschine und an einer etwas anderen
-fed-forward-lost = Maschinen (Ecken von Zuladung und Streuung), auf denen sie nicht einschwingt: { $machines }.
-saturated-share = { $axis ->
-    [rotary] Zeitanteil ohne Momentenreserve
-   *[linear] Zeitanteil ohne { word-force-before }reserve
-}
 claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
 why-not = Warum das Optimum nicht einfach eingegeben wird:
 
@@ -358,12 +349,6 @@ dead-time = Totzeit (ganze Takte)
 hold = Mittleres Alter des gehaltenen Werts
 lag = Verzögerungsglieder (Antrieb, Filter)
 total = Summe
-jerk-feedforward-caption = Was die Ruckvorsteuerung ändert, empfohlene Grenzwerte, ungünstigster Fall
-jerk-weight = Gewicht der Ruckvorsteuerung
-wanted-force = { $axis ->
-    [rotary] Verlangtes Sollmoment, Spitze
-   *[linear] Verlangte Soll{ word-force-behind }, Spitze
-}
 phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
@@ -448,11 +433,6 @@ least = kleinster Wert
 largest = größter Wert
 share-of-machines = { $share } liegen nicht darüber
 quantiles-caption = Verteilung über die ausgelosten Maschinen, ungünstigste Bewegung
-histogram-caption = { $name } der ausgelosten Maschinen
-histogram-alt = Histogramm: Werte von { $low } bis { $high }; die meisten Maschinen, { $most }, bei { $place }.
-worst-machine = größte Restabweichung
-slowest-machine = längste Einschwingzeit
-extremes-caption = Die ungünstigsten der ausgelosten Maschinen
 
 ## Other sizes of move
 

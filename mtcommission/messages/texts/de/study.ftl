@@ -16,8 +16,8 @@ place-distance = Weg { LENGTH($size) }
 place-nominal = Nennfall
 place-state = Zustand { $name }
 place-payload = Zuladung { MASS($payload) }
-place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
-place-damping = Dämpfung × { NUMBER($factor, digits: 6) }
+place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
+place-damping = Dämpfung × { NUMBER($factor, digits: 6) }
 
 # choice of the loop
 with-state-feedback = mit Zustandsrückführung

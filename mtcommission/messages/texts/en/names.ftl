@@ -95,6 +95,10 @@ name-dwell = Dwell
 name-max-settling-time = Max settling time
 name-frequency-spread = Frequency spread
 name-damping-spread = Damping spread
+name-payload-radius = Radius of gyration of the payload
+name-surface = Band for surfaces
+name-accuracy = Band for accuracy
+name-speed = Band for speed
 name-payload-least = Payload (least)
 name-payload-largest = Payload (largest)
 

@@ -64,8 +64,8 @@ verdict-incomplete = Requirements met, BUT INCOMPLETE
 verdict-missed = Requirements NOT met as typed
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
-# $keys of the profile; another-gives: $change and what it would $given
-assumed-binds = What binds rests on an assumed value ({ $keys })
+# $data: their names; another-gives: $change and what it would $given
+assumed-binds = What binds rests on an assumed value ({ $data })
 another-gives = . { $change }: { $given }.
 another-unknown = : state it.
 obstacle = Limiting requirement: { $obstacle }
@@ -100,9 +100,13 @@ reserve-kept = { $axis ->
 position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
 position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
 position-loop-drive = position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
-contour-judged = A tool working along a path is judged by the contour deviation, one that must be still at the end by the residual.
-contour-judged-to-feed = A tool working along a path is judged by the contour deviation at up to { $feed }, one that must be still by the residual.
-contour-not-judged = Judged once the tool must be still. During the move it is up to { $peak } off: for work along a path state contour_deviation.
+judged-in-motion = A tool working along a path is judged by the { $requirements }, one that must be still at the end by the residual deviation.
+# $feed: up to which velocity it counts, or none
+judged-to-feed = { $requirement }{ $feed ->
+    [none] { "" }
+   *[other] { " at up to " }{ $feed }
+}
+judged-at-rest = Judged once the tool must be still. During the move it is up to { $peak } off: for work along a path, state in the profile: { $keys }.
 encoder-steps = { $axis ->
     [rotary] steps of { $resolution } move the tool by up to ± { $tool } and the set torque by ± { $force }
    *[linear] steps of { $resolution } move the tool by up to ± { $tool } and the set { word-force } by ± { $force }
@@ -200,14 +204,9 @@ meaning = Meaning
 rule-step = Step
 rule-how = Formula
 rules-heading = Comparison with rules of thumb
-rules-caption = Rules of makers and textbooks that meet all requirements, in the same simulation (worst move, worst corner)
-rules-missed = Not all requirements are met by: { $names }.
+rules-caption = Limits from the optima, and rules of makers and textbooks, in the same simulation (worst move, worst corner)
 rule = Rule
 meets = All met
-compare-caption = Settling time against residual deviation: recommendation, alternatives and rules
-compare-alt = Each point is one choice of limits; further left settles sooner, further down vibrates less. Recommended: { $settling } and { $residual }. The numbers are in the tables.
-unsettled-rules = Not settled, so not in the plot: { $names }.
-band = band { $band }
 landscape-heading = Landscape of the settling time
 landscape-caption = Worst settling time over acceleration and jerk time
 landscape-alt = Map of { $rows } accelerations by { $columns } jerk times; settling times from { $least } to { $most }; the chosen point is at { $acceleration } and { $jerk_time }.
@@ -277,9 +276,7 @@ peaks-caption = { $move }: largest magnitudes
 signal-head = Signal
 amplitudes-caption = { $move }: amplitudes at the tool after the setpoint ends
 amplitude = Amplitude
-setpoint-caption = { $move }: segments of the setpoint
 duration = Duration
-segment = Segment
 setpoint-behind-filter = Behind it the setpoint filter of the control ({ $filter }), which lengthens the setpoint by { $time }.
 comparison-heading = Comparison with the optimal controls
 comparison-note = { $axis ->
@@ -293,12 +290,6 @@ overshoot = Overshoot
 peak-of = Peak of { $name }
 heat = Heat
 work = Work
-fed-forward-caption = { $move }: the optimal control itself fed forward, on the machine and on one that is a little different
-fed-forward-lost = Machines (corners of payload and spread) on which it does not settle: { $machines }.
-saturated-share = { $axis ->
-    [rotary] Time without torque left
-   *[linear] Time without { word-force } left
-}
 claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
 why-not = Why the optimum is not simply entered:
 
@@ -355,12 +346,6 @@ dead-time = Dead time (whole cycles)
 hold = Mean age of the held value
 lag = Lags (drive, filters)
 total = Sum
-jerk-feedforward-caption = What the jerk feed-forward changes, recommended limits, worst case
-jerk-weight = Weight of the jerk feed-forward
-wanted-force = { $axis ->
-    [rotary] Set torque wanted, peak
-   *[linear] Set { word-force } wanted, peak
-}
 phase-margin = Phase margin
 sensitivity-peak = Sensitivity peak
 bandwidth = Bandwidth of the velocity loop (−3 dB)
@@ -445,11 +430,6 @@ least = least
 largest = largest
 share-of-machines = { $share } are not above
 quantiles-caption = Distribution over the machines drawn, worst move
-histogram-caption = { $name } of the machines drawn
-histogram-alt = Histogram: values from { $low } to { $high }; most machines, { $most }, about { $place }.
-worst-machine = largest residual deviation
-slowest-machine = longest settling time
-extremes-caption = The worst of the machines drawn
 
 ## Other sizes of move
 

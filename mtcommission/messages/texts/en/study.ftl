@@ -18,8 +18,8 @@ place-distance = distance of { LENGTH($size) }
 place-nominal = nominal
 place-state = state { $name }
 place-payload = payload { MASS($payload) }
-place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
-place-damping = damping × { NUMBER($factor, digits: 6) }
+place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
+place-damping = damping × { NUMBER($factor, digits: 6) }
 
 # choice of the loop
 with-state-feedback = with state feedback

@@ -1,0 +1,168 @@
+"""The machine of a record: its profile, its data as the sheet shows them, and its plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite
+from typing import Annotated
+
+from mtcommission.machine.keys import list_quantities
+from mtcommission.machine.machine import DriveKind, Machine, Motion, PositionSource
+from mtcommission.machine.readers import KeyPath
+from mtcommission.messages.message import Message, printable
+from mtcommission.plant.kinds import KINDS
+from mtcommission.plant.plant import Plant, kalman_rank
+from mtcommission.profile.lines import find_key_lines, show_key
+from mtcommission.record.rules import filled, long, named, one_of, short
+from mtcommission.record.shape import of
+from mtcommission.record.values import Matrix, Positive, Words, signals_of
+
+ILLUSTRATIVE = Message("source-illustrative")
+ACCEPTED_DEFAULT = Message("source-accepted-default")
+"""Sources of values that nobody measured."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """The machine profile as read."""
+
+    name: str = of("path.name", by=printable)
+    sha256: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineEntry:
+    """What the machine is called, and where its data come from."""
+
+    name: str
+    axis: str
+    motion: Annotated[str, one_of(*(motion.value for motion in Motion))]
+    source: str
+    kind: Annotated[str, one_of(registered=KINDS)] = of("mechanics.kind")
+    drive: Annotated[str, one_of(*(kind.value for kind in DriveKind))] = of("drive.kind")
+
+    @property
+    def follows(self) -> bool:
+        """Whether the motor follows its setpoint."""
+        return self.drive != "servo"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Datum:
+    """One machine datum as the sheet shows it: its key in the profile, value and SI unit."""
+
+    key: str
+    value: float | str
+    unit: str
+    source: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeEntry:
+    """A flexible mode of the plant."""
+
+    name: str
+    frequency_hz: float
+    damping_ratio: float
+    tcp_gain: float
+    measured_gain: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlantEntry:
+    """The plant: x' = A x + B F_set and its outputs, rows over the states.
+
+    Where the motor follows its setpoint, F is its acceleration and B the column of its jerk.
+    """
+
+    states: Annotated[list[str], filled]
+    units: Annotated[dict[str, str], named(signals_of), short] = of(
+        lambda plant: dict(zip(plant.signals, plant.signal_units, strict=True))
+    )
+    A: Annotated[Matrix, long("states", "states")]
+    B: Annotated[list[float], long("states")]
+    outputs: Annotated[dict[str, list[float]], long("", "states")] = of(
+        lambda plant: dict(zip(plant.outputs, plant.C.tolist(), strict=True))
+    )
+    modes: list[ModeEntry]
+    controllability_rank: int = of(kalman_rank)
+    moving_mass: Positive
+
+
+def list_assumptions(machine: Machine) -> list[Message]:
+    """Return what the computation assumes beyond the profile; printed on every sheet."""
+    return [
+        *([Message("assumption-illustrative")] if machine.illustrative else []),
+        *machine.mechanics.assumptions(),
+        Message(f"assumption-linear{'-with-friction' if machine.drive.has_friction else ''}"),
+        Message("assumption-encoder"),
+        Message("assumption-cycles"),
+        Message("assumption-exact-rest"),
+        Message("assumption-calculated"),
+        *([Message("assumption-static-load")] if machine.drive.static_load else []),
+    ]
+
+
+def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
+    """Return every machine datum with its key, SI unit and source.
+
+    What the text of the profile does not state is a default. Data of plant and drive have the
+    machine's source, moves and requirements the profile itself, but for ``machine.assumed``.
+    """
+    stated = find_key_lines(profile_text).lines
+    given = {_spelt(machine, path) for path in stated}
+    assumed = {_spelt(machine, path) for path in stated if machine.is_assumed(show_key(path))}
+    return [
+        Datum(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
+        for key, value, unit in _rows(machine, plant, given)
+        if isinstance(value, str) or isfinite(value)
+    ]
+
+
+def _rows(
+    machine: Machine, plant: Plant, given: set[str]
+) -> Iterator[tuple[str, float | str, str]]:
+    """Key, value and SI unit."""
+    drive, needs, axis = machine.drive, machine.requirements, machine.axis_units
+    motor: object = drive
+    yield "control.kind", machine.control.kind.key, ""
+    if len(machine.control.kind.position_loops) > 1 and not drive.follows:
+        yield "control.position_loop", machine.control.position_loop.value, ""
+    if drive.follows:
+        yield "drive.kind", drive.kind.value, ""
+        motor = PositionSource(max_acceleration=drive.max_force, max_velocity=drive.max_velocity)
+    if drive.lead:
+        given = given | {"drive.gear"}
+    tables = [("control", machine.control), ("plant", machine.mechanics), ("drive", motor)]
+    tables += [(f"moves[{number}]", move) for number, move in enumerate(machine.moves, start=1)]
+    for place, part in [*tables, ("requirements", needs)]:
+        also = given if place != "control" else ()
+        for key, value, unit in list_quantities(part, place, axis, given=also):
+            if not key.endswith(".dwell") or value or isfinite(drive.continuous_force):
+                yield key, value, unit
+    yield "requirements.payload (least)", needs.payload[0], axis.mass.si
+    yield "requirements.payload (largest)", needs.payload[1], axis.mass.si
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    yield from ((f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks)
+
+
+def _spelt(machine: Machine, path: KeyPath) -> str:
+    """A key of the profile as the list of data spells it."""
+    match path:
+        case ("moves", int(index), key):
+            return f"moves[{index + 1}].{key}"
+        case ("plant", "modes", int(index), key):
+            return f"plant.modes.{machine.mechanics.modes[index].name}.{key}"
+        case _:
+            return ".".join(map(str, path))
+
+
+def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> Message | str:
+    plain = key.partition(" (")[0]
+    if plain in assumed:
+        return ILLUSTRATIVE if machine.illustrative else ACCEPTED_DEFAULT
+    if plain not in given:
+        return Message("source-default")
+    return machine.source if key.startswith(("plant.", "drive.")) else Message("source-stated")

@@ -1,0 +1,275 @@
+"""A whole commissioning as ``record.json`` holds it: built, and read back.
+
+All numbers are SI without suffix unless the key says otherwise (``_hz``, ``_db``, ``_deg``). JSON
+knows no infinity: a settling time that was not reached, or a limit that was not set, is null.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import reduce
+from importlib.metadata import version
+from itertools import islice
+from math import isinf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.message import STEERING, Message
+from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
+from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
+from mtcommission.record.limits import LimitsPart, limits_part
+from mtcommission.record.loop import LoopPart, loop_part
+from mtcommission.record.machine import (
+    Datum,
+    MachineEntry,
+    PlantEntry,
+    Profile,
+    list_assumptions,
+    list_data,
+)
+from mtcommission.record.moves import AssessmentPart, MoveEntry, assessment_part, move_entry
+from mtcommission.record.optima import (
+    ComparisonEntry,
+    OptimaEntry,
+    comparison_entry,
+    optima_entry,
+)
+from mtcommission.record.robustness import RobustnessPart, robustness_part
+from mtcommission.record.rules import Place, filled, long
+from mtcommission.record.shape import (
+    WRONG,
+    entry_of,
+    find_broken_rules,
+    find_faults,
+    to_entry,
+    to_plain,
+)
+from mtcommission.record.values import Words
+from mtcommission.record.what_if import WhatIfPart, what_if_part
+from mtcommission.version import __version__
+
+if TYPE_CHECKING:
+    from mtcommission.commission import Commissioning
+
+SCHEMA = 6
+
+FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
+"""Key of the datum that bounds F_set, of an axis with a drive and of a motor that follows."""
+
+LIBRARIES = ("casadi", "highspy", "ruckig", "control", "numpy", "scipy")
+"""Those that computed."""
+
+LAYOUT = {ord(letter): None for letter in "\n\r\t"}
+"""Stand in the profile's text."""
+
+MOST_NAMED = 3
+"""Wrong places that a message names."""
+
+
+def _has_force_limit(at: Place) -> Iterator[Message]:
+    bounds = [datum.value for datum in at.value if datum.key in FORCE_LIMITS]
+    if not any(not isinstance(bound, str) and bound > 0.0 for bound in bounds):
+        yield Message("record-names-missing", key=at.key, names=" / ".join(FORCE_LIMITS))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tool:
+    """Program and version, and the versions of the libraries that computed."""
+
+    name: str
+    version: str
+    libraries: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """A whole commissioning."""
+
+    schema: int
+    checksum: str  # SHA-256 of all the rest
+    tool: Tool
+    created: str
+    profile: Profile
+    machine: MachineEntry
+    data: Annotated[list[Datum], filled, _has_force_limit]
+    settings: dict[str, float | str]
+    assumptions: list[Words]
+    warnings: list[Words]
+    plant: PlantEntry
+    optima: Annotated[list[OptimaEntry], long("moves")]
+    limits: LimitsPart
+    loop: LoopPart
+    moves: Annotated[list[MoveEntry], filled]
+    comparisons: Annotated[list[ComparisonEntry], long("moves")]
+    robustness: RobustnessPart
+    assessment: AssessmentPart
+    identified: IdentifiedPart | None = None
+    what_if: WhatIfPart | None = None  # None: no loop was closed
+
+
+def record_run(found: Commissioning, *, created: str) -> Record:
+    """Return the record of a machine that was read from its profile; ``created``: ISO 8601.
+
+    Raises
+    ------
+    InputError
+        If the machine came from no profile, whose text a record holds.
+    """
+    source, machine = found.profile, found.machine
+    if source is None:
+        raise InputError([Fault(where=machine.name, message=Message("record-without-profile"))])
+    return build_record(
+        found,
+        profile=entry_of(Profile, source),
+        created=created,
+        warnings=[remark.with_key() for remark in check_plausibility(machine)],
+        identified=read_evidence(machine, source.path.parent),
+    )
+
+
+def build_record(
+    found: Commissioning,
+    *,
+    profile: Profile,
+    created: str,
+    warnings: Sequence[Words],
+    identified: IdentifiedPart | None = None,
+) -> Record:
+    """Return the record of a commissioning.
+
+    ``warnings``: physical ones about the profile, to which those about loop and robustness are
+    added; ``identified``: what was measured on the axis.
+    """
+    machine, plant, tuned, moves = found.machine, found.plant, found.tuned, found.moves
+    robustness, limits, freed = found.robustness, limits_part(found), found.tool_sensor
+    if identified and freed:
+        identified = replace(identified, tool_sensor=entry_of(ToolSensorEntry, freed))
+    record = Record(
+        schema=SCHEMA,
+        checksum="",
+        tool=Tool(
+            name="mtcommission",
+            version=__version__,
+            libraries={name: version(name) for name in LIBRARIES},
+        ),
+        created=created,
+        profile=profile,
+        machine=entry_of(MachineEntry, machine),
+        data=list_data(machine, plant, profile.text),
+        settings=_settings(found),
+        assumptions=[*list_assumptions(machine), *_friction(found, is_kept=True)],
+        warnings=[
+            *warnings,
+            *limits.warnings,
+            *tuned.warnings,
+            *robustness.warnings,
+            *_friction(found, is_kept=False),
+        ],
+        plant=entry_of(PlantEntry, plant),
+        optima=[
+            optima_entry(plant, item, within)
+            for item, within in zip(found.optima, found.within_band, strict=True)
+        ],
+        limits=limits,
+        loop=loop_part(found),
+        moves=[move_entry(plant, tuned, result) for result in moves],
+        comparisons=[comparison_entry(plant, item) for item in found.comparisons],
+        robustness=robustness_part(machine, robustness),
+        assessment=assessment_part(found.assessment, machine.requirements.reserve),
+        identified=identified,
+        what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),
+    )
+    return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def _friction(found: Commissioning, *, is_kept: bool) -> list[Message]:
+    """What the stated friction does to moves that keep their requirements, or do not."""
+    drive = found.machine.drive
+    return [
+        Message(
+            "friction-kept" if is_kept else "friction-broken",
+            move=one.number,
+            coulomb=drive.coulomb_friction,
+            viscous=drive.viscous_friction,
+            settling="" if isinf(one.settling_time) else one.settling_time,
+            without="" if isinf(one.without_friction) else one.without_friction,
+            residual=one.residual_deviation,
+            force=one.max_force,
+        )
+        for one in found.friction
+        if one.is_kept is is_kept
+    ]
+
+
+def _settings(found: Commissioning) -> dict[str, float | str]:
+    """Every numerical setting, with the name of its group."""
+    return {
+        f"{group}.{name}": value if isinstance(value, int | float) else ", ".join(map(str, value))
+        for group, values in asdict(found.settings).items()
+        for name, value in values.items()
+    }
+
+
+def load_record(path: Path) -> Record:
+    """Return a record from the ``record.json`` of a run.
+
+    Raises
+    ------
+    InputError
+        If the file is no record of this schema, or not as it was written; says what is wrong.
+    """
+    data = load_json(path, most=LARGEST_FILE)
+    if any(STEERING.search(text.translate(LAYOUT)) for text in _texts(data)):
+        raise fault(path, Message("record-steers"))
+    missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
+    if missing:
+        raise fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
+    if data["schema"] != SCHEMA:
+        is_earlier = isinstance(data["schema"], int) and data["schema"] < SCHEMA
+        kind = "record-of-earlier-schema" if is_earlier else "record-of-other-schema"
+        given = json.dumps(data["schema"])
+        raise fault(path, Message(kind, given=given, read=SCHEMA), "schema")
+    record, wrong = _read(data)
+    if data["checksum"] != find_checksum(data):
+        raise fault(path, _named("record-edited", wrong), "checksum")
+    if record is None:
+        raise fault(path, _named("record-of-other-version", wrong))
+    broken = list(islice(find_broken_rules(record), MOST_NAMED + 1))
+    if broken:
+        raise fault(path, _named("record-disagrees", broken))
+    return record
+
+
+def _texts(data: object) -> Iterator[str]:
+    """Every text and key."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, dict):
+        yield from data
+        yield from _texts(list(data.values()))
+    elif isinstance(data, list):
+        for inner in data:
+            yield from _texts(inner)
+
+
+def _read(data: object) -> tuple[Record | None, list[Message]]:
+    """The record, or what is of another form in it."""
+    try:
+        return to_entry(data, Record), []
+    except WRONG as error:
+        return None, list(islice(find_faults(error), MOST_NAMED + 1))
+
+
+def _named(kind: str, wrong: list[Message]) -> Message:
+    """A message that tells the first wrong places, and whether there are more."""
+    if not wrong:
+        return Message(kind)
+    shown: Iterable[Message] = wrong[:MOST_NAMED]
+    if len(wrong) > MOST_NAMED:
+        shown = [*shown, Message("record-has-more-wrong")]
+    told = reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
+    return Message(f"{kind}-where", wrong=told)

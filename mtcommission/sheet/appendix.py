@@ -1,0 +1,295 @@
+"""Appendix: machine data, robustness, the ways of doing a move, certificates, and versions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+
+import numpy as np
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import symbol
+from mtcommission.record.machine import Datum
+from mtcommission.record.optima import ComparedEntry, OptimumEntry
+from mtcommission.record.record import Record
+from mtcommission.record.robustness import MonteCarloEntry, Quantile
+from mtcommission.record.values import Words
+from mtcommission.sheet.basis import datum, datum_name, find_band, kept_sentence
+from mtcommission.sheet.document import (
+    Block,
+    Bullets,
+    Paragraph,
+    Preformatted,
+    Subheading,
+    Table,
+    Tone,
+    note,
+)
+from mtcommission.sheet.plots import Curve, Signals, line_plot
+from mtcommission.sheet.responses import flexible_rates, named_optima
+from mtcommission.sheet.tables import (
+    MAX_FORCE,
+    PEAK,
+    RESIDUAL,
+    RMS_FORCE,
+    SETTLING,
+    Quantity,
+    member,
+    pairs,
+    place_columns,
+    show,
+    table,
+)
+from mtcommission.sheet.verdict import move_title
+
+REQUIRED = ("requirements.", "moves")
+"""Beginnings of the keys that say what is required, not what the machine is."""
+
+LONGEST_SOURCE = 28
+"""Letters of a source that fits into its column; a longer one stands once, with a number."""
+
+
+def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the machine's data with their sources, and its modes."""
+    text, machine, plant = words.text, record.machine, record.plant
+    numbers = _numbers(record)
+    rows = (
+        (text("machine-row"), machine.name),
+        (text("axis-row"), machine.axis),
+        (text("motion-row"), text("rotary" if words.rotary else "linear")),
+        (text("source"), f"{numbers.get(machine.source, '')} {machine.source}".strip()),
+        (text("name-moving-mass"), show(plant.moving_mass, words, "kg")),
+        (
+            text("controllability"),
+            text("of-states", rank=plant.controllability_rank, count=len(plant.states)),
+        ),
+    )
+    # Below a motor that follows, q hangs back: the plant has -q for its F.
+    sign = -1.0 if words.follows else 1.0
+    modes = (
+        Quantity("mode", "name", width=1.4),
+        Quantity("frequency", "frequency_hz", "Hz"),
+        Quantity("damping-ratio", "damping_ratio", "%"),
+        Quantity("name-tcp-gain", lambda mode: sign * mode.tcp_gain, "1/kg"),
+        Quantity("name-measured-gain", "measured_gain", "1/kg"),
+    )
+    yield pairs(words, text("rigid-caption"), rows, width=2.0)
+    yield _data(record, "data-caption", words, is_required=False)
+    others = [source for source in numbers if source != machine.source]
+    yield from (note(f"{numbers[source]} {source}") for source in others)
+    yield table(words, "modes-caption", modes, plant.modes)
+
+
+def requirements(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield the moves and what is required of them."""
+    yield _data(record, "requirements-caption", words, is_required=True)
+
+
+def _numbers(record: Record) -> dict[str, str]:
+    """The sources too long to be repeated in each row, and their numbers."""
+    named = dict.fromkeys([record.machine.source, *(item.source for item in record.data)])
+    longer = (one for one in named if isinstance(one, str) and len(one) > LONGEST_SOURCE)
+    return {source: f"[{number}]" for number, source in enumerate(longer, start=1)}
+
+
+def _data(record: Record, caption: str, words: Catalogue, *, is_required: bool) -> Table:
+    numbers, units = _numbers(record), record.plant.units
+
+    def cited(item: Datum) -> Words:
+        named = isinstance(item.source, str)
+        return numbers.get(str(item.source), item.source) if named else item.source
+
+    columns = (
+        Quantity("quantity", lambda item: datum_name(item, words), width=1.3),
+        Quantity("value", lambda item: datum(item, units, words), "", width=0.8),
+        Quantity("key", "key", width=1.5),
+        Quantity("source", cited, width=1.1),
+    )
+    data = (item for item in record.data if item.key.startswith(REQUIRED) is is_required)
+    return table(words, caption, columns, data)
+
+
+def robustness(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield corners, frequency error and drawn machines."""
+    if not record.machine.follows:  # else they stand on page 3
+        yield from held_range(record, words)
+    drawn = record.robustness.monte_carlo
+    if drawn is None:
+        yield note(words.text("nothing-drawn"))
+    else:
+        yield Paragraph(text=drawn_sentence(drawn, words))
+        yield _quantiles(drawn, words)
+
+
+def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield what comes about in every corner, and over the error of all frequencies."""
+    for number, move in enumerate(record.moves, start=1):
+        yield table(
+            words,
+            "corners-caption",
+            (
+                *place_columns(move.corners),
+                *(SETTLING, RESIDUAL, PEAK, MAX_FORCE, RMS_FORCE),
+                Quantity("saturated", "saturated"),
+            ),
+            move.corners,
+            strong=lambda corner: corner.settling_time is None,
+            move=move_title(move.move, number, words),
+        )
+    yield Paragraph(text=kept_sentence(record, words))
+    yield from _frequency_error(record, words)
+
+
+def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
+    """The curves over the frequency error; where one has no point, why it is missing."""
+    text, error, permitted = words.text, record.robustness.frequency_error, find_band(record)
+    x = 100.0 * (np.array(error.factor) - 1.0)
+    residual, settling = (
+        Curve(text("recommended"), x, values)
+        for values in (error.residual_deviation, error.settling_time)
+    )
+    panels = (
+        Signals(text("residual"), "m", [residual], () if permitted is None else (permitted,)),
+        Signals(text("settling-time"), "s", [settling]),
+    )
+    if residual.y.size:
+        yield line_plot(
+            words,
+            "frequency-error",
+            [panel for panel in panels if panel.curves[0].y.size],
+            x=(text("frequency-error"), ""),
+            least=show(float(residual.y.min()), words, "m"),
+            most=show(float(residual.y.max()), words, "m"),
+            band=show(permitted, words, "m"),
+        )
+    if not settling.y.size:
+        low, high = (words.format.signed_percent(error.factor[end] - 1.0) for end in (0, -1))
+        yield note(text("no-error-curves", low=low, high=high))
+
+
+def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
+    """Return how many machines were drawn and how many of them keep the requirements."""
+    f = words.format
+    return words.text(
+        "drawn",
+        samples=f.number(drawn.samples),
+        seed=drawn.seed,
+        met=f.percent(drawn.share_met),
+        band=f.percent(drawn.share_in_band),
+    )
+
+
+def _quantiles(drawn: MonteCarloEntry, words: Catalogue) -> Table:
+    settling, residual = drawn.settling_time, drawn.residual_deviation
+    ends = {0.0: "least", 1.0: "largest"}
+
+    def share(item: tuple[Quantile, Quantile]) -> str:
+        at = item[0].share
+        if at in ends:
+            return words.text(ends[at])
+        return words.text("share-of-machines", share=words.format.percent(at))
+
+    columns = (
+        Quantity("machines", share, width=1.6),
+        Quantity("settling-time", lambda it: it[0].value, settling.unit, "not-settled"),
+        Quantity("residual", lambda it: it[1].value, residual.unit, "not-settled"),
+    )
+    both = zip(settling.quantiles, residual.quantiles, strict=True)
+    return table(words, "quantiles-caption", columns, both)
+
+
+def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield for each move what its ways cost and reach, and why no optimum is entered."""
+    text, units = words.text, record.plant.units
+
+    def overshoot(item: ComparedEntry) -> str:
+        return words.format.signed_percent(item.overshoot).removeprefix("+")
+
+    columns = (
+        Quantity("control", "name", width=2.0),
+        Quantity("transfer-time", "transfer_time", "s", "not-settled"),
+        Quantity("overshoot", overshoot, "%"),
+        *(
+            Quantity(Message("peak-of", name=symbol(rate)), member(rate, "peaks"), units[rate])
+            for rate in flexible_rates(record.plant.states)
+        ),
+        MAX_FORCE,
+        Quantity("heat", "heat", _heat_unit(words)),
+        Quantity("work", "work", "J"),
+    )
+    yield note(text("comparison-note"))
+    both = zip(record.moves, record.comparisons, strict=True)
+    for number, (move, entry) in enumerate(both, start=1):
+        short = text("move", number=number)
+        yield Subheading(text=move_title(move.move, number, words))
+        yield table(words, "controls-caption", columns, entry.controls, move=short)
+        for lead, said in (("claims", entry.claims), ("why-not", entry.why_not_the_optimum)):
+            if said:
+                yield Paragraph(text=text(lead))
+                yield _sentences(said, Tone.PLAIN, words)
+
+
+def _heat_unit(words: Catalogue) -> str:
+    return "N^2 m^2 s" if words.rotary else "N^2 s"
+
+
+def certificates(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield certificates, assumptions and warnings."""
+    text = words.text
+    yield Subheading(text=text("assumptions"))
+    yield _sentences(record.assumptions, Tone.PLAIN, words)
+    yield Subheading(text=text("warnings"))
+    yield _sentences(record.warnings, Tone.WARNING, words)
+    for number, optima in enumerate(record.optima, start=1):
+        move = move_title(optima.move, number, words)
+        for name, _, optimum in named_optima(optima, words):
+            caption = text("certificate-caption", move=move, what=name)
+            yield pairs(words, caption, _certificate(optimum, words))
+
+
+def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
+    if not items:
+        return Paragraph(text=words.text("none"))
+    return Bullets(items=tuple(map(words.say, items)), tone=tone)
+
+
+def _certificate(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str]]:
+    text, f, peaks = words.text, words.format, optimum.peaks
+    # Arcs within the force bound run into another without a switch.
+    switches = [a.t_end for a, b in pairwise(optimum.arcs) if a.control != b.control]
+    errors = (abs(e) / peaks[name] for name, e in optimum.terminal_error.items() if peaks.get(name))
+    rows = [
+        (text("final-time"), f.quantity(optimum.t_f, "s")),
+        (text("method"), words.known(f"method-{optimum.method}", optimum.method)),
+        (text("switches"), ", ".join(f.quantity(t, "s") for t in switches)),
+        (text("largest-error"), f.number(max(errors, default=0.0), digits=2)),
+    ]
+    if optimum.cost is not None:
+        rows.append((text("cost"), f.quantity(optimum.cost, _heat_unit(words))))
+    rows.append((text("weights"), _evidence("", optimum.weights, words)))
+    proof = asdict(optimum.certificate).items()
+    rows += [(words.name(key), _evidence(key, value, words)) for key, value in proof]
+    return [row for row in rows if row[1]]
+
+
+def _evidence(
+    key: str, value: float | bool | dict[str, float] | list[float] | None, words: Catalogue
+) -> str:
+    number = words.format.number
+    if isinstance(value, dict):
+        return "; ".join(f"{symbol(name)} = {number(one)}" for name, one in value.items())
+    if isinstance(value, list):
+        return "; ".join(map(number, value))
+    return show(value, words, "s" if key.startswith("t_f") else "")
+
+
+def versions(record: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield program, libraries, hash and text of the profile."""
+    text, tool, profile = words.text, record.tool, record.profile
+    rows = [(tool.name, tool.version), *tool.libraries.items(), (text("created"), record.created)]
+    yield pairs(words, text("versions-caption"), rows, first="program")
+    yield Paragraph(text=f"{text('hash-row')}:")
+    yield Paragraph(text=profile.sha256, tone=Tone.CODE)
+    yield Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text)
