@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import factorial
 
 import numpy as np
 import pytest
 
-from mtcommission.loop.poles import following_states
 from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
@@ -110,19 +108,6 @@ def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
     assert response.settling_time == np.inf
     Kv = slow.controller.position_gain
     assert abs(response.deviation[-1]) == pytest.approx(0.1 * 0.1 / Kv, rel=1e-2)
-
-
-def test_following_states_follow_their_polynomial(tuned: TunedLoop) -> None:
-    lifted = tuned.loops[0].lifted
-    S, T = following_states(lifted, 3), lifted.dt
-    x = np.array([0.3, 0.05, 1.7, 40.0])
-    later = np.array(
-        [[T ** (k - i) / factorial(k - i) if k >= i else 0.0 for k in range(4)] for i in range(4)]
-    )
-    now, then = x @ S, (later @ x) @ S
-    assert np.allclose(
-        lifted.A @ now + lifted.B @ x, then, rtol=1e-9, atol=1e-9 * np.abs(then).max()
-    )
 
 
 def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned: TunedLoop) -> None:

@@ -7,15 +7,12 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete
 
 from benchmarks.population import random_machine
-from mtcommission.loop.model.assembly import discretise_filter
-from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import gains
 from mtcommission.loop.tuning.gains import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.control import StateFeedback, TcpSensor
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
@@ -62,18 +59,3 @@ def test_what_nothing_damps_has_no_gains() -> None:
         regulator_gains(A, B, Q)
     with pytest.raises(np.linalg.LinAlgError, match="not finite"):
         regulator_gains(A, B, np.diag([1.0, np.inf, 1.0]))
-
-
-@pytest.mark.parametrize("kind", FilterKind)
-def test_filters_are_those_of_scipy(kind: FilterKind) -> None:
-    """A notch beside its mode would be simulated, and its loop be judged by it."""
-    item = ForceFilter(kind=kind, natural_frequency=2 * np.pi * 72.0, damping=0.1)
-    controller = tune_loop(quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)).controller
-    stage = discretise_filter(item, controller.velocity_cycle)
-    T = controller.velocity_cycle
-    numerator, denominator = filter_polynomials(item)
-    b, a, _ = cont2discrete((np.trim_zeros(numerator, "f"), denominator), T, method="bilinear")
-    z = np.exp(1j * 2 * np.pi * np.array([1.0, 30.0, 72.0, 90.0, 1000.0]) * T)
-    ours = [stage.C @ np.linalg.solve(x * np.eye(2) - stage.A, stage.B) + stage.D for x in z]
-    theirs = np.polyval(np.ravel(b), z) / np.polyval(a, z)
-    assert np.allclose(ours, theirs, rtol=1e-9, atol=1e-9)

@@ -23,7 +23,7 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import CLASSIC, build_cascade, design_observer, is_seen
-from mtcommission.loop.tuning.tuned import CornerPlants, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine.control import (
     StateFeedback,
@@ -31,7 +31,6 @@ from mtcommission.machine.control import (
     TcpSensor,
 )
 from mtcommission.machine.machine import Machine, VelocityStep, moving_mass
-from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
@@ -111,17 +110,6 @@ def test_undamped_modes_end_in_a_loop_or_in_a_named_outcome(sensor: TcpSensor) -
     assert set(ends) == ({Outcome.UNDAMPED_MODE} if sensor is TcpSensor.NONE else set())
 
 
-def test_poles_are_those_of_the_lifted_matrix() -> None:
-    tuned = tuned_paper()
-    lifted, poles = tuned.loops[0].lifted, tuned.nominal.poles
-    z = np.linalg.eigvals(lifted.A)
-    for pole in poles:
-        assert np.min(np.abs(z - np.exp(pole * lifted.dt))) < 1e-6
-    # No mode with a time constant above a millisecond is left out.
-    slow = z[np.abs(z) > np.exp(-lifted.dt / 1e-3)]
-    assert all(np.min(np.abs(np.exp(poles * lifted.dt) - pole)) < 1e-6 for pole in slow)
-
-
 def test_tower_rings_with_its_own_poles_since_the_encoder_does_not_see_it() -> None:
     """The paper's 72 Hz mode is driven, but no feedback from the encoder moves its poles."""
     tower = complex(-22.5, 452.21)
@@ -188,34 +176,6 @@ def test_gain_margins_are_where_the_loop_becomes_unstable(direction: float) -> N
         factor = 10 ** (direction * share * margin / 20)
         gains = replace(tuned.controller, velocity_gain=factor * tuned.controller.velocity_gain)
         assert close_loop(bench, gains).nominal.is_stable is stable
-
-
-def test_given_gains_are_used_as_given_and_poor_ones_warned() -> None:
-    machine = quiet_copy(
-        paper_machine(),
-        position_gain=95.0,
-        velocity_gain=150e3,
-        integral_time=15e-3,
-        state_feedback=StateFeedback.OFF,
-    )
-    tuned = tune_loop(machine)
-    gains = tuned.controller
-    assert (gains.position_gain, gains.velocity_gain, gains.integral_time) == (95.0, 150e3, 15e-3)
-    assert tuned.nominal.is_stable
-    assert "loop-given-gains-poor" in [item.kind for item in tuned.warnings]
-
-
-def test_good_given_gains_are_not_warned() -> None:
-    cascade = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
-    tuned = tune_loop(cascade).controller
-    machine = quiet_copy(
-        paper_machine(),
-        position_gain=0.8 * tuned.position_gain,
-        velocity_gain=0.8 * tuned.velocity_gain,
-        integral_time=tuned.integral_time / 0.8,
-        state_feedback=StateFeedback.OFF,
-    )
-    assert tune_loop(machine).warnings == ()
 
 
 def test_unstable_gains_are_refused_and_really_unstable() -> None:
@@ -355,17 +315,6 @@ def test_compliance_is_the_answer_to_a_slow_push() -> None:
     assert abs(response.compliance[0]) < 3 * static + 1e-9
     least = np.argmax(np.abs(response.compliance))
     assert tuned.nominal.dynamic_stiffness == pytest.approx(1 / np.abs(response.compliance[least]))
-
-
-def test_corner_loops_are_those_of_the_varied_machine() -> None:
-    machine = in_corners(5)
-    tuned = tune_loop(machine)
-    for corner, response in zip(tuned.corners, tuned.responses, strict=True):
-        plant = build_plant(vary(machine, corner))
-        (again,) = close_loop(
-            CornerPlants(corners=(corner,), plants=(plant,)), tuned.controller
-        ).responses
-        assert np.array_equal(again.open_loop, response.open_loop)
 
 
 def swift_belt() -> Machine:

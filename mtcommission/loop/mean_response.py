@@ -60,8 +60,9 @@ class MeanResponse:
 
     rates: Complex  # (n_corners, n_poles) [1/s]
     ages: Array  # times that meet the swings of every pole that counts, from 0 [s]
-    seen: NDArray[np.float32]  # signals at each instant by Re and Im of modal states,
-    # (n_corners, 2 n_poles, n_signals n_instants)
+    seen: NDArray[
+        np.float32
+    ]  # signals at ages by Re, Im of modal states, (n_corners, 2 n_poles, n)
     signals: int
 
     def behind(self, item: SetpointFilter | None) -> Complex:
@@ -147,11 +148,10 @@ def _lay_ages(poles: LoopPoles) -> Array:
     return np.asarray(ages[np.append(True, np.diff(ages) > 0.3 * finest)])
 
 
-def _nudge(loop: SampledLoop) -> SampledLoop:
-    """A loop whose equal poles lie apart."""
-    pattern = 1.0 + NUDGE * np.arange(loop.step.size).reshape(loop.step.shape) / loop.step.size
-    return replace(loop, step=loop.step * pattern)
-
-
 NUDGE = 1e-7
 """Relative change of the loop that separates equal poles: they come 3e-4 apart (empirical)."""
+
+
+def _nudge(loop: SampledLoop) -> SampledLoop:
+    pattern = 1.0 + NUDGE * np.arange(loop.step.size).reshape(loop.step.shape) / loop.step.size
+    return replace(loop, step=loop.step * pattern)

@@ -23,7 +23,7 @@ Source: derived here; held to the stepped loop by tests/test_respond.py.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, wraps
 from math import ceil, factorial, hypot, log
 from typing import Any, TypeVar, cast
@@ -127,7 +127,10 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
             float(np.max(np.abs(np.linalg.eigvals(loop.lifted.A[:own, :own])))) for loop in loops
         )
         recent = delays + min(ceil(log(1e-12) / log(min(slowest, 1.0 - 1e-9))), STEPPED)
-        slow = [part.without_any() for part in slow]
+        slow = [
+            replace(one, factors=one.factors[:0], right=one.right[:, :0], left=one.left[:0])
+            for one in slow
+        ]
     most = max(len(part.factors) for part in slow)
     factors = np.zeros((len(loops), most), dtype=complex)
     starts = np.zeros((HIGHEST + 1, len(loops), most), dtype=complex)
@@ -146,7 +149,7 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
         starts[:, i, :count] = (part.left @ X[:own]).T
     low: Complex = np.power(factors, np.arange(BASE, dtype=np.float64)[:, None, None])
     each = np.arange(BLOCKS, dtype=np.float64)[:, None, None]
-    high: Complex = np.power(factors**BASE, each)
+    powers = low, np.power(factors**BASE, each)
     return LoopPoles(
         loops=loops,
         recent=recent,
@@ -155,7 +158,7 @@ def find_poles(loops: tuple[SampledLoop, ...]) -> LoopPoles:
         starts=starts,
         table=table,
         steady=steady,
-        powers=(low, high),
+        powers=powers,
     )
 
 
@@ -167,11 +170,6 @@ class _SlowPart:
     right: Complex
     left: Complex
     condition: float
-
-    def without_any(self) -> _SlowPart:
-        return _SlowPart(
-            factors=self.factors[:0], right=self.right[:, :0], left=self.left[:0], condition=1.0
-        )
 
 
 def _slow_part(A: Array) -> _SlowPart:
@@ -210,9 +208,9 @@ def following_states(lifted: LiftedLoop, order: int) -> Array:
 def restrict(poles: LoopPoles, corners: Sequence[int]) -> LoopPoles:
     """Return the same in some corners only."""
     own = list(corners)
-    return LoopPoles(
+    return replace(
+        poles,
         loops=tuple(poles.loops[i] for i in own),
-        recent=poles.recent,
         factors=poles.factors[own],
         shapes=poles.shapes[own],
         starts=poles.starts[:, own],

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.analysis import GainGrid, lay_grids
-from mtcommission.loop.model.controller import Controller, Observer
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import (
     CLASSIC,
     Shape,
@@ -51,8 +51,7 @@ class LoopFamily:
     bench: CornerPlants  # in every corner
     settings: TuningSettings  # required margins, and the shapes tried
     grids: tuple[GainGrid, ...]  # in every corner, with the observer and all filters
-    observer: Observer  # without states where nothing but the cascade is built
-    state_gains: Array  # as given, (n_plant,) [N per unit]; zero where none are
+    base: Controller  # of which the observer counts, and state gains where these are given
     damps: bool = False  # whether state feedback by weight is built
 
 
@@ -65,17 +64,11 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
         NOT_OBSERVABLE or FEEDBACK_DESIGN_FAILED, for given state gains.
     """
     bench = corner_plants(machine)
-    controller = build_cascade(machine, bench.model, fraction=1.0)
+    base = build_cascade(machine, bench.model, fraction=1.0)
     if machine.control.state_feedback is StateFeedback.GIVEN:
-        controller = given_state_feedback(machine, bench.model, controller, settings=settings)
-    return LoopFamily(
-        machine=machine,
-        bench=bench,
-        settings=settings,
-        grids=lay_grids(bench.plants, controller),
-        observer=controller.observer,
-        state_gains=controller.state_gains,
-    )
+        base = given_state_feedback(machine, bench.model, base, settings=settings)
+    grids = lay_grids(bench.plants, base)
+    return LoopFamily(machine=machine, bench=bench, settings=settings, grids=grids, base=base)
 
 
 def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
@@ -89,14 +82,12 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     ComputationError
         FEEDBACK_DESIGN_FAILED.
     """
-    machine, bench = cascades.machine, cascades.bench
-    controller = build_cascade(machine, bench.model, fraction=1.0)
-    if not moving_modes(bench.model, controller.sensors):
+    machine, bench, base = cascades.machine, cascades.bench, cascades.base
+    if not moving_modes(bench.model, base.sensors):
         return None
-    observer = design_observer(machine, bench.model, controller, settings=cascades.settings)
-    controller = replace(controller, observer=observer)
-    grids = lay_grids(bench.plants, controller)
-    return replace(cascades, grids=grids, observer=observer, damps=True)
+    observer = design_observer(machine, bench.model, base, settings=cascades.settings)
+    base = replace(base, observer=observer)
+    return replace(cascades, grids=lay_grids(bench.plants, base), base=base, damps=True)
 
 
 def with_filters(family: LoopFamily, filters: tuple[ForceFilter, ...]) -> LoopFamily:
@@ -115,13 +106,12 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
 
     The weight of ``shape`` counts where the family damps.
     """
-    machine, model = family.machine, family.bench.model
+    machine, model, base = family.machine, family.bench.model, family.base
     cascade = build_cascade(machine, model, fraction=fraction, shape=shape)
     if not family.damps:
-        return replace(cascade, state_gains=family.state_gains, observer=family.observer)
-    return add_state_feedback(
-        machine, model, cascade, weight=shape.mode_weight, observer=family.observer
-    )
+        return replace(cascade, state_gains=base.state_gains, observer=base.observer)
+    weight, observer = shape.mode_weight, base.observer
+    return add_state_feedback(machine, model, cascade, weight=weight, observer=observer)
 
 
 def find_largest(

@@ -97,24 +97,27 @@ def symmetrical_optimum(machine: Machine) -> float:
     return believed_mass(machine) / (2.0 * delay)
 
 
+TN_REMARKS = "loop-tn-yaskawa", "loop-tn-searched"
+KV_REMARKS = "loop-kv-damping-one", "loop-kv-searched"
+"""By the classic rule, or by another ratio."""
+
+
 def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, ...]:
     """Return by which rules the gains of a machine's controller were chosen."""
     given, mass, remarks = machine.control, believed_mass(machine), []
     Kp = controller.velocity_gain
     fraction = Kp / symmetrical_optimum(machine)
-    integral_ratio = controller.integral_time * Kp / mass
-    position_ratio = controller.position_gain * mass / Kp
     if given.velocity_gain is None:
         is_optimum, found = isclose(fraction, 1.0), Message("loop-kp-largest", fraction=fraction)
         remarks.append(Message("loop-kp-symmetrical-optimum") if is_optimum else found)
-    if given.integral_time is None:
-        is_classic = isclose(integral_ratio, CLASSIC.integral_ratio)
-        found = Message("loop-tn-searched", ratio=integral_ratio)
-        remarks.append(Message("loop-tn-yaskawa") if is_classic else found)
-    if given.position_gain is None:
-        is_classic = isclose(position_ratio, CLASSIC.position_ratio)
-        found = Message("loop-kv-searched", ratio=position_ratio)
-        remarks.append(Message("loop-kv-damping-one") if is_classic else found)
+    integral, position = controller.integral_time * Kp / mass, controller.position_gain * mass / Kp
+    for gain, ratio, classic, rule, searched in (
+        (given.integral_time, integral, CLASSIC.integral_ratio, *TN_REMARKS),
+        (given.position_gain, position, CLASSIC.position_ratio, *KV_REMARKS),
+    ):
+        if gain is None:
+            found = Message(searched, ratio=ratio)
+            remarks.append(Message(rule) if isclose(ratio, classic) else found)
     if given.reference_delay is None:
         remarks.append(Message("loop-reference-delay"))
     return tuple(remarks)
