@@ -18,10 +18,10 @@ from time import process_time
 from benchmarks.constrained_survey import survey
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
-from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.problem import bounded_problem
-from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.problem import bounded_problem
+from mtcommission.optimal.program import first_cells
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
@@ -70,7 +70,7 @@ def print_cases(plant: Plant) -> None:
             plant, move, force_limit=2e3, bounds=optimum.bounds, horizon=free.t_f
         )
         start = process_time()
-        grid = solve_grid_time(problem, t_free=free.t_f)
+        grid = first_cells(problem, t_free=free.t_f)
         print(
             f"{name[:44]:44} {optimum.t_f * 1e3:12.7f} {optimum.certificate.relative_gap:8.1e}"
             f" {len(optimum.arcs):5d} {taken:7.2f} {grid.t_f * 1e3:9.3f}"

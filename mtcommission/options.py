@@ -246,7 +246,7 @@ def _refuse_all_but_jumps(
 ) -> None:
     """Note the fault of a jerk with which the acceleration reaches its limit all but at once."""
     from mtcommission.optimal.at_once import least_limit
-    from mtcommission.optimal.bounded.jerk_limited import SHORTEST_RAMP
+    from mtcommission.optimal.bounded import SHORTEST_RAMP
 
     ramp = least_limit(plant, machine.drive.motion_force, bounds) / jerk
     if ramp * plant.fastest_rate < SHORTEST_RAMP:
@@ -277,7 +277,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     limit = least_limit(plant, force, request.bounds)
     bounds, is_exact = on_states(plant, request.bounds), request.method == "exact"
     if isfinite(request.jerk):
-        from mtcommission.optimal.bounded.jerk_limited import solve_jerk_limited
+        from mtcommission.optimal.bounded import solve_jerk_limited
 
         return solve_jerk_limited(
             plant, move, force_limit=limit, jerk_limit=request.jerk, bounds=bounds

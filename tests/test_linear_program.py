@@ -1,19 +1,27 @@
-"""Linear programs: what the solver says must not reach standard output, where JSON goes."""
+"""Linear programs: digits, known bases, and nothing on standard output, where JSON goes."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import linprog
+
+from mtcommission.optimal import linear_program
+from mtcommission.optimal.linear_program import Program, solve_program
 
 SOLVE = """
 import numpy as np
-from mtcommission.optimal.bounded.program.linear_program import Program, solve_program
-from mtcommission.optimal.bounded.settings import ProgramSettings
+from mtcommission.optimal.linear_program import Program, solve_program
 
 one, none = np.ones((1, 1)), np.empty(0)
 program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
     right=none, lower=np.zeros(1), upper=np.full(1, np.inf))
-assert solve_program(program, ProgramSettings(), steps=10).unknowns[0] == 2.0
+assert solve_program(program, steps=10).unknowns[0] == 2.0
 """
 
 
@@ -21,3 +29,65 @@ def test_programs_are_solved_without_a_word() -> None:
     """HiGHS 1.16 prints a banner for its first solver: `limits --json -` was no JSON any more."""
     done = subprocess.run([sys.executable, "-c", SOLVE], capture_output=True, check=True)
     assert (done.stdout, done.stderr) == (b"", b"")
+
+
+def small_program(*, fine: float) -> Program:
+    """Return a program whose second unknown counts little for the bound, and all for the cost."""
+    return Program(
+        cost=np.array([-1.0, -fine]),
+        rows=np.array([[1.0, 2.0 * fine]]),
+        rooms=np.array([0.5]),
+        equal=np.empty((0, 2)),
+        right=np.empty(0),
+        lower=-np.ones(2),
+        upper=np.ones(2),
+    )
+
+
+def test_small_coefficients_of_a_program_count() -> None:
+    # A cell of microseconds moves a bound far away by 1e-10: left out, eight digits are lost.
+    fine = 3e-10
+    solution = solve_program(small_program(fine=fine), steps=50, tolerance=1e-10)
+    assert solution is not None
+    # By hand: 1 of the second unknown costs 2 of the first one, so it goes to its lower bound.
+    assert solution.unknowns[1] == pytest.approx(-1.0)
+    assert solution.unknowns[0] - 0.5 == pytest.approx(2.0 * fine, rel=1e-3)
+    assert solution.bounds[1] == pytest.approx(fine, rel=1e-6)
+
+
+def test_a_simplex_method_that_goes_on_asking_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    # One that turned in circles without counting steps ended by the clock: not on every machine.
+    monkeypatch.setattr(linear_program, "WAYS", linear_program.WAYS[:1])
+    program = small_program(fine=1e-3)
+    assert solve_program(program, steps=50) is not None
+    monkeypatch.setattr(linear_program, "CHECKS_PER_STEP", 0)
+    assert solve_program(program, steps=50) is None
+
+
+def test_program_from_a_known_basis_is_that_from_none() -> None:
+    # Otherwise an exchange of points would end somewhere else than a program with all of them.
+    generator = np.random.default_rng(11)
+    rows, cost = generator.standard_normal((30, 12)), generator.standard_normal(12)
+    few = Program(
+        cost=cost,
+        rows=rows[:20],
+        rooms=np.ones(20),
+        equal=np.ones((1, 12)),
+        right=np.zeros(1),
+        lower=-np.ones(12),
+        upper=np.ones(12),
+    )
+    every = replace(few, rows=rows, rooms=np.ones(30))
+    first = solve_program(few, steps=500)
+    assert first is not None
+    warm = solve_program(every, steps=500, start=first.basis)
+    cold = linprog(cost, rows, np.ones(30), np.ones((1, 12)), np.zeros(1), bounds=(-1.0, 1.0))
+    assert warm is not None
+    assert_allclose(warm.unknowns, cold.x, atol=1e-9)
+    assert_allclose(warm.rows, cold.ineqlin.marginals, atol=1e-9)
+    assert_allclose(warm.bounds, cold.lower.marginals + cold.upper.marginals, atol=1e-9)
+
+
+def test_program_without_a_solution_has_no_answer() -> None:
+    program = replace(small_program(fine=1.0), rooms=np.array([-4.0]))
+    assert solve_program(program, steps=50) is None

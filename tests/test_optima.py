@@ -16,7 +16,7 @@ from mtcommission.limits.optima import find_optima
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine

@@ -11,7 +11,7 @@ import pytest
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
-from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.solution import (

@@ -16,7 +16,7 @@ from mtcommission.optimal.at_once import (
     on_states,
     time_optimum_on,
 )
-from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights

@@ -7,7 +7,6 @@ far from it. docs/optimal-control.md, section 8, derives it.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import exp, isfinite, sqrt
 
 import numpy as np
@@ -16,9 +15,8 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning
 from mtcommission.machine.shapers import shape
-from mtcommission.optimal.bounded.proof.motion import follow_control, require_followable
-from mtcommission.optimal.bounded.settings import STANDARD
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.proof import follow_control, require_followable
 from mtcommission.optimal.solution import (
     Arc,
     Bound,
@@ -37,7 +35,7 @@ LAG_TIMES = 8.0
 MOST_RADIANS = 3e5
 """Fastest rate times duration of what is composed: some two seconds to follow (measured)."""
 
-COARSE = replace(STANDARD.proof, radians_per_cell=0.15)
+COARSE = 0.15
 """Peaks of what is not optimal: to a millionth."""
 
 
@@ -79,7 +77,7 @@ def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> Tim
     arcs = _arcs(
         np.add.outer(base, times).ravel(), force * np.multiply.outer(signs, shares).ravel()
     )
-    motion = follow_control(plant, arcs, rate=plant.fastest_rate, settings=COARSE)
+    motion = follow_control(plant, arcs, radians=COARSE)
     error = motion.final.copy()
     if isinstance(move, Positioning):
         error[plant.position] -= move.distance

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
-from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum

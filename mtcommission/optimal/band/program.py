@@ -17,9 +17,8 @@ from mtcommission.machine.machine import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.optimal.band.tail import Tail, find_tail_peaks
-from mtcommission.optimal.bounded.program.linear_program import Basis, Program, solve_program
-from mtcommission.optimal.bounded.settings import ProgramSettings
 from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.optimal.linear_program import Basis, Program, solve_program
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -209,11 +208,10 @@ def solve_cells(
             lower=-np.ones(n + 1),
             upper=np.ones(n + 1),
         ),
-        ProgramSettings(),
         steps=question.settings.steps,
         tolerance=TOLERANCE,
         start=start,
-        solvable=True,
+        is_solvable=True,
     )
     if solution is None:
         raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-program-gave-up"))

@@ -15,10 +15,9 @@ from __future__ import annotations
 import numpy as np
 
 from mtcommission.optimal.band.program import CellForce, Question, combs, solve_cells
-from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem
-from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
-from mtcommission.optimal.bounded.proof.dual_value import excluded_time
 from mtcommission.optimal.free.moments import moment_problem, moment_rows
+from mtcommission.optimal.problem import all_bounds, bounded_problem
+from mtcommission.optimal.proof import Atom, Measure, excluded_time
 
 
 def prove_time(question: Question, cells: CellForce) -> float:

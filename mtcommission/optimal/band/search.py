@@ -12,7 +12,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.band.force import FULL, cell_arcs
 from mtcommission.optimal.band.program import CellForce, Question, first_contacts, reach_farthest
-from mtcommission.optimal.bounded.proof.motion import follow_control
+from mtcommission.optimal.proof import follow_control
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def _velocity_excess(question: Question, cells: CellForce) -> float:
     if not isfinite(question.max_velocity):
         return 0.0
     plant = question.plant
-    motion = follow_control(plant, cell_arcs(question, cells), rate=plant.fastest_rate)
+    motion = follow_control(plant, cell_arcs(question, cells))
     return float(motion.peaks[plant.velocity]) / question.max_velocity - 1.0
 
 

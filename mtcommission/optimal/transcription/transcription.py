@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, Positioning, Weight
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.refusal import explain_short_time
+from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
 from mtcommission.optimal.solution import (
     Bound,

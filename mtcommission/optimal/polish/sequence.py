@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.places import ConstraintPoint
-from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
+from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
+from mtcommission.optimal.solution import Arc, Bang, Boundary, constant_arc
 
 Array = NDArray[np.float64]
 
@@ -72,16 +72,6 @@ def peaks_above(levels: Array, least: float) -> list[tuple[int, int]]:
     return [(int(at) + 1, int(k)) for at, k in zip(*np.nonzero(peaks), strict=True)]
 
 
-def flow_bang(problem: BoundedProblem, state: Array, side: int, span: float) -> Array:
-    """Return the state after a bang arc, or before it where the span is negative."""
-    plant, push = problem.plant, side * problem.force_limit
-    flow = transition(plant, np.array(span))
-    if span >= 0.0:
-        return np.asarray(flow @ state + step_response(plant, np.array(span)) * push)
-    # The response to a step is 0 before it: run it backwards from the state before.
-    return np.asarray(flow @ (state - step_response(plant, np.array(-span)) * push))
-
-
 def touch_points(sequence: Sequence) -> tuple[ConstraintPoint, ...]:
     """Return the touch points of a sequence by remaining time."""
     ends = np.cumsum([piece.duration for piece in sequence.pieces])
@@ -93,4 +83,41 @@ def touch_points(sequence: Sequence) -> tuple[ConstraintPoint, ...]:
             side=touch.side,
         )
         for touch in sequence.touches
+    )
+
+
+def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...]:
+    """Return the arcs of a sequence of bang and boundary arcs."""
+    plant, F = problem.plant, problem.force_limit
+    state, start, arcs = np.zeros(plant.order), 0.0, []
+    for piece in sequence.pieces:
+        end, since = start + piece.duration, np.array(piece.duration)
+        if piece.limit < 0:
+            control = Bang(piece.side)
+            arcs.append(constant_arc(start, end, control=control, force=piece.side * F))
+            push = step_response(plant, since) * piece.side * F
+            state = transition(plant, since) @ state + push
+        else:
+            # As in Newton's method: what is missed at the entry would grow over the arc.
+            held = problem.limits[piece.limit]
+            state = state - held.impulses @ held.missed(state, piece.side)
+            arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
+            state = held.boundary_flow.over(piece.duration) @ state
+        start = end
+    return tuple(arcs)
+
+
+def boundary_arc(
+    problem: BoundedProblem, index: int, start: float, end: float, *, state: Array
+) -> Arc:
+    """Return the arc that holds a bound from a state on it: F_set = K expm((A + B K) t) x."""
+    limit, flow = problem.limits[index], problem.limits[index].boundary_flow
+    side = 1 if float(limit.row @ state) > 0.0 else -1
+    return Arc(
+        t_start=start,
+        t_end=end,
+        control=Boundary(limit.bound.name, side),
+        generator=flow.generator,
+        initial=flow.chart @ state,
+        output=limit.feedback @ flow.inverse,
     )

@@ -5,34 +5,119 @@
   exceeded where the force turns is held there for a while.
 - σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
   that part holds a touch point, the touch point has grown into a boundary arc.
-
-What to do about a multiplier with a density of the wrong sign is told in ``newton.off_boundary``.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.newton.extremal import Extremal
-from mtcommission.optimal.bounded.places import ConstraintPoint
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.proof.dual_point import sigma_sign, stretches
-from mtcommission.optimal.bounded.proof.dual_value import dual_value
-from mtcommission.optimal.bounded.structure.detection import place_touches
-from mtcommission.optimal.bounded.structure.sequence import (
+from mtcommission.optimal.polish.newton import RESIDUAL, Extremal, solve_sequence
+from mtcommission.optimal.polish.off_boundary import with_subarc
+from mtcommission.optimal.polish.sequence import (
     Piece,
     Sequence,
     Touch,
     peaks_above,
     piece_states,
+    sequence_arcs,
     touch_points,
 )
+from mtcommission.optimal.polish.structure import place_touches
+from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
+from mtcommission.optimal.proof import EXCESS, Found, dual_value, prove, sigma_sign, stretches
 
 Array = NDArray[np.float64]
+
+RADIANS_PER_SAMPLE = 0.05
+"""Samples that look for excesses of a solved sequence."""
+APART = 1e-7
+"""Share of t_f that a zero of σ keeps from the ends of a bang arc if it calls for a switch."""
+EDITS, VISITS = 30, 2
+"""Changes of a sequence in one go, and how often the same one is solved, from durations of its
+own each time."""
+CLOSED_GAP = 1e-9
+"""Gap of an accepted sequence below which it is not edited any more."""
+VANISHED, SLIVER, SPLINTER = 1e-8, 1e-6, 2e-4
+"""Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
+without it; of what cells show, where it may be their ripple."""
+MOST_GROWTH = 10.0
+"""Growth of the motion over an arc, as exponent of e, from which no digits are left."""
+
+
+def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
+    """Return whether a sequence holds a bound of an order above 2, for which it has no end."""
+    return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
+
+
+def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
+    """Return the accepted extremal of a sequence, edited while its conditions call for it."""
+    seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
+    best: Found | None = None
+    for _ in range(EDITS):
+        # An edit may lead back to a sequence with better durations, but not in circles.
+        seen[_shape(guess)] += 1
+        if seen[_shape(guess)] > VISITS or not _may_be_solved(problem, guess):
+            break
+        extremal = solve_sequence(problem, guess)
+        found = accepted(problem, extremal)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = _simplest(problem, extremal, found)
+        # An accepted sequence with a gap left still breaks a condition, if by little.
+        edited = _edited(problem, extremal) if found is None or found.gap > CLOSED_GAP else None
+        if edited is None:
+            break
+        guess = edited
+    return best
+
+
+def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
+    """Return whether there are equations for all pieces, and digits enough to solve them."""
+    if holds_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
+        return False
+    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
+    return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
+
+
+def _shape(sequence: Sequence) -> tuple[tuple[int, ...], ...]:
+    """Return what tells two sequences apart, the durations left out."""
+    pieces = tuple((piece.limit, piece.side) for piece in sequence.pieces)
+    touches = tuple((touch.piece, touch.limit, touch.side) for touch in sequence.touches)
+    return (*pieces, (-2, -2), *touches)
+
+
+def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    edited = pruned(problem, extremal, least=VANISHED)
+    if edited is not None or extremal.residual > RESIDUAL:
+        return edited
+    # What the multipliers call for comes first: the motion is that of another sequence then.
+    for edit in (with_subarc, with_switches, with_short_arc, with_touch):
+        edited = edit(problem, extremal)
+        if edited is not None:
+            return edited
+    return None
+
+
+def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
+    """Return the same optimum without slivers, which a sequence may hold at no cost."""
+    guess = pruned(problem, extremal, least=SLIVER)
+    if guess is None:
+        return found
+    simpler = accepted(problem, solve_sequence(problem, guess))
+    return found if simpler is None else simpler
+
+
+def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
+    """Return the control of a solved sequence with its proof, or None."""
+    sequence = extremal.sequence
+    if extremal.residual > RESIDUAL or min(p.duration for p in sequence.pieces) <= 0.0:
+        return None
+    arcs = sequence_arcs(problem, sequence)
+    return prove(problem, arcs, extremal.measure, touch_points(sequence), is_exact=True)
 
 
 def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
@@ -110,7 +195,7 @@ def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     """
     sequence = extremal.sequence
     levels_along = _levels(problem, sequence)
-    worst, most = None, 1.0 + problem.settings.proof.excess
+    worst, most = None, 1.0 + EXCESS
     for index, piece in enumerate(sequence.pieces):
         tau, levels = levels_along[index]
         for at, k in peaks_above(levels, most):
@@ -131,7 +216,7 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
     pieces = list(extremal.sequence.pieces)
     first = np.array([limit.order for limit in problem.limits]) == 1
     along = _levels(problem, extremal.sequence)
-    worst, most = None, 1.0 + problem.settings.proof.excess
+    worst, most = None, 1.0 + EXCESS
     for index, (piece, after) in enumerate(pairwise(pieces)):
         tau, levels = along[index]
         size = np.where(first, np.abs(levels[-1]), 0.0)
@@ -157,10 +242,7 @@ def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Ar
     """Return times since the start of each piece [s] and the levels of all bounds there."""
     state, found = np.zeros(problem.plant.order), []
     for piece in sequence.pieces:
-        count = (
-            int(np.ceil(piece.duration * problem.rate / problem.settings.newton.radians_per_sample))
-            + 4
-        )
+        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
         tau = np.linspace(0.0, piece.duration, count)
         states = piece_states(problem, piece, state, tau)
         found.append((tau, states @ problem.rows.T))
@@ -175,12 +257,12 @@ def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | Non
     """
     measure, sequence = extremal.measure, extremal.sequence
     parts = stretches(problem, measure)
-    zeros = dual_value(problem, parts, measure.atoms).zeros
+    zeros = dual_value(problem, parts).zeros
     ends = measure.t_f - np.cumsum([piece.duration for piece in sequence.pieces])
     touches = touch_points(sequence)
     pieces: list[Piece] = []
     for piece, end in zip(sequence.pieces, ends.tolist(), strict=True):
-        apart, start = problem.settings.newton.apart * measure.t_f, end + piece.duration
+        apart, start = APART * measure.t_f, end + piece.duration
         inside = zeros[(zeros > end + apart) & (zeros < start - apart)][::-1]
         if piece.limit >= 0 or not inside.size:
             pieces.append(piece)

@@ -1,4 +1,4 @@
-"""Structure the structure of the optimal control from the multipliers on a mesh.
+"""The structure of the optimal control from the multipliers on cells.
 
 Points where a bound acts and that follow each other cell by cell are a boundary arc, single
 ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
@@ -15,13 +15,16 @@ from itertools import groupby, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.places import ArcInterior, ConstraintPoint
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.proof.dual_point import Stretch, sigma_sign
-from mtcommission.optimal.bounded.settings import STANDARD, StructureSettings
-from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
+from mtcommission.optimal.polish.sequence import Piece, Sequence, Touch
+from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
+from mtcommission.optimal.proof import Stretch, sigma_sign
 
 Array = NDArray[np.float64]
+
+CHAIN_GAP = 3.2
+"""Distance of chained points in the smaller of their cells: ripple may leave out every other."""
+CHAIN_POINTS = 5
+"""Points that make an arc; two or three surround a touch point."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,9 +36,9 @@ class Structure:
 
 
 def detect_structure(
-    active: Items[ConstraintPoint], mesh: Array, settings: StructureSettings = STANDARD.structure
+    active: Items[ConstraintPoint], mesh: Array, held: Items[ArcInterior] = ()
 ) -> Structure:
-    """Return the arcs and touch points that active points form.
+    """Return the arcs and touch points that active points form, with the interiors held.
 
     Examples
     --------
@@ -49,16 +52,20 @@ def detect_structure(
     """
     arcs: list[ArcInterior] = []
     touches: list[ConstraintPoint] = []
-    ordered = sorted(active, key=lambda at: (at.limit, at.side, at.remaining))
+    every: list[ConstraintPoint | ArcInterior] = [*active, *held]
+    ordered = sorted(every, key=lambda at: (at.limit, at.side, _span(at)))
     for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
-        for chain in _chains(list(group), mesh, settings.chain_gap):
-            low, high = chain[0].remaining, chain[-1].remaining
-            wide = high - low >= 0.75 * settings.chain_points * local_cell(mesh, low)
-            if len(chain) >= settings.chain_points and wide:
+        for chain in _chains(list(group), mesh):
+            low, high = _span(chain[0])[0], _span(chain[-1])[1]
+            wide = high - low >= 0.75 * CHAIN_POINTS * local_cell(mesh, low)
+            if any(isinstance(at, ArcInterior) for at in chain) or (
+                len(chain) >= CHAIN_POINTS and wide
+            ):
                 arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
                 continue
-            weight = sum(at.weight for at in chain)
-            centre = sum(at.weight * at.remaining for at in chain) / weight
+            points = [at for at in chain if isinstance(at, ConstraintPoint)]
+            weight = sum(at.weight for at in points)
+            centre = sum(at.weight * at.remaining for at in points) / weight
             touches.append(ConstraintPoint(remaining=centre, limit=limit, side=side, weight=weight))
     apart: list[ArcInterior] = []
     for arc in sorted(arcs, key=lambda arc: -arc.start):
@@ -73,12 +80,19 @@ def detect_structure(
     return Structure(arcs=tuple(apart), touches=tuple(touches))
 
 
-def _chains(points: list[ConstraintPoint], mesh: Array, most: float) -> list[list[ConstraintPoint]]:
+def _span(at: ConstraintPoint | ArcInterior) -> tuple[float, float]:
+    """Return from which to which remaining time a bound is known to act [s]."""
+    return (at.end, at.start) if isinstance(at, ArcInterior) else (at.remaining, at.remaining)
+
+
+def _chains(
+    points: list[ConstraintPoint | ArcInterior], mesh: Array
+) -> list[list[ConstraintPoint | ArcInterior]]:
     chains = [[points[0]]]
     for before, after in pairwise(points):
+        low, high = _span(before)[1], _span(after)[0]
         # Beside a large cell, a touch point would become the end of an arc that is not there.
-        gap = most * min(local_cell(mesh, at.remaining) for at in (before, after))
-        if after.remaining - before.remaining <= gap:
+        if high - low <= CHAIN_GAP * min(local_cell(mesh, at) for at in (low, high)):
             chains[-1].append(after)
         else:
             chains.append([after])

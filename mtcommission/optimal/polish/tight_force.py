@@ -11,21 +11,22 @@ from __future__ import annotations
 from dataclasses import replace
 from math import log
 
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.structure.arcs import arc_piece
-from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
-from mtcommission.optimal.solution import Arc, Boundary
+from mtcommission.optimal.polish.sequence import Piece, Sequence
+from mtcommission.optimal.problem import BoundedProblem
+from mtcommission.optimal.solution import Arc, Boundary, Interior
 from mtcommission.plant.plant import Plant
+
+TIGHT = 0.97
+"""Share of the force limit below which a bound on F counts as tight (empirical)."""
+PASSING = 1.5
+"""Length of an arc, in force lags of the swift plant, up to which it only moves the force."""
 
 
 def tight_force_bound(problem: BoundedProblem) -> int:
     """Return the index of a tight bound on a force behind a lag; -1 if there is none."""
     force = problem.plant.states[problem.plant.lagged]
     for index, limit in enumerate(problem.limits):
-        if (
-            limit.bound.name in force
-            and limit.bound.value < problem.settings.search.tight_force * problem.force_limit
-        ):
+        if limit.bound.name in force and limit.bound.value < TIGHT * problem.force_limit:
             return index
     return -1
 
@@ -42,10 +43,10 @@ def swift_plant(problem: BoundedProblem, index: int) -> Plant:
 def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -> Sequence:
     """Return the sequence that follows the arcs of the swift plant."""
     f = problem.limits[index].bound.value
-    short = problem.settings.search.passing * 0.5 * _ramp(problem, -f, f)
+    short = PASSING * 0.5 * _ramp(problem, -f, f)
     level, pieces = 0.0, list[Piece]()
     for arc, following in zip(arcs, (*arcs[1:], None), strict=True):
-        piece = arc_piece(problem, arc)
+        piece = _piece(problem, arc)
         is_bang = piece.limit < 0
         to_rest = following is None or isinstance(following.control, Boundary)
         if is_bang and to_rest and piece.duration < short:
@@ -57,6 +58,13 @@ def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -
         pieces += [*ramp, replace(piece, limit=hold, duration=piece.duration - span)]
         level = target
     return Sequence(pieces=(*pieces, *_swing(problem, level, 0.0)), touches=())
+
+
+def _piece(problem: BoundedProblem, arc: Arc) -> Piece:
+    names = [limit.bound.name for limit in problem.limits]
+    held = names.index(arc.control.signal) if isinstance(arc.control, Boundary) else -1
+    side = 1 if isinstance(arc.control, Interior) else arc.control.side
+    return Piece(limit=held, side=side, duration=arc.t_end - arc.t_start)
 
 
 def _ramp(problem: BoundedProblem, start: float, end: float) -> float:

@@ -3,8 +3,8 @@
 The unknowns are the durations, the places of the touch points, the terminal multipliers and
 the atoms; the equations are the entry conditions c x = ±1, c A x = 0, ..., the touch conditions
 c x = ±1, c A x = 0, the terminal conditions, and σ = 0 at every switch. The system is square
-for every sequence whose boundary arcs have order 1 or 2 (docs/optimal-control-bounds.md,
-section 4); arcs of higher order are joined by infinitely many touch points and have no such
+for every sequence whose boundary arcs have order 1 or 2 (docs/optimal-control.md,
+section 8); arcs of higher order are joined by infinitely many touch points and have no such
 sequence.
 
 Every derivative is exact: on each leg the state and the adjoint follow linear flows, so the
@@ -18,13 +18,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.places import ArcInterior
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
-from mtcommission.optimal.bounded.structure.sequence import Sequence, Touch
 from mtcommission.optimal.closed_form import step_response, transition
+from mtcommission.optimal.polish.sequence import Sequence, Touch
+from mtcommission.optimal.problem import ArcInterior, BoundedProblem
+from mtcommission.optimal.proof import Atom, Measure
 
 Array = NDArray[np.float64]
+
+STEPS, DAMPINGS = 20, 6
+"""Newton steps at most, and raised dampings tried in one."""
+RESIDUAL = 1e-10
+"""Scaled residual below which a sequence counts as solved; rounding leaves 1e-15 ... 1e-12."""
+LARGEST_STEP = 0.2
+"""Largest change of a duration in one step, as a share of t_f."""
+FURTHEST_BACK = 100.0
+"""Longest negative duration that is tried, in radians of the fastest rate: the responses run
+backwards grow with its exponential."""
+GROWTH = 1e4
+"""Growth of the residual at which full Newton steps are given up for damped ones."""
+SINGULAR = 1e-13
+"""Share of the largest singular value below which a direction is left alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -100,7 +113,7 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
     system = _system(problem, guess)
     first = _first_point(system)
     point = _undamped(system, first)
-    if point.norm > problem.settings.newton.residual:
+    if point.norm > RESIDUAL:
         point = _damped(system, first)
     return Extremal(
         sequence=_placed(system, guess, point.unknowns),
@@ -111,15 +124,14 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
 
 def _undamped(system: _System, point: _Point) -> _Point:
     """Return where full Newton steps lead; a residual may grow on the way to a solution."""
-    settings = system.problem.settings.newton
-    limit = settings.growth * point.norm
-    for _ in range(settings.steps):
+    limit = GROWTH * point.norm
+    for _ in range(STEPS):
         following = _tried(system, point, _step(system, point, 0.0))
         if following is None or not following.norm < limit:
             break
-        if point.norm < settings.residual and following.norm >= point.norm:
+        if point.norm < RESIDUAL and following.norm >= point.norm:
             break
-        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
+        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
         point = following
         if done:
             break
@@ -127,15 +139,14 @@ def _undamped(system: _System, point: _Point) -> _Point:
 
 
 def _damped(system: _System, point: _Point) -> _Point:
-    settings = system.problem.settings.newton
     damping = 1e-9
-    for _ in range(settings.steps):
+    for _ in range(STEPS):
         if point.norm < 1e-14:
             break
         following, damping = _newton_step(system, point, damping)
         if following.norm >= point.norm:
             break
-        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
+        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
         point = following
         if done:
             break
@@ -144,22 +155,20 @@ def _damped(system: _System, point: _Point) -> _Point:
 
 def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
     """Return the point after a step; None where its durations lead too far."""
-    settings = system.problem.settings.newton
     legs = len(system.legs)
     unknowns = point.unknowns - step
     back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
-    if float(np.abs(step[:legs]).max()) > settings.largest_step or back > settings.furthest_back:
+    if float(np.abs(step[:legs]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
         return None
     return _point(system, unknowns)
 
 
 def _step(system: _System, point: _Point, damping: float) -> Array:
     """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
-    settings = system.problem.settings.newton
     size = np.linalg.norm(point.jacobian, axis=0)
     size[size == 0.0] = 1.0
     left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
-    share = value / (value**2 + max(damping, settings.singular * value[0]) ** 2)
+    share = value / (value**2 + max(damping, SINGULAR * value[0]) ** 2)
     return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
 
 
@@ -217,9 +226,8 @@ def _first_point(system: _System) -> _Point:
 
 def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
     """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
-    settings = system.problem.settings.newton
     # Where rounding is all that is left, damping cannot help.
-    for _ in range(settings.dampings if point.norm > settings.residual else 1):
+    for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
         trial = _tried(system, point, _step(system, point, damping))
         if trial is not None and trial.norm < point.norm:
             return trial, damping * 1e-3

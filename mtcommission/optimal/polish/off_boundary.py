@@ -19,13 +19,13 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.newton.extremal import Extremal
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.proof.dual_value import DensityZone, negative_zones
-from mtcommission.optimal.bounded.settings import NewtonSettings
-from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, flow_bang, piece_states
+from mtcommission.optimal.polish.newton import Extremal
+from mtcommission.optimal.polish.sequence import Piece, Sequence, piece_states
+from mtcommission.optimal.problem import BoundedProblem
+from mtcommission.optimal.proof import Measure, densities, stretches
 
 Array = NDArray[np.float64]
+
 
 SUBARC_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
 """Length of a subarc over half the width of the zone of wrong density, by order."""
@@ -33,6 +33,53 @@ SUBARC_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
 """Directions of the force in a subarc: +1 is towards the bound."""
 SWING_PATTERN = {1: (1,), 2: (1, -1)}
 """Directions of the force from one side of a bound to the other: +1 is towards where it goes."""
+
+
+SMALL_DENSITY = 1e-8
+"""Share of the largest density below which a wrong sign is rounding."""
+ROOM, SHORTEST = 0.95, 1e-8
+"""Largest share of a boundary arc beside the middle of a zone that half a subarc may take, and the
+share of t_f below which there is no room for one."""
+LONGEST_SWING = 5.0
+"""Longest way from one side of a bound to the other, in what the force alone would take for it."""
+STEPS, DIFFERENCE, SAMPLES = 8, 1e-6, 9
+"""Newton steps for the durations, relative step of their difference quotients, and samples of each
+bang arc that look for the other side."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DensityZone:
+    """Where a density has the wrong sign, between remaining times start > end [s]."""
+
+    start: float
+    end: float
+    lowest: float  # Where it is most wrong [s]
+    depth: float  # The density there, negative
+
+
+def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZone, ...]:
+    """Return where holding a bound costs time: the density has the wrong sign."""
+    zones: list[DensityZone] = []
+    for part in stretches(problem, measure):
+        if part.limit < 0:
+            continue
+        middle = 0.5 * (part.start + part.end)
+        side = next(interior.side for interior in measure.interiors if interior.holds(middle))
+        density = side * densities(problem, part)[0]
+        tau = np.linspace(part.end, part.start, density.size)
+        wrong = density < -SMALL_DENSITY * np.abs(density).max()
+        edges = np.flatnonzero(np.diff(np.pad(wrong.astype(np.int8), 1)))
+        for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            low = first + int(np.argmin(density[first:stop]))
+            zones.append(
+                DensityZone(
+                    start=_crossing(tau, density, stop - 1, stop),
+                    end=_crossing(tau, density, first, first - 1),
+                    lowest=float(tau[low]),
+                    depth=float(density[low]),
+                )
+            )
+    return tuple(zones)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +90,14 @@ class _Place:
     start: float
     middle: float
     half: float
+
+
+def _crossing(tau: Array, density: Array, wrong: int, right: int) -> float:
+    """Return where the density changes sign between two samples; the first where there is one."""
+    if not 0 <= right < tau.size:
+        return float(tau[wrong])
+    share = density[wrong] / (density[wrong] - density[right])
+    return float(tau[wrong] + np.clip(share, 0.0, 1.0) * (tau[right] - tau[wrong]))
 
 
 def with_subarc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
@@ -70,7 +125,7 @@ def _crosses(problem: BoundedProblem, held: Piece, state: Array, subarc: tuple[P
             problem,
             piece,
             state,
-            np.linspace(0.0, piece.duration, problem.settings.newton.subarc_samples),
+            np.linspace(0.0, piece.duration, SAMPLES),
         )
         if float((states @ row).min()) < -1.0:
             return True
@@ -118,7 +173,7 @@ def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, .
     def miss(spans: Array) -> Array:
         after = state
         for side, span in zip(sides, spans.tolist(), strict=True):
-            after = flow_bang(problem, after, side, span)
+            after = _driven(problem, after, side, span)
         return limit.missed(after, goal.side)
 
     # Two of the bound by the force alone: once or twice integrated.
@@ -127,8 +182,7 @@ def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, .
     spans = _spans(
         miss,
         first,
-        problem.settings.newton,
-        longest=problem.settings.newton.longest_swing * float(first.sum()),
+        longest=LONGEST_SWING * float(first.sum()),
     )
     return None if spans is None else _bangs(sides, spans)
 
@@ -144,7 +198,7 @@ def _bangs(sides: list[int], spans: Array) -> tuple[Piece, ...] | None:
 
 
 def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _Place | None:
-    settings = problem.settings.newton
+
     ends = np.cumsum([piece.duration for piece in sequence.pieces])
     middle = float(ends[-1]) - zone.lowest
     index = int(np.searchsorted(ends, middle))
@@ -153,9 +207,9 @@ def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _P
     order = 0 if piece.limit < 0 else problem.limits[piece.limit].order
     if order not in SUBARC_LENGTH:
         return None
-    room = settings.subarc_room * min(middle - start, float(ends[index]) - middle)
+    room = ROOM * min(middle - start, float(ends[index]) - middle)
     half = min(0.25 * SUBARC_LENGTH[order] * (zone.start - zone.end), room)
-    if half < settings.shortest_subarc * float(ends[-1]):
+    if half < SHORTEST * float(ends[-1]):
         return None
     return _Place(index=index, start=start, middle=middle, half=half)
 
@@ -181,21 +235,19 @@ def _subarc(
     def miss(first: Array) -> Array:
         after = state
         for side, span in zip(sides, [*first.tolist(), length - float(first.sum())], strict=True):
-            after = flow_bang(problem, after, side, span)
+            after = _driven(problem, after, side, span)
         return limit.missed(after, piece.side)
 
     shares = np.full(len(sides), 0.5)
     shares[[0, -1]] = 0.5 / limit.order
-    spans = _spans(miss, shares[:-1] * length, problem.settings.newton, longest=length)
+    spans = _spans(miss, shares[:-1] * length, longest=length)
     return None if spans is None else _bangs(sides, np.append(spans, length - float(spans.sum())))
 
 
-def _spans(
-    miss: Callable[[Array], Array], first: Array, settings: NewtonSettings, *, longest: float
-) -> Array | None:
+def _spans(miss: Callable[[Array], Array], first: Array, *, longest: float) -> Array | None:
     """Return the durations without a miss by Newton's method, or None where one is too long."""
-    step = settings.difference * longest
-    for _ in range(settings.subarc_steps):
+    step = DIFFERENCE * longest
+    for _ in range(STEPS):
         value = miss(first)
         columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
         first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]
@@ -218,3 +270,9 @@ def _inserted(sequence: Sequence, place: _Place, parts: tuple[Piece, ...]) -> Se
             if touch.piece != place.index
         ),
     )
+
+
+def _driven(problem: BoundedProblem, state: Array, side: int, span: float) -> Array:
+    """Return the state after a bang arc."""
+    piece = Piece(limit=-1, side=side, duration=span)
+    return np.asarray(piece_states(problem, piece, state, np.array([0.0, span]))[-1])

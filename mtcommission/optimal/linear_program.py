@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import highspy
 import numpy as np
 from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-
-from mtcommission.optimal.bounded.settings import ProgramSettings
 
 Array = NDArray[np.float64]
 
@@ -27,6 +25,20 @@ basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
 
 FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
 """Verdicts after which no other way is tried, unless the program is known to have a solution."""
+
+FORGIVING = 1e-8
+"""Tolerance of the last way, if the first ones had a smaller one."""
+
+CHECKS_PER_STEP = 3
+"""Times that the simplex method may ask whether it shall go on, against the steps allowed: 1.1 to
+1.3 where it ends (measured); one that turns in circles does so without counting steps."""
+
+INTERIOR_STEPS = 500
+"""Steps of the interior-point method at most; some dozens are usual."""
+
+SMALLEST_COEFFICIENT = 1e-12
+"""Coefficients left out: the least that HiGHS allows. Its default of 1e-9 drops what a short cell
+does to a bound far away, and with it eight digits of the bound."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,17 +65,6 @@ class Basis:
     unknowns: tuple[HighsBasisStatus, ...]
     constraints: tuple[HighsBasisStatus, ...]
 
-    def split(self, parts: list[int]) -> Basis:
-        """Return the basis in which the parts of the first unknowns are what each of them was.
-
-        One part only of an unknown in the basis is in it, so that the basis keeps its size.
-        """
-        unknowns: list[HighsBasisStatus] = []
-        for was, count in zip(self.unknowns, parts, strict=False):
-            other = HighsBasisStatus.kUpper if was == HighsBasisStatus.kBasic else was
-            unknowns += [was, *[other] * (count - 1)]
-        return replace(self, unknowns=(*unknowns, *self.unknowns[len(parts) :]))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
@@ -80,12 +81,11 @@ class Solution:
 
 def solve_program(
     program: Program,
-    settings: ProgramSettings,
     *,
     steps: int,
     tolerance: float = 1e-7,
     start: Basis | None = None,
-    solvable: bool = False,
+    is_solvable: bool = False,
 ) -> Solution | None:
     """Return the solution of a linear program, or None where the simplex method finds none.
 
@@ -94,14 +94,14 @@ def solve_program(
     >>> one = np.ones((1, 1))
     >>> program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
     ...     right=np.empty(0), lower=np.zeros(1), upper=np.full(1, np.inf))
-    >>> float(solve_program(program, ProgramSettings(), steps=10).unknowns[0])
+    >>> float(solve_program(program, steps=10).unknowns[0])
     2.0
     """
     model = _model(program)
     for way in WAYS:
-        allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
-        solver = _solver(way, settings, steps=steps, tolerance=allowed)
-        _stop_circles(solver, most=settings.checks_per_step * steps)
+        allowed = max(tolerance, FORGIVING) if way is WAYS[-1] else tolerance
+        solver = _solver(way, steps=steps, tolerance=allowed)
+        _stop_circles(solver, most=CHECKS_PER_STEP * steps)
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
@@ -109,7 +109,7 @@ def solve_program(
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _solution(solver, equations=program.right.size)
-        if not solvable and status in FINAL:
+        if not is_solvable and status in FINAL:
             return None
         start = None
     return None
@@ -143,17 +143,15 @@ class _SilentHighs(highspy.Highs):
         super().enableCallbacks()  # type: ignore[no-untyped-call]
 
 
-def _solver(
-    way: Mapping[str, str | int], settings: ProgramSettings, *, steps: int, tolerance: float
-) -> highspy.Highs:
+def _solver(way: Mapping[str, str | int], *, steps: int, tolerance: float) -> highspy.Highs:
     solver = _SilentHighs()  # type: ignore[no-untyped-call]
     options: dict[str, bool | int | float | str] = {
         "parallel": "off",
         # Presolving costs more here than it saves, and calls some feasible programs infeasible.
         "presolve": "off",
-        "small_matrix_value": settings.smallest_coefficient,
+        "small_matrix_value": SMALLEST_COEFFICIENT,
         "simplex_iteration_limit": steps,
-        "ipm_iteration_limit": settings.interior_steps,
+        "ipm_iteration_limit": INTERIOR_STEPS,
         "primal_feasibility_tolerance": tolerance,
         "dual_feasibility_tolerance": tolerance,
         **way,

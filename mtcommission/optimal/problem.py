@@ -8,20 +8,51 @@ feedback F_set = K x with K = -c A^r / (c A^(r-1) B).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.settings import STANDARD, BoundedSettings, StructureSettings
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
+
+ORDER_TOLERANCE = 1e-10
+"""Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
+FOLLOW_LEVEL = 0.5
+"""Share of a bound that the target itself takes, above which the bound is scaled with the target:
+otherwise a bound that the target just meets (|v_s| <= velocity step) would cap the reachable
+multiple at 1 for every longer t_f, and t_f could not be told from it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConstraintPoint:
+    """A point where a bound is imposed."""
+
+    remaining: float  # Remaining time [s]
+    limit: int  # Index of the bound
+    side: int  # +1 or -1
+    weight: float = 0.0  # Multiplier, >= 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArcInterior:
+    """An interval on which a bound is held and σ = 0."""
+
+    # start, end: Remaining times, start > end [s].
+    start: float
+    end: float
+    limit: int  # Index of the bound
+    side: int  # +1 or -1
+
+    def holds(self, remaining: float) -> bool:
+        """Return whether a remaining time lies inside."""
+        return self.end < remaining < self.start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,7 +62,7 @@ class Limit:
     bound: Bound  # As the user gave it
     row: Array  # c divided by the bound's value, shape (n,)
     # Whether the program scales this bound with the target
-    # (``StructureSettings.follow_level``).
+    # (``FOLLOW_LEVEL``).
     follows: bool
     gain: float  # c (A/rate)^(r-1) B [1/(N s)]
     output_chain: Array  # Rows c (A/rate)^j, j < r; shape (r, n)
@@ -71,7 +102,6 @@ class BoundedProblem:
     target: Array  # State at the end, shape (n,); 0 where free
     state_scale: Array  # Typical size of each state, shape (n,)
     rate: float  # Fastest rate of the plant [1/s]
-    settings: BoundedSettings  # Of the solver
 
     @property
     def has_high_order(self) -> bool:
@@ -82,6 +112,13 @@ class BoundedProblem:
     def vibration_rate(self) -> float:
         """Natural frequency of the fastest mode, or the fastest rate without modes [1/s]."""
         return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)
+
+    @property
+    def ramp(self) -> float:
+        """Time to the bound on the rigid velocity at full force; inf without one [s]."""
+        name = self.plant.states[self.plant.velocity]
+        speed = next((bound.value for bound in self.bounds if bound.name == name), inf)
+        return speed * self.plant.moving_mass / self.force_limit
 
     @property
     def bounds(self) -> tuple[Bound, ...]:
@@ -138,7 +175,6 @@ def bounded_problem(
     force_limit: float,
     bounds: tuple[Bound, ...],
     horizon: float,
-    settings: BoundedSettings = STANDARD,
 ) -> BoundedProblem:
     """Return the problem with everything that follows from the orders of its bounds.
 
@@ -169,21 +205,18 @@ def bounded_problem(
         plant=plant,
         force_limit=force_limit,
         limits=tuple(
-            _limit(plant, bound, settings.structure, rate=rate, target=target, scale=scale)
-            for bound in bounds
+            _limit(plant, bound, rate=rate, target=target, scale=scale) for bound in bounds
         ),
         fixed=fixed,
         target=target,
         state_scale=scale,
         rate=rate,
-        settings=settings,
     )
 
 
 def _limit(
     plant: Plant,
     bound: Bound,
-    settings: StructureSettings,
     *,
     rate: float,
     target: Array,
@@ -192,7 +225,7 @@ def _limit(
     A, B = plant.A / rate, plant.B
     row = plant.row(bound.name) / bound.value
     outputs, forces = [row], [B]
-    while abs(outputs[-1] @ B) <= settings.order_tolerance * (np.abs(outputs[-1]) @ np.abs(B)):
+    while abs(outputs[-1] @ B) <= ORDER_TOLERANCE * (np.abs(outputs[-1]) @ np.abs(B)):
         outputs.append(outputs[-1] @ A)
         forces.append(A @ forces[-1])
     gain = float(outputs[-1] @ B)
@@ -204,7 +237,7 @@ def _limit(
     return Limit(
         bound=bound,
         row=row,
-        follows=abs(float(row @ target)) > settings.follow_level,
+        follows=abs(float(row @ target)) > FOLLOW_LEVEL,
         gain=gain,
         output_chain=output_chain,
         force_chain=force_chain,

@@ -1,1 +1,0 @@
-"""Time-optimal control under bounds on states and outputs: exact, and proved."""

@@ -1,1 +1,0 @@
-"""Meshes: where cells lie, what is solved on them, when they are finished."""

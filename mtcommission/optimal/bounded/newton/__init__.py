@@ -1,1 +1,0 @@
-"""Solving and editing an exact sequence."""

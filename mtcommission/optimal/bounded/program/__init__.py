@@ -1,1 +1,0 @@
-"""Linear programs, and the even grid that begins the search."""

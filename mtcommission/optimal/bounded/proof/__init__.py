@@ -1,1 +1,0 @@
-"""What a control must keep, and how closely its dual bound is evaluated."""

@@ -1,1 +1,0 @@
-"""Structure arcs and touch points from constraint points."""
