@@ -9,7 +9,6 @@ import highspy
 import numpy as np
 from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 Array = NDArray[np.float64]
 
@@ -97,14 +96,14 @@ def solve_program(
     >>> float(solve_program(program, steps=10).unknowns[0])
     2.0
     """
-    model = _model(program)
+    count = program.right.size + program.rooms.size
     for way in WAYS:
         allowed = max(tolerance, FORGIVING) if way is WAYS[-1] else tolerance
         solver = _solver(way, steps=steps, tolerance=allowed)
         _stop_circles(solver, most=CHECKS_PER_STEP * steps)
-        solver.passModel(model)
+        _pass_program(solver, program)
         if start is not None:
-            solver.setBasis(_highs_basis(start, rows=model.num_row_))
+            solver.setBasis(_highs_basis(start, rows=count))
         solver.run()
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
@@ -115,20 +114,29 @@ def solve_program(
     return None
 
 
-def _model(program: Program) -> highspy.HighsLp:
-    matrix = csr_array(np.vstack([program.equal, program.rows]))
-    model = highspy.HighsLp()
-    model.num_col_, model.num_row_ = program.cost.size, matrix.shape[0]
-    model.col_cost_ = program.cost
-    model.col_lower_, model.col_upper_ = program.lower, program.upper
+def _pass_program(solver: highspy.Highs, program: Program) -> None:
+    """Hand over arrays: as a model, whose fields are lists, it takes as long as the solution."""
+    matrix = np.vstack([program.equal, program.rows])
+    rows, columns = np.nonzero(matrix)
+    starts = np.searchsorted(rows, np.arange(len(matrix)))
     floors = np.full(program.rooms.size, -np.inf) if program.floors is None else program.floors
-    model.row_lower_ = np.concatenate([program.right, floors])
-    model.row_upper_ = np.concatenate([program.right, program.rooms])
-    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    model.a_matrix_.start_ = matrix.indptr
-    model.a_matrix_.index_ = matrix.indices
-    model.a_matrix_.value_ = matrix.data
-    return model
+    solver.passModel(
+        program.cost.size,
+        len(matrix),
+        rows.size,
+        int(highspy.MatrixFormat.kRowwise),
+        int(highspy.ObjSense.kMinimize),
+        0.0,
+        program.cost,
+        program.lower,
+        program.upper,
+        np.concatenate([program.right, floors]),
+        np.concatenate([program.right, program.rooms]),
+        starts.astype(np.int32),
+        columns.astype(np.int32),
+        matrix[rows, columns],
+        np.zeros(program.cost.size, dtype=np.int32),
+    )
 
 
 class _SilentHighs(highspy.Highs):
