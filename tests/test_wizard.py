@@ -723,10 +723,12 @@ def test_every_question_fits_a_terminal_and_its_choices_are_read_in_any_language
     for question, is_rotary in _all_questions():
         words = Catalogue(language, rotary=is_rotary)
         text = question.say(words)
-        assert question.choices or len(f"{text}{hint(question, '', words)}: ") <= 100, text
+        assert (
+            question.choices or len(f"{text}{hint(question, question.default, words)}: ") <= 79
+        ), text
         titles = [title(choice, words) for choice in question.choices]
         for shown, choice in zip(titles, question.choices, strict=True):
-            assert len(f"? {text} {shown}") <= 100, question.key
+            assert len(f"? {text} {shown}") <= 79, question.key
             assert read_reply(question, shown, titles=titles).text == choice
             assert read_reply(question, choice, titles=titles).text == choice
         assert question.where(words).endswith((".", "")), question.key

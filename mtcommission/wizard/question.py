@@ -48,7 +48,7 @@ class Question:
         """Return the question, with what an empty reply means where it may be left out."""
         kind = self._kind
         text = words.text(kind, **self._values) if words.has(kind) else self._name(words)
-        if not self.is_optional or self.choices:
+        if not self.is_optional or self.choices or self.meant is not None:
             return text
         empty = f"{self._kind}-empty"
         meaning = words.known(empty, words.text("ask-left-out"))

@@ -12,7 +12,7 @@ ask-drive-kind = Servo oder gesteuerte Achse (Schrittmotor)
 ask-drive-kind-where = Gesteuert: ein Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei gehaltenem Motor, wie ein Beschleunigungsaufnehmer sie zeigt.
 ask-drive-max-acceleration = Größte Beschleunigung, der der Motor folgt
 ask-drive-max-acceleration-where = Was er bei größter Geschwindigkeit ohne Schrittverlust schafft; nach Datenblatt: Moment dort / (r x bewegte Masse).
-ask-drive-max-velocity = Größte Geschwindigkeit, der der Motor folgt
+ask-drive-max-velocity = Größte Geschwindigkeit des Motors
 ask-drive-max-velocity-where = Schritte je Sekunde der Steuerung x Weg je Schritt, oder wo das Moment endet.
 ask-drive-max-velocity-empty = die jeder Bewegung
 choice-servo = Servo
@@ -60,7 +60,7 @@ ask-plant-base-stiffness-where = Datenblatt der Aufstellelemente und Führungen,
 ask-plant-base-damping-where = d = 2 x Dämpfungsgrad x sqrt(k m); üblich sind 0,02 bis 0,05.
 ask-plant-rotary-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = J (2 pi f)^2.
 ask-plant-rotary-damping-where = d = 2 x Dämpfungsgrad x sqrt(k J); üblich sind 0,02 bis 0,05.
-ask-moves-distance = Bewegung { $number }: Weg, oder Geschwindigkeit am Ende
+ask-moves-distance = Bewegung { $number }: Weg oder Endgeschwindigkeit
 ask-moves-distance-empty = keine mehr
 ask-moves-distance-where = Die Grenzwerte gelten für alle Bewegungen der Liste: die typische und die schwerste, z. B. eine kurze und eine lange.
 ask-moves-max-velocity-where = Eilgang der Achse, aus der Steuerung oder ihrem Datenblatt.
@@ -90,13 +90,13 @@ ask-requirements-contour-deviation-empty = am Ende still
 ask-control-kind = Steuerung
 ask-control-kind-where = Was sie nicht hat, wird weder benutzt noch versprochen; fehlt die eigene, die allgemeine Kaskade nehmen. mtcommission export druckt Grenzwerte und Verstärkungen in ihren Namen.
 ask-control-position-loop = Wo der Lageregelkreis schließt
-ask-control-position-loop-empty = wie die Steuerung ihn hat
+ask-control-position-loop-empty = wie in der Steuerung
 ask-control-position-loop-where = Im Antrieb heißt DSC (SINUMERIK: MD32640 = 1); damit darf Kv höher sein. Unbekannt nimmt, was die Steuerung ohne Vorgabe tut, die nächste Zeile, und kennzeichnet es als angenommen.
 ask-control-position-cycle = Takt des Lagereglers
-ask-control-position-cycle-empty = wie die Steuerung ihn hat
+ask-control-position-cycle-empty = wie in der Steuerung
 ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
 ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
-ask-control-velocity-cycle-empty = wie die Steuerung ihn hat
+ask-control-velocity-cycle-empty = wie in der Steuerung
 ask-control-velocity-cycle-where = Antrieb: Takt des Drehzahlreglers; der Lagereglertakt ist ein ganzes Vielfaches.
 ask-control-position-gain = Lageverstärkung Kv
 ask-control-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.

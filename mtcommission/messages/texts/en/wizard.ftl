@@ -15,7 +15,7 @@ ask-drive-kind = Servo, or an open-loop axis (stepper)
 ask-drive-kind-where = Open loop: a stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
 ask-drive-max-acceleration = Largest acceleration that the motor follows
 ask-drive-max-acceleration-where = What it does without losing steps at the top speed; by data sheet: torque there / (r x moved mass).
-ask-drive-max-velocity = Largest velocity that the motor follows
+ask-drive-max-velocity = Largest velocity of the motor
 ask-drive-max-velocity-where = The steps per second of the control x the travel per step, or where the torque ends.
 ask-drive-max-velocity-empty = that of each move
 choice-servo = servo
@@ -63,7 +63,7 @@ ask-plant-base-stiffness-where = Data sheet of mounts and guideways, or from a m
 ask-plant-base-damping-where = d = 2 x damping ratio x sqrt(k m); ratios of 0.02 to 0.05 are common.
 ask-plant-rotary-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = J (2 pi f)^2.
 ask-plant-rotary-damping-where = d = 2 x damping ratio x sqrt(k J); ratios of 0.02 to 0.05 are common.
-ask-moves-distance = Move { $number }: distance, or the velocity it accelerates to
+ask-moves-distance = Move { $number }: distance, or velocity at its end
 ask-moves-distance-empty = no more
 ask-moves-distance-where = The limits serve all moves that you list: take the typical and the hardest, e.g. a short and a long one.
 ask-moves-max-velocity-where = Rapid traverse of the axis, from the control or its data sheet.
