@@ -25,6 +25,7 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.columns import Axis
 from mtcommission.verify.entry import verification_entry
+from mtcommission.verify.feedforward import suggest_feedforward
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
 from mtcommission.verify.read import read_trace
@@ -126,6 +127,42 @@ def test_a_trace_that_ends_while_the_axis_moves_never_holds(dwell: float, tmp_pa
     """Whoever stops the recorder too soon would be told of a fault of the program."""
     found = verified(MILLING, tmp_path, Spoilt(dwell=dwell))
     assert found.verdict is not Verdict.HOLDS
+
+
+@pytest.mark.parametrize("share", [0.45, 0.6, 0.75])
+def test_a_trace_that_ends_before_the_setpoint_does_blames_nobody(
+    share: float, tmp_path: Path
+) -> None:
+    """Of such a move neither velocity nor acceleration are the planned ones yet."""
+    record, rebuilt = record_of("rotary-table"), rebuilt_of("rotary-table")
+    whole = record_moves(rebuilt, limits_of(record), Spoilt(dwell=0.0, before=0.1))
+    rows = int(share * len(whole["t"]))
+    file = write_csv(tmp_path / "cut.csv", {k: v[:rows] for k, v in whole.items()}, units=ROTARY)
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    assert all(one.motion.is_cut for one in found.recorded)
+    assert found.verdict is Verdict.UNKNOWN
+    assert not [check.key for check in found.checks if check.verdict is Verdict.FAILS]
+
+
+@pytest.mark.parametrize("name", ["modal-two-modes", "ball-screw"])
+def test_the_feed_forward_is_what_the_machine_would_need(name: str, tmp_path: Path) -> None:
+    """A heavier machine asks for its mass, a late encoder for its delay; both are tested apart."""
+    record, rebuilt = record_of(name), rebuilt_of(name)
+    mass = rebuilt.plant.moving_mass
+    how = Spoilt(payload=0.2 * mass, repeats=2)
+    file = write_csv(tmp_path / "heavy.csv", record_moves(rebuilt, limits_of(record), how))
+    fed = suggest_feedforward(verify(record, [read_trace(str(file), {}, axis_of(rebuilt))]))
+    new = {one.key: one.new.value for one in fed.values}
+    assert new["feedforward_mass"] == pytest.approx(1.2 * mass, rel=0.03)
+    assert fed.tested == 1
+    assert fed.after < 0.4 * fed.before
+    file = write_csv(
+        tmp_path / "late.csv", record_moves(rebuilt, limits_of(record), Spoilt(lag=1e-3))
+    )
+    fed = suggest_feedforward(verify(record, [read_trace(str(file), {}, axis_of(rebuilt))]))
+    (delay,) = [one for one in fed.values if one.key == "reference_delay"]
+    assert delay.new.value - delay.old == pytest.approx(1e-3, rel=0.02)
+    assert fed.after < 0.1 * fed.before
 
 
 @pytest.mark.parametrize("factor", [0.85, 0.9, 0.92, 1.06, 1.1, 1.15])
@@ -355,7 +392,7 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     text = renew_profile(record.profile.text, refined, words=words_of(found), date="2026-01-01")
     drive = parse_profile(text, where="new").drive
     assert drive.coulomb_friction == pytest.approx(new["coulomb_friction"].value, rel=1e-4)
-    entry = json.loads(json.dumps(verification_entry(found, refined, None)))
+    entry = json.loads(json.dumps(verification_entry(found, refined, None, None)))
     assert set(entry) >= {"verdict", "checks", "setpoint", "shift", "modes", "noise_floor",
                           "refined", "warnings"}  # fmt: skip
     assert entry["refined"]["mass"]["old"] == 320.0

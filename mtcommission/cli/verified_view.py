@@ -5,6 +5,7 @@ from __future__ import annotations
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.verify.checks import Verdict
+from mtcommission.verify.feedforward import FeedForward
 from mtcommission.verify.new_limits import NewLimits
 from mtcommission.verify.refine import Refined
 from mtcommission.verify.verify import Verification
@@ -13,6 +14,7 @@ from mtcommission.verify.wording import (
     limit_rows,
     parameter_row,
     say_check,
+    say_feedforward,
     say_test,
     say_verdict,
 )
@@ -21,11 +23,12 @@ STYLES = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.UNKNOWN: "yellow
 
 
 def describe_verification(
-    found: Verification, refined: Refined, limits: NewLimits | None
+    found: Verification, refined: Refined, fed: FeedForward | None, limits: NewLimits | None
 ) -> list[Line]:
     """Return the verdict, the planner's first, every check, and what is different.
 
-    ``refined``: parameters as the traces show them; ``limits``: what they lead to, if asked for.
+    ``refined``, ``fed``: parameters and feed-forward as the traces show them; ``limits``: what they
+    lead to, if asked for.
     """
     spoken = words()
     say = spoken.text
@@ -61,6 +64,10 @@ def describe_verification(
         lines.append(say("verify-unexplained", share=found.unexplained))
     if note := say_test(refined, spoken):
         lines.append(note)
+    if fed is not None:
+        values = (parameter_row(one, spoken) for one in fed.values)
+        lines += ["", *table(heads("feedforward", "old", "new", ""), values)]
+        lines.append(say_feedforward(fed, spoken))
     if limits is not None:
         lines += ["", *table(heads("", "old", "new"), limit_rows(limits, spoken))]
         lines += warn(spoken, [limits.failure] if limits.failure else [])

@@ -53,6 +53,7 @@ def verify(
     from mtcommission.record.record import load_record
     from mtcommission.verify.columns import Axis
     from mtcommission.verify.entry import verification_entry
+    from mtcommission.verify.feedforward import suggest_feedforward
     from mtcommission.verify.new_limits import find_new_limits
     from mtcommission.verify.page import print_verification
     from mtcommission.verify.read import read_trace
@@ -69,21 +70,22 @@ def verify(
         progress(Message("verify-stage"))
         found = compare(loaded, recorded)
         refined = refine(found)
+        fed = suggest_feedforward(found)
         limits = None
         if renewed:
             progress(Message("stage-limits"))
             text = renew_profile(loaded.profile.text, refined, words=words(), date=now()[:10])
             limits = find_new_limits(loaded, text)
             write_text(renewed, text)
-    entry = dump_json(verification_entry(found, refined, limits))
+    entry = dump_json(verification_entry(found, refined, fed, limits))
     if output:
-        page = print_verification(found, refined, limits, created=now(), language=language)
+        page = print_verification(found, refined, fed, limits, created=now(), language=language)
         files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
         write_files(output, files)
     if json_file:
         write_text(json_file, entry)
     if "-" not in (json_file, renewed):
-        show(describe_verification(found, refined, limits))
+        show(describe_verification(found, refined, fed, limits))
         if output:
             print_written(output, files)
         if renewed:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from mtcommission.messages.message import to_json
 from mtcommission.verify.checks import Check
+from mtcommission.verify.feedforward import FeedForward
 from mtcommission.verify.new_limits import Limits, NewLimits
-from mtcommission.verify.refine import Refined
+from mtcommission.verify.refine import Parameter, Refined
 from mtcommission.verify.verify import Verification
 
 Entry = dict[str, object]
 
 
-def verification_entry(found: Verification, refined: Refined, limits: NewLimits | None) -> Entry:
+def verification_entry(
+    found: Verification, refined: Refined, fed: FeedForward | None, limits: NewLimits | None
+) -> Entry:
     """Return what was found as JSON has it; SI, ``limit`` null where nothing is required."""
     by_key = {check.key: check.measured for check in found.checks}
     return {
@@ -40,24 +43,32 @@ def verification_entry(found: Verification, refined: Refined, limits: NewLimits 
         ],
         "noise_floor": found.noise_floor,
         "unexplained": found.unexplained,
-        "refined": {
-            one.name: {
-                "old": one.old,
-                "new": one.new.value,
-                "sigma": one.new.sigma,
-                "unit": one.unit,
-                "changed": one.has_changed,
-            }
-            for one in refined.parameters
-        },
+        "refined": {one.name: _parameter(one) for one in refined.parameters},
         "held_back": {
             "moves": refined.tested,
             "unexplained_before": refined.unexplained_before,
             "unexplained_after": refined.unexplained_after,
             "force_unexplained": refined.force_unexplained,
         },
+        "feedforward": fed
+        and {
+            "values": {one.key: _parameter(one) for one in fed.values},
+            "moves_held_back": fed.tested,
+            "deviation_before": fed.before,
+            "deviation_after": fed.after,
+        },
         "limits": limits and {"old": _limits(limits.old), "new": _limits(limits.new)},
         "warnings": [to_json(warning) for warning in found.warnings],
+    }
+
+
+def _parameter(one: Parameter) -> Entry:
+    return {
+        "old": one.old,
+        "new": one.new.value,
+        "sigma": one.new.sigma,
+        "unit": one.unit,
+        "changed": one.has_changed,
     }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
@@ -24,9 +26,10 @@ from mtcommission.sheet.document import (
 from mtcommission.sheet.html import set_html
 from mtcommission.verify.beside import Beside
 from mtcommission.verify.checks import Verdict
+from mtcommission.verify.feedforward import FeedForward
 from mtcommission.verify.motions import Recorded
 from mtcommission.verify.new_limits import NewLimits
-from mtcommission.verify.refine import Refined
+from mtcommission.verify.refine import Parameter, Refined
 from mtcommission.verify.trace import Array, Role
 from mtcommission.verify.verify import Verification
 from mtcommission.verify.wording import (
@@ -35,6 +38,7 @@ from mtcommission.verify.wording import (
     limit_rows,
     parameter_row,
     say_check,
+    say_feedforward,
     say_test,
     say_verdict,
 )
@@ -49,6 +53,7 @@ MOST_PLOTS = 6
 def print_verification(
     found: Verification,
     refined: Refined,
+    fed: FeedForward | None,
     limits: NewLimits | None,
     *,
     created: str,
@@ -71,7 +76,7 @@ def print_verification(
             ),
         ),
         Section(key="overlay", heading=say("verify-part-overlay"), blocks=_plots(found, words)),
-        *_differences(found, refined, limits, words),
+        *_differences(found, refined, fed, limits, words),
         Section(
             key="sources", heading=say("verify-part-sources"), blocks=(_sources(found, words),)
         ),
@@ -131,31 +136,24 @@ def _checks(found: Verification, words: Catalogue) -> Table:
 
 
 def _differences(
-    found: Verification, refined: Refined, limits: NewLimits | None, words: Catalogue
+    found: Verification,
+    refined: Refined,
+    fed: FeedForward | None,
+    limits: NewLimits | None,
+    words: Catalogue,
 ) -> list[Section]:
     """What is different from the record: parameters, and the limits that follow."""
-    if not refined.parameters:
-        return []
     say = words.text
-    blocks: list[Block] = [
-        Table(
-            caption=say("verify-caption-parameters"),
-            columns=(
-                Column(head=say("verify-head-parameter"), width=1.6),
-                Column(head=say("verify-head-old"), is_number=True),
-                Column(head=say("verify-head-new"), is_number=True, width=1.6),
-                Column(head=say("verify-head-note"), width=1.6),
-            ),
-            rows=tuple(parameter_row(one, words) for one in refined.parameters),
-            strong_rows=tuple(
-                place for place, one in enumerate(refined.parameters) if one.has_changed
-            ),
-        )
-    ]
+    blocks: list[Block] = []
+    if refined.parameters:
+        blocks.append(_parameters("parameter", refined.parameters, words))
     notes = [say_test(refined, words)]
     if found.unexplained is not None:
         notes.insert(0, say("verify-unexplained", share=found.unexplained))
     blocks += [Paragraph(text=note, tone=Tone.NOTE) for note in notes if note]
+    if fed is not None:
+        blocks.append(_parameters("feedforward", fed.values, words))
+        blocks.append(Paragraph(text=say_feedforward(fed, words), tone=Tone.NOTE))
     if limits is not None:
         if limits.failure:
             blocks.append(Paragraph(text=words.say(limits.failure), tone=Tone.WARNING))
@@ -170,9 +168,26 @@ def _differences(
                 rows=tuple(limit_rows(limits, words)),
             )
         )
+    if not blocks:
+        return []
     return [
         Section(key="differences", heading=say("verify-part-differences"), blocks=tuple(blocks))
     ]
+
+
+def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Table:
+    say = words.text
+    return Table(
+        caption=say(f"verify-caption-{kind}s"),
+        columns=(
+            Column(head=say(f"verify-head-{kind}"), width=1.6),
+            Column(head=say("verify-head-old"), is_number=True),
+            Column(head=say("verify-head-new"), is_number=True, width=1.6),
+            Column(head=say("verify-head-note"), width=1.6),
+        ),
+        rows=tuple(parameter_row(one, words) for one in values),
+        strong_rows=tuple(place for place, one in enumerate(values) if one.has_changed),
+    )
 
 
 def _sources(found: Verification, words: Catalogue) -> Table:

@@ -110,11 +110,7 @@ def _with_poles(
 
 def predict(rebuilt: Rebuilt, motion: Motion) -> Prediction:
     """Return what the loop makes of a recorded move."""
-    controller = rebuilt.controller
-    T_p = controller.position_cycle
-    count = ceil((motion.until - motion.begin + controller.reference_delay) / T_p) + LEAD_IN + 2
-    start = motion.begin - LEAD_IN * T_p
-    references = motion.sample(start + T_p * np.arange(count, dtype=np.float64))
+    t, references = cycles_of(rebuilt, motion)
     drive = rebuilt.machine.drive
     outputs = []
     for loop in rebuilt.loops:
@@ -122,12 +118,22 @@ def predict(rebuilt: Rebuilt, motion: Motion) -> Prediction:
             loop.plant,
             coulomb=drive.coulomb_friction,
             viscous=drive.viscous_friction,
-            step=controller.velocity_cycle,
+            step=rebuilt.controller.velocity_cycle,
         )
         rows = drive_loop(loop, references, force_limit=drive.usable_force, friction=friction)
         outputs.append(rows[:, [0, 1, 3 + loop.plant.force]])
-    t = start + controller.velocity_cycle * np.arange(len(outputs[0]), dtype=np.float64)
     return Prediction(t=t, outputs=np.array(outputs))
+
+
+def cycles_of(rebuilt: Rebuilt, motion: Motion) -> tuple[Array, Array]:
+    """Return every velocity cycle of a move [s], and its setpoint at each position cycle."""
+    controller = rebuilt.controller
+    T_p = controller.position_cycle
+    count = ceil((motion.until - motion.begin + controller.reference_delay) / T_p) + LEAD_IN + 2
+    start = motion.begin - LEAD_IN * T_p
+    references = motion.sample(start + T_p * np.arange(count, dtype=np.float64))
+    t = start + controller.velocity_cycle * np.arange(count * controller.cycles, dtype=np.float64)
+    return t, references
 
 
 def _controller(entry: LoopPart, plant: Plant) -> Controller:

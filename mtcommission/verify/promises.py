@@ -39,18 +39,31 @@ def check_recorded(
 ) -> tuple[Check, ...]:
     """Return every check of one recorded move, the setpoint's first."""
     units = rebuilt.machine.axis_units
-    planner = check_planner(recorded.motion, recorded.setpoint, entered, units)
-    disobeys = any(check.verdict is Verdict.FAILS for check in planner)
+    is_cut = recorded.motion.is_cut
+    # Of a move that goes on nobody knows the plan: it reaches less than the whole one.
+    plan = None if is_cut else recorded.setpoint
+    planner = check_planner(recorded.motion, plan, entered, units)
+    if is_cut:
+        reason = Message("verify-cut")
+        planner = tuple(
+            one if _fails(one) else replace(one, verdict=Verdict.UNKNOWN, reason=reason)
+            for one in planner
+        )
+    disobeys = any(map(_fails, planner))
     motion = [
         *_position_checks(rebuilt, record, recorded),
         *_force_checks(rebuilt, recorded),
         *_state_checks(rebuilt, recorded),
     ]
-    if recorded.motion.is_cut:
+    if is_cut:
         motion = [_unknown(check, Message("verify-cut")) for check in motion]
     if disobeys:
         motion = [_unknown(check, Message("verify-other-setpoint")) for check in motion]
     return (*planner, *motion, *_delay_check(rebuilt, recorded), *_mode_checks(rebuilt, recorded))
+
+
+def _fails(check: Check) -> bool:
+    return check.verdict is Verdict.FAILS
 
 
 def _unknown(check: Check, reason: Message) -> Check:
@@ -280,7 +293,7 @@ def _state_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     machine, plant, reason = rebuilt.machine, rebuilt.plant, Message("verify-no-state")
     return [
         _row(one.key, recorded, None, None, one.bound(machine), one.unit(machine, plant), None,
-             reason)
+             reason, decides=True)
         for one, _ in bounded_states(machine, plant)
     ]  # fmt: skip
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import pi, sqrt
+from math import hypot, pi, sqrt
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -63,8 +63,29 @@ def find_modes(rebuilt: Rebuilt, beside: Beside, *, rest: float) -> tuple[FreeMo
     for number in modes:
         start[number] = _scan(t, measured, fixed, start, number, rebuilt.poles[0, number])
     found = _fit(t, measured, fixed, start)
+    # What the same fit makes of the prediction, whose poles are known, is its error on such a
+    # dwell: poles that were left out, a tail that ends too early.
+    known = _fit(t, expected, fixed, {number: rebuilt.poles[0, number] for number in modes})
     seen = [found.get(number) for number in range(len(none))]
-    return tuple(one and replace(one, amplitude=size * one.amplitude) for one in seen)
+    return tuple(
+        _with_bias(one, known.get(number), complex(rebuilt.poles[0, number]), size) if one else None
+        for number, one in enumerate(seen)
+    )
+
+
+def _with_bias(
+    one: FreeMode, known: FreeMode | None, pole: complex, size: float
+) -> FreeMode | None:
+    """A mode with the error of the fit itself; None where that does not even find its own."""
+    if known is None:
+        return None
+    hertz, zeta = abs(pole) / (2 * pi), -pole.real / abs(pole)
+    return replace(
+        one,
+        frequency_sigma_hz=hypot(one.frequency_sigma_hz, known.frequency_hz - hertz),
+        damping_sigma=hypot(one.damping_sigma, known.damping_ratio - zeta),
+        amplitude=size * one.amplitude,
+    )
 
 
 def _poles_that_matter(

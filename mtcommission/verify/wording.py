@@ -5,6 +5,7 @@ from __future__ import annotations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.verify.checks import Check, Verdict, what_of
+from mtcommission.verify.feedforward import FeedForward
 from mtcommission.verify.new_limits import Limits, NewLimits
 from mtcommission.verify.refine import Parameter, Refined
 
@@ -82,6 +83,12 @@ def say_test(refined: Refined, words: Catalogue) -> str:
     if refined.force_unexplained is not None:
         note += " " + words.text("verify-force-left", share=refined.force_unexplained)
     return note
+
+
+def say_feedforward(fed: FeedForward, words: Catalogue) -> str:
+    """Return what the values would bring."""
+    before, after = (words.format.axis(value, "m", digits=3) for value in (fed.before, fed.after))
+    return words.text("verify-feedforward-brings", moves=fed.tested, before=before, after=after)
 
 
 def limit_rows(limits: NewLimits, words: Catalogue) -> list[tuple[str, str, str]]:

@@ -121,6 +121,19 @@ verify-line-difference = gemessen weniger nominell
 # Parameter, wie sie die Aufzeichnungen zeigen
 verify-part-differences = Was anders ist
 verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
+verify-caption-feedforwards = Vorsteuerung, wie sie nach dem Schleppfehler sein sollte
+verify-head-feedforward = Vorsteuerung
+verify-parameter-reference-delay = Verzögerung des Sollwertpfads
+verify-parameter-feedforward-mass = { $axis ->
+    [rotary] Trägheitsmoment der Beschleunigungsvorsteuerung
+   *[linear] Masse der Beschleunigungsvorsteuerung
+}
+verify-parameter-jerk-feedforward = Kraft je Ruck
+verify-parameter-friction-feedforward = Kraft gegen Coulombsche Reibung
+verify-feedforward-brings = { $moves ->
+    [0] Mit diesen Werten bliebe der Geber { $after } statt { $before } vom verzögerten Sollwert (Effektivwert; an derselben Bewegung, nur eine ist aufgezeichnet).
+   *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Geber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).
+}
 verify-caption-limits = Grenzwerte, die daraus folgen
 verify-head-parameter = Parameter
 verify-head-old = Protokoll

@@ -121,6 +121,19 @@ verify-line-difference = measured less nominal
 # Parameters as the traces show them
 verify-part-differences = What is different
 verify-caption-parameters = Parameters as the traces show them
+verify-caption-feedforwards = Feed-forward as it should be, by the following error
+verify-head-feedforward = Feed-forward
+verify-parameter-reference-delay = delay of the reference path
+verify-parameter-feedforward-mass = { $axis ->
+    [rotary] inertia of the acceleration's feed-forward
+   *[linear] mass of the acceleration's feed-forward
+}
+verify-parameter-jerk-feedforward = force per jerk
+verify-parameter-friction-feedforward = force against Coulomb friction
+verify-feedforward-brings = { $moves ->
+    [0] With these values the encoder would stay { $after } from the delayed setpoint instead of { $before } (RMS; of the same move, one alone was recorded).
+   *[other] With what the first half of the moves says, the encoder would stay { $after } from the delayed setpoint in the second half instead of { $before } (RMS).
+}
 verify-caption-limits = Limits that follow
 verify-head-parameter = Parameter
 verify-head-old = Record

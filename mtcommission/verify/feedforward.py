@@ -1,0 +1,138 @@
+"""The feed-forward as it should be: what a trace's following error says of it.
+
+What is left between the encoder and the delayed setpoint is laid over the setpoint's velocity, and
+over what the loop of the record makes of a force in proportion to its acceleration, its jerk and
+the sign of its velocity, by least squares: delay, inertia, the drive's lag and Coulomb friction.
+All of it is linear, so the same columns tell what the values would bring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from mtcommission.identify.responses.free_vibration import correlation_length
+from mtcommission.loop.model.assembly import build_loop
+from mtcommission.loop.nonlinear import drive_loop
+from mtcommission.verify.motions import Recorded
+from mtcommission.verify.prediction import Rebuilt, cycles_of
+from mtcommission.verify.refine import Parameter
+from mtcommission.verify.rigid import Estimate
+from mtcommission.verify.trace import Array, Role
+from mtcommission.verify.verify import Verification
+
+COUNTS = 3.0
+"""Standard errors by which a value must differ from today's, to be changed."""
+WORTH = 0.02
+"""Share of the RMS deviation that a value must take away, to be changed (design choice)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedForward:
+    """Values for the control beside today's, and what they would bring."""
+
+    values: tuple[Parameter, ...]
+    # before, after: RMS deviation of the encoder from the delayed setpoint, as recorded and with
+    # the values: on the second half of the moves by the first half, where there are several [m].
+    before: float
+    after: float
+    tested: int  # Moves held back; 0: the values come from the same move
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """One move: deviation, and what each unit more of a value adds to it, shape (n, 4)."""
+
+    deviation: Array
+    columns: Array
+
+
+def suggest_feedforward(found: Verification) -> FeedForward | None:
+    """Return the values that leave the least following error; None where a trace shows none."""
+    rebuilt = found.rebuilt
+    controller, units = rebuilt.controller, rebuilt.machine.axis_units
+    rows = [_rows(rebuilt, one) for one in found.recorded if _tells(one)]
+    if controller.follows or not rows:
+        return None
+    more, sigma = _solve(rows)
+    half = len(rows) // 2
+    learnt, tested = (_solve(rows[:half])[0], rows[half:]) if half else (more, rows)
+    mass, jerk = controller.feedforward_mass, controller.jerk_feedforward * controller.force_lag
+    today = (
+        ("reference_delay", "s", controller.reference_delay),
+        ("feedforward_mass", units.mass.si, controller.acceleration_feedforward * mass),
+        ("jerk_feedforward", f"{units.mass.si} s", jerk * mass),
+        ("friction_feedforward", units.force.si, 0.0),
+    )
+    return FeedForward(
+        values=tuple(
+            Parameter(key=key, unit=unit, old=old, new=Estimate(value=old + d, sigma=s))
+            for (key, unit, old), d, s in zip(today, more.tolist(), sigma.tolist(), strict=True)
+            if s < inf
+        ),
+        before=_rms([one.deviation for one in tested]),
+        after=_rms([one.deviation + one.columns @ learnt for one in tested]),
+        tested=len(tested) if half else 0,
+    )
+
+
+def _tells(one: Recorded) -> bool:
+    return one.find(Role.ENCODER) is not None and not one.motion.is_cut
+
+
+def _rows(rebuilt: Rebuilt, one: Recorded) -> _Rows:
+    signal, motion = one.find(Role.ENCODER), one.motion
+    assert signal is not None
+    moving = signal.after(motion.begin)
+    t = signal.t[moving]
+    late = motion.sample(t - rebuilt.controller.reference_delay)
+    # A unit of force per unit of what stands in place of the setpoint's acceleration; the same
+    # without any takes off what else the setpoint's acceleration does.
+    plain = replace(rebuilt.controller, acceleration_feedforward=1.0, jerk_feedforward=0.0)
+    fed, unfed = (
+        build_loop(rebuilt.plant, replace(plain, feedforward_mass=m), model=rebuilt.plant)
+        for m in (1.0, 0.0)
+    )
+    cycles, references = cycles_of(rebuilt, motion)
+    columns = [late[:, 1]]
+    for force in (references[:, 2], references[:, 3], np.sign(references[:, 1])):
+        instead = np.zeros_like(references)
+        instead[:, 2] = force
+        answer = drive_loop(fed, instead)[:, 1] - drive_loop(unfed, instead)[:, 1]
+        columns.append(np.interp(t, cycles, answer))
+    return _Rows(signal.measured[moving] - late[:, 0], np.column_stack(columns))
+
+
+def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array]:
+    """What is to be added to each value, and its standard error; inf: no move tells.
+
+    Values that do not stand out, or bring next to nothing, stay as they are, the least first.
+    """
+    columns = np.vstack([one.columns for one in rows])
+    deviation = np.concatenate([one.deviation for one in rows])
+    scale = np.linalg.norm(columns, axis=0)
+    more, sigma = np.zeros(scale.size), np.full(scale.size, inf)
+    kept = np.flatnonzero(scale > 0.0)
+    while kept.size:
+        A = columns[:, kept] / scale[kept]
+        x, *_ = np.linalg.lstsq(A, -deviation, rcond=None)
+        rest = deviation + A @ x
+        variance = correlation_length(rest) * float(rest @ rest) / max(rest.size - kept.size, 1)
+        inverse = np.linalg.pinv(A.T @ A)
+        error = np.sqrt(np.maximum(variance * np.diag(inverse), 1e-300))
+        sigma[kept] = error / scale[kept]
+        # What the misfit grows by without a value.
+        lost = x**2 / np.maximum(np.diag(inverse), 1e-300)
+        stays = (np.abs(x) > COUNTS * error) & (lost > WORTH**2 * float(deviation @ deviation))
+        if stays.all():
+            more[kept] = x / scale[kept]
+            break
+        kept = np.delete(kept, int(np.argmin(np.where(stays, inf, lost))))
+    return more, sigma
+
+
+def _rms(rows: Sequence[Array]) -> float:
+    return sqrt(float(np.mean(np.concatenate(rows) ** 2)))
