@@ -21,12 +21,17 @@ from mtcommission.identify.measurement import (
     Spectrum,
     TimeRecord,
 )
+from mtcommission.identify.responses.averaged import (
+    Estimate,
+    Signals,
+    by_blows,
+    by_periods,
+    by_windows,
+    prepare,
+)
+from mtcommission.identify.responses.excitation import find_blows, find_period
 from mtcommission.identify.responses.free_vibration import begins, find_start, fit_ringing, is_decay
-from mtcommission.identify.responses.impact import estimate_by_blows, find_blows
-from mtcommission.identify.responses.periodic import estimate_by_periods, find_period
 from mtcommission.identify.responses.power import estimate_power, power_as_klipper
-from mtcommission.identify.responses.ratio import Lines, Signals, prepare
-from mtcommission.identify.responses.welch import estimate_by_welch
 from mtcommission.messages.message import Message
 
 _FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
@@ -40,9 +45,6 @@ LEAST_COHERENCE = 0.3
 
 HOLD = 0.078
 """Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
-
-BIASED_BELOW = 0.9
-"""Coherence below which a closed loop could bias a line by more than a tenth."""
 
 KLIPPER_RAW = "identify-format-klipper-raw"
 
@@ -118,7 +120,7 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
     if reference is not None and float(np.ptp(reference)) == 0.0:
         reference = None
     signals = prepare(record.sample_time, force, motion.values, reference, kind=kind)
-    lines, remarks = _lines(signals, reference)
+    lines, remarks = _lines(signals)
     if given.input == Input.ACCELERATION:
         remarks = [one for one in remarks if one.kind not in _OF_A_FORCE]
     coherence = lines.coherence
@@ -151,51 +153,15 @@ def _rotary(record: TimeRecord, motion: Channel, given: Given) -> bool:
     return bool(told)
 
 
-def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Message]]:
+def _lines(signals: Signals) -> Estimate:
     """The response in lines, by the way that fits the excitation, and what is to be said of it."""
-    blows = find_blows(signals.input, signals.step)
-    if blows:
-        impact = estimate_by_blows(signals, blows)
-        said = [Message("identify-by-blows", count=impact.blows, duration=impact.duration)]
-        if impact.left_over > 0.1:
-            said.append(Message("identify-not-died-away", share=impact.left_over))
-        if impact.blows == 1:
-            said.append(Message("identify-single-blow"))
-        return impact.lines, said
-    hold = Message("identify-hold", limit=HOLD / signals.step)
+    if blows := find_blows(signals.input, signals.step):
+        return by_blows(signals, blows)
     period = find_period(signals.input)
     if not period and signals.reference is not None:
         period = find_period(signals.reference)
-    if period:
-        periodic = estimate_by_periods(signals, period)
-        said = [Message("identify-by-periods", count=periodic.periods, period=periodic.period)]
-        if periodic.left_out:
-            said.append(Message("identify-period-left-out"))
-        return periodic.lines, [*said, hold]
-    welch = estimate_by_welch(signals)
-    lines = welch.lines
-    said = [
-        Message(
-            "identify-by-welch",
-            window=welch.window,
-            segments=welch.segments,
-            averages=lines.averages,
-            spacing=1.0 / welch.window,
-        )
-    ]
-    if not welch.is_resolved:
-        said.append(
-            Message(
-                "identify-welch-too-coarse", spacing=1.0 / welch.window, width=welch.narrowest_hz
-            )
-        )
-    if welch.is_joint:
-        said.append(Message("identify-joint-estimate"))
-    else:
-        doubtful = float((lines.coherence < BIASED_BELOW).mean()) if lines.coherence.size else 1.0
-        kind = "identify-reference-silent" if reference is not None else "identify-no-reference"
-        said.append(Message(kind, share=doubtful))
-    return lines, [*said, hold]
+    lines, said = by_periods(signals, period) if period else by_windows(signals)
+    return lines, [*said, Message("identify-hold", limit=HOLD / signals.step)]
 
 
 def _best_of_each_sensor(found: Sequence[FrequencyResponse]) -> Iterator[FrequencyResponse]:

@@ -10,8 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mtcommission.identify.measurement import AllDirections, Array, TimeRecord
-from mtcommission.identify.responses.ratio import HIGHEST_SHARE
-from mtcommission.identify.responses.welch import HALF_POWER_BINS, averages_of, segments_of
+from mtcommission.identify.responses.averaged import (
+    HALF_POWER_BINS,
+    HIGHEST_SHARE,
+    averages_of,
+    segments_of,
+)
 
 KLIPPER_WINDOW, KLIPPER_KAISER = 0.5, 6.0
 """Least length of Klipper's window [s], rounded up to a power of two of samples, and its shape:

@@ -1,21 +1,18 @@
-"""Response of a record whose excitation repeats: by whole periods, without leakage.
-
-Averages over periods before dividing: noise of the input then biases nothing, and neither does a
-closed loop, since noise does not repeat. The spread between periods is the variance.
-
-Source: R. Pintelon, J. Schoukens, System Identification, 2nd ed., 2.5.
-"""
+"""How a record was excited: by blows, by what repeats, and in which lines on purpose."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from mtcommission.identify.measurement import Array, ComplexArray
-from mtcommission.identify.responses.ratio import HIGHEST_SHARE, Lines, Signals
+from mtcommission.identify.measurement import Array
+
+QUIET = 0.05
+"""Share of the largest force that counts as none."""
+
+MOST_BUSY = 0.05
+"""Share of the samples with force up to which a record is one of blows."""
 
 LEAST_LIKENESS = 0.95
 """Correlation of a signal with itself one period later that makes it periodic."""
@@ -25,9 +22,6 @@ SAME = 0.02
 
 SHORTEST = 32
 """Samples of a period."""
-
-EXCITED = 20.0
-"""Power of a line of the input over the variance of its mean from which it counts as excited."""
 
 CLIFF = 30.0
 """Fall of the input's power from five lines to the next five that ends its band, for good. Beyond
@@ -45,22 +39,19 @@ PARTS = 6.0
 MOSTLY = 0.7
 """Share of the lines that stand out from which a spectrum is dense."""
 
-FEW_PERIODS = 8
 NEIGHBOURS = 5
-"""Lines over which the variance is averaged where fewer periods were recorded."""
-
-UNSETTLED = 4.0
-"""How much more the first period may differ from the others than they do among themselves."""
+"""Lines over which a level, or a variance, is averaged."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PeriodicEstimate:
-    """A response by periods."""
-
-    lines: Lines  # The response in the excited lines
-    period: float  # [s]
-    periods: int  # Used
-    left_out: int  # Periods at the start in which the transient had not died away
+def find_blows(force: Array, step: float) -> list[int]:
+    """Return the samples at which blows begin; [] if the record is none of blows."""
+    rest = force - np.median(force)
+    busy = np.abs(rest) > QUIET * np.abs(rest).max()
+    if not busy.any() or busy.mean() > MOST_BUSY:
+        return []
+    places = np.flatnonzero(busy)
+    gap = max(int(0.05 / step), 8)
+    return [int(p) for p in places[np.concatenate(([True], np.diff(places) > gap))]]
 
 
 def find_period(values: Array) -> int:
@@ -94,39 +85,6 @@ def find_period(values: Array) -> int:
             near = slice(max(lag - 1, SHORTEST), lag + 2)
             return near.start + int(np.argmax(likeness[near]))
     return best
-
-
-def estimate_by_periods(signals: Signals, period: int) -> PeriodicEstimate:
-    """Return a response from a record that repeats."""
-    count = signals.input.size // period
-    first = signals.input.size - count * period
-    U = np.fft.rfft(signals.input[first:].reshape(count, period), axis=1)
-    Y = np.fft.rfft(signals.output[first:].reshape(count, period), axis=1)
-    left_out = 0
-    if count > 2 and _is_unsettled(U, Y):
-        U, Y, left_out = U[1:], Y[1:], 1
-    used = len(U)
-    frequency = np.fft.rfftfreq(period, signals.step)
-    U_mean, Y_mean = U.mean(axis=0), Y.mean(axis=0)
-    power = np.abs(U_mean) ** 2
-    spread = _smooth(U.var(axis=0, ddof=1), used)
-    excited = (power > EXCITED * spread / used) & excited_band(power)
-    excited &= (frequency > 0.0) & (frequency <= HIGHEST_SHARE / signals.step)
-    excited &= np.abs(Y_mean) > 0.0
-    U, Y, frequency = U[:, excited], Y[:, excited], frequency[excited]
-    H = Y_mean[excited] / U_mean[excited]
-    S_vv = (np.abs(Y - H * U) ** 2).sum(axis=0) / (used - 1)
-    noise = _smooth(S_vv / np.abs(Y_mean[excited]) ** 2, used)
-    lines = Lines(
-        frequency_hz=frequency,
-        values=signals.undo(frequency, H),
-        coherence=1.0 / (1.0 + noise),
-        averages=float(used),
-        resolution_hz=0.0,
-    )
-    return PeriodicEstimate(
-        lines=lines, period=period * signals.step, periods=used, left_out=left_out
-    )
 
 
 def excited_band(power: Array) -> NDArray[np.bool_]:
@@ -183,21 +141,3 @@ def _end_of_band(power: Array, level: Array, start: int) -> int:
                 line += 1
             return line
     return level.size
-
-
-def _is_unsettled(U: ComplexArray, Y: ComplexArray) -> bool:
-    def off(Z: ComplexArray) -> Array:
-        steady = Z[1:].mean(axis=0)
-        distance: Array = np.linalg.norm(Z[:, 1:] - steady[1:], axis=1)
-        return distance
-
-    return any(distance[0] > UNSETTLED * np.median(distance[1:]) for distance in (off(U), off(Y)))
-
-
-def _smooth(values: Array, periods: int) -> Array:
-    """The mean over neighbouring lines, where few periods leave each line's own uncertain."""
-    if periods >= FEW_PERIODS or values.size < NEIGHBOURS:
-        return values
-    padded = np.pad(values, NEIGHBOURS // 2, mode="edge")
-    smooth: Array = np.convolve(padded, np.ones(NEIGHBOURS) / NEIGHBOURS, mode="valid")
-    return smooth

@@ -1,0 +1,319 @@
+"""A response as a mean over windows, over periods, or over blows: one estimate for all of them.
+
+With the transforms U, Y of n parts of a record, and R of what excites them, H = S_ry / S_ru; its
+variance is S_vv S_rr / (n |S_ru|²) with v = Y - H U.
+
+- By windows (Welch) R = U without a recorded excitation. In a closed loop the disturbances come
+  back through the controller and stand in u, but not in a recorded excitation: only that one is
+  unbiased.
+- By periods R = 1: averages before dividing. Noise of the input then biases nothing, and neither
+  does a closed loop, since noise does not repeat; whole periods do not leak.
+- By blows R = U, from before each blow to the next one: it is short and what follows dies away, so
+  no window is needed.
+
+Source: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73; R. Pintelon, J. Schoukens,
+System Identification, 2nd ed., 2.5, 2.6.4; overlap: F. J. Harris, Proc. IEEE 66 (1978), eq. (19).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import find_peaks, peak_widths
+from scipy.signal.windows import hann
+
+from mtcommission.identify.measurement import Array, ComplexArray, Output
+from mtcommission.identify.responses.excitation import NEIGHBOURS, excited_band
+from mtcommission.messages.message import Message
+
+HIGHEST_SHARE = 0.3
+"""Share of the sampling frequency up to which lines are kept: above it anti-alias filters act, and
+what the hold of the force folds back is more than some per cent."""
+HALF_POWER_BINS = 1.44
+"""Half-power width of Hann's window in bins. Source: Harris 1978, table I."""
+OVERLAP_CORRELATION = 1.0 / 36.0
+"""Square of Hann's correlation at half overlap, 1/6. Source: Harris 1978, eq. (17)."""
+FEWEST_SEGMENTS = 7
+FIRST_SEGMENTS = 24
+MOST_LINES = 3000
+SPACING_OF_WIDTH = 0.4
+"""Largest line spacing per half-power width 2 ζ f: beyond it damping is read too large by the
+window. Source: tried on records of 2, 4 and 8 s, see docs/identification.md."""
+LEAST_PEAK_DB = 6.0
+CLEAR = 0.6
+"""Coherence from which a peak is believed when the window is chosen."""
+CARRIES = 0.2
+"""Coherence of excitation and input from which the excitation is used."""
+BIASED_BELOW = 0.9
+"""Coherence below which a closed loop could bias a line by more than a tenth."""
+EXCITED = 20.0
+"""Power of a line of the input over the variance of its mean from which it counts as excited."""
+FEW_PERIODS = 8
+"""Fewer leave the variance of a line uncertain: that of its neighbours counts, too."""
+UNSETTLED = 4.0
+"""How much more the first period may differ from the others than they do among themselves."""
+BEFORE = 0.005
+"""Time before a blow at which its part of the record begins [s]."""
+USEFUL = 1e-2
+"""Power of the blow over that at low frequency, down to which lines are kept: 20 dB."""
+LEFT_OVER = 0.1
+"""Share of a response at the end of its part that is told."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Signals:
+    """Input and output of one response, made ready.
+
+    A position drifts and its spectrum falls by four decades, which leaks into every line; so its
+    differences are transformed and the lines divided by those of a difference, which is exact.
+    """
+
+    step: float  # Of the clock [s]
+    # input, output: Shape (n,); the output is the difference where it is a position.
+    input: Array
+    output: Array
+    reference: Array | None  # Recorded excitation, shape (n,); None where there is none
+    is_difference: bool  # Whether the output is a difference
+
+    def frequencies(self, length: int) -> Array:
+        """Return the lines of a transform of so many samples [Hz]."""
+        return np.fft.rfftfreq(length, self.step).astype(np.float64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Lines:
+    """A response by line, and what it is worth."""
+
+    # frequency_hz, values, coherence: Shape (n_lines,).
+    frequency_hz: Array
+    values: ComplexArray
+    coherence: Array
+    averages: float  # Independent ones
+    resolution_hz: float  # Half-power width of the window [Hz]; 0 for whole periods
+
+
+Estimate = tuple[Lines, list[Message]]
+"""A response, and how it was found."""
+
+
+def prepare(
+    step: float, input_: Array, output: Array, reference: Array | None, *, kind: Output
+) -> Signals:
+    """Return signals without their means, a position as differences."""
+    is_difference = kind is Output.POSITION
+    if is_difference:
+        output, input_ = np.diff(output), input_[:-1]
+    if reference is not None:
+        reference = reference[: input_.size] - reference[: input_.size].mean()
+    return Signals(
+        step=step,
+        input=input_ - input_.mean(),
+        output=output - output.mean(),
+        reference=reference,
+        is_difference=is_difference,
+    )
+
+
+def by_windows(signals: Signals) -> Estimate:
+    """Return a response from a record that repeats nothing.
+
+    The window is lengthened from a twelfth of the record until the sharpest peak is resolved, but
+    not beyond the length that leaves seven overlapping segments.
+    """
+    size = signals.input.size
+    longest = 2 * size // (FEWEST_SEGMENTS + 1)
+    length = min(2 * size // (FIRST_SEGMENTS + 1), int(MOST_LINES / HIGHEST_SHARE))
+    while True:
+        lines, segments, is_joint = _by_windows(signals, length)
+        narrowest = _narrowest_width(signals, lines)
+        window = length * signals.step
+        is_resolved = narrowest == 0.0 or 1.0 / window <= SPACING_OF_WIDTH * narrowest
+        if is_resolved or length >= longest:
+            break
+        length = min(longest, int(1.5 * length))
+    said = [
+        Message(
+            "identify-by-welch",
+            window=window,
+            segments=segments,
+            averages=lines.averages,
+            spacing=1.0 / window,
+        )
+    ]
+    if not is_resolved:
+        said.append(Message("identify-welch-too-coarse", spacing=1.0 / window, width=narrowest))
+    if is_joint:
+        return lines, [*said, Message("identify-joint-estimate")]
+    doubtful = float((lines.coherence < BIASED_BELOW).mean()) if lines.coherence.size else 1.0
+    kind = "identify-no-reference" if signals.reference is None else "identify-reference-silent"
+    return lines, [*said, Message(kind, share=doubtful)]
+
+
+def by_periods(signals: Signals, period: int) -> Estimate:
+    """Return a response, in the excited lines, from a record that repeats."""
+    count = signals.input.size // period
+    first = signals.input.size - count * period
+    U, Y = (
+        np.fft.rfft(signal[first:].reshape(count, period), axis=1)
+        for signal in (signals.input, signals.output)
+    )
+    said = []
+    if count > 2 and _is_unsettled(U, Y):
+        U, Y, said = U[1:], Y[1:], [Message("identify-period-left-out")]
+    used, frequency = len(U), signals.frequencies(period)
+    power = np.abs(U.mean(axis=0)) ** 2
+    spread = _smooth(U.var(axis=0, ddof=1), used)
+    excited = (power > EXCITED * spread / used) & excited_band(power)
+    excited &= (frequency > 0.0) & (frequency <= HIGHEST_SHARE / signals.step)
+    excited &= np.abs(Y.mean(axis=0)) > 0.0
+    U, Y = U[:, excited], Y[:, excited]
+    lines = _average(signals, frequency[excited], np.ones_like(U), U, Y, repeats=True)
+    how = Message("identify-by-periods", count=used, period=period * signals.step)
+    return lines, [how, *said]
+
+
+def by_blows(signals: Signals, blows: Sequence[int]) -> Estimate:
+    """Return a response, in the band that they excite, from blows that begin at some samples."""
+    lead = int(BEFORE / signals.step)
+    starts = [max(blow - lead, 0) for blow in blows]
+    gaps = np.diff([*starts, signals.input.size])
+    whole = gaps[:-1].min() if len(starts) > 1 else gaps[0]
+    if gaps[-1] < 0.7 * whole:  # the last one was cut
+        starts = starts[:-1]
+        length = int(whole)
+    else:
+        length = int(min(whole, gaps[-1]))
+    u, y = (
+        np.stack([signal[start : start + length] for start in starts])
+        for signal in (signals.input, signals.output)
+    )
+    u = u - np.median(u, axis=1, keepdims=True)
+    y = y - np.median(y[:, -max(length // 10, 1) :], axis=1, keepdims=True)
+    tail = np.abs(y[:, -max(length // 20, 1) :]).max(axis=1) / np.abs(y).max(axis=1)
+    frequency, U, Y = signals.frequencies(length), np.fft.rfft(u, axis=1), np.fft.rfft(y, axis=1)
+    power = _mean(U, U).real
+    kept = (frequency > 0.0) & (frequency <= HIGHEST_SHARE / signals.step)
+    kept &= (power > USEFUL * power[1:].max()) & (_mean(Y, Y).real > 0.0)
+    lines = _average(signals, frequency[kept], U[:, kept], U[:, kept], Y[:, kept])
+    count, left_over = len(starts), float(tail.max())
+    said = [Message("identify-by-blows", count=count, duration=length * signals.step)]
+    if left_over > LEFT_OVER:
+        said.append(Message("identify-not-died-away", share=left_over))
+    if count == 1:
+        said.append(Message("identify-single-blow"))
+    return lines, said
+
+
+def segments_of(values: Array, length: int) -> ComplexArray:
+    """Return the transforms of Hann-windowed segments, shape (n_segments, n_lines)."""
+    parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: max(length // 2, 1)]
+    parts = parts - parts.mean(axis=1, keepdims=True)
+    transformed: ComplexArray = np.fft.rfft(parts * hann(length, sym=False), axis=1)
+    return transformed
+
+
+def averages_of(segments: int) -> float:
+    """Return how many independent averages segments with half overlap are worth."""
+    return segments / (1.0 + 2.0 * OVERLAP_CORRELATION * (segments - 1) / segments)
+
+
+def _average(
+    signals: Signals,
+    frequency: Array,
+    R: ComplexArray,
+    U: ComplexArray,
+    Y: ComplexArray,
+    *,
+    averages: float = 0.0,
+    resolution_hz: float = 0.0,
+    repeats: bool = False,
+) -> Lines:
+    """The response in some lines; transforms of shape (n_parts, n_lines)."""
+    S_rr, S_ru = _mean(R, R).real, _mean(R, U)
+    with np.errstate(all="ignore"):
+        H = _mean(R, Y) / S_ru
+        S_vv = _mean(Y - H * U, Y - H * U).real
+        if repeats:
+            S_vv *= len(U) / (len(U) - 1)
+        noise = S_vv * S_rr / (np.abs(S_ru) * np.abs(H)) ** 2
+        gamma2 = 1.0 / (1.0 + (_smooth(noise, len(U)) if repeats else noise))
+    good = np.isfinite(H) & np.isfinite(gamma2) & (np.abs(H) > 0.0)
+    frequency, H = frequency[good], H[good]
+    if signals.is_difference:
+        H = H / (np.exp(2j * np.pi * frequency * signals.step) - 1.0)
+    return Lines(
+        frequency_hz=frequency,
+        values=H,
+        coherence=gamma2[good],
+        averages=averages or float(len(U)),
+        resolution_hz=resolution_hz,
+    )
+
+
+def _mean(one: ComplexArray, other: ComplexArray) -> ComplexArray:
+    mean: ComplexArray = (one.conj() * other).mean(axis=0)
+    return mean
+
+
+def _smooth(values: Array, periods: int) -> Array:
+    """The mean over neighbouring lines, where few periods leave each line's own uncertain."""
+    if periods >= FEW_PERIODS or values.size < NEIGHBOURS:
+        return values
+    padded = np.pad(values, NEIGHBOURS // 2, mode="edge")
+    smooth: Array = np.convolve(padded, np.ones(NEIGHBOURS) / NEIGHBOURS, mode="valid")
+    return smooth
+
+
+def _is_unsettled(U: ComplexArray, Y: ComplexArray) -> bool:
+    def off(Z: ComplexArray) -> Array:
+        steady = Z[1:].mean(axis=0)
+        distance: Array = np.linalg.norm(Z[:, 1:] - steady[1:], axis=1)
+        return distance
+
+    return any(distance[0] > UNSETTLED * np.median(distance[1:]) for distance in (off(U), off(Y)))
+
+
+def _by_windows(signals: Signals, length: int) -> tuple[Lines, int, bool]:
+    """The response, the number of segments, and whether the recorded excitation was used."""
+    frequency = signals.frequencies(length)
+    # Hann's window spreads what is near 0 Hz into the first two lines.
+    kept = (frequency <= HIGHEST_SHARE / signals.step) & (np.arange(frequency.size) >= 2)
+    U = segments_of(signals.input, length)[:, kept]
+    Y = segments_of(signals.output, length)[:, kept]
+    R, is_joint = U, False
+    if signals.reference is not None:
+        recorded = segments_of(signals.reference, length)[:, kept]
+        if _carries(recorded, U, Y):
+            R, is_joint = recorded, True
+    averages, width = averages_of(len(U)), HALF_POWER_BINS / (length * signals.step)
+    lines = _average(signals, frequency[kept], R, U, Y, averages=averages, resolution_hz=width)
+    return lines, len(U), is_joint
+
+
+def _carries(R: ComplexArray, U: ComplexArray, Y: ComplexArray) -> bool:
+    """Whether the excitation moves the input in the lines in which the input moves the output."""
+    with np.errstate(all="ignore"):
+        by_input = np.abs(_mean(U, Y)) ** 2 / (_mean(U, U) * _mean(Y, Y)).real
+        by_reference = np.abs(_mean(R, U)) ** 2 / (_mean(R, R) * _mean(U, U)).real
+    moved = by_reference[np.isfinite(by_reference) & (by_input > 0.3)]
+    return bool(moved.size) and float(np.median(moved)) > CARRIES
+
+
+def _narrowest_width(signals: Signals, lines: Lines) -> float:
+    """Half-power width of the sharpest clear peak [Hz], freed of the window's own; 0: none."""
+    if lines.frequency_hz.size < 5:
+        return 0.0
+    spacing = float(np.median(np.diff(lines.frequency_hz)))
+    # Times f the velocity's peaks stand on a level ground, and a position's nearly so.
+    power = 1 if not signals.is_difference else 2
+    size = 20.0 * np.log10(np.abs(lines.values) * lines.frequency_hz**power)
+    peaks, _ = find_peaks(size, prominence=LEAST_PEAK_DB)
+    peaks = peaks[lines.coherence[peaks] > CLEAR]
+    if not peaks.size:
+        return 0.0
+    ease = 10.0 ** (size / 10.0)
+    widths = peak_widths(ease, peaks, rel_height=0.5)[0] * spacing
+    own = np.maximum(widths - lines.resolution_hz, 0.2 * widths)
+    return float(own.min())
