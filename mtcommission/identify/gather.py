@@ -48,10 +48,7 @@ STANDARD_INPUT = "-"
 def gather(files: Sequence[str], given: Given) -> Evidence:
     """Return what some files say about an axis.
 
-    Raises
-    ------
-    InputError
-        With every fault found: file, line, what was got, how to say what is missing.
+    Raise InputError with every fault found: file, line, what was got, how to say what is missing.
     """
     findings: list[Finding] = []
     records: list[TimeRecord] = []
@@ -121,10 +118,7 @@ def read_file(
 ) -> tuple[tuple[Finding, ...], tuple[TimeRecord, ...]]:
     """Return what one file says, and the time records it was estimated from.
 
-    Raises
-    ------
-    InputError
-        With every fault of the file, and what must be said about it.
+    Raise InputError with every fault of the file, and what must be said about it.
     """
     contents = read_contents(data, given.columns, where=name, response=response)
     given = _with_said(given, contents, where=name)

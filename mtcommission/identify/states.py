@@ -40,10 +40,7 @@ def identify(
 ) -> Identified:
     """Return the axis that measurements show.
 
-    Raises
-    ------
-    InputError
-        If a response has too few lines in the band.
+    Raise InputError if a response has too few lines in the band.
     """
     fits = fit_states(evidence.responses, band_hz=band_hz, count=count)
     spectra = [fit_spectrum(spectrum) for spectrum in evidence.spectra]

@@ -17,10 +17,10 @@ import numpy as np
 from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.nonlinear import drive_loop
+from mtcommission.machine.identified import Estimate
 from mtcommission.verify.motions import Recorded
 from mtcommission.verify.prediction import Rebuilt, cycles_of
 from mtcommission.verify.refine import Parameter
-from mtcommission.verify.rigid import Estimate
 from mtcommission.verify.trace import Array, Role
 from mtcommission.verify.verify import Verification
 

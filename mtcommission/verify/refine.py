@@ -9,11 +9,12 @@ from math import sqrt
 import numpy as np
 
 from mtcommission.errors import MtcommissionError
+from mtcommission.machine.identified import Estimate
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import build_plant
 from mtcommission.verify.motions import Recorded
 from mtcommission.verify.prediction import Rebuilt, on_machine, predict
-from mtcommission.verify.rigid import Estimate, fit_rigid_body
+from mtcommission.verify.rigid import fit_rigid_body
 from mtcommission.verify.trace import Role
 from mtcommission.verify.verify import Verification
 

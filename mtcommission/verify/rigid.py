@@ -20,6 +20,7 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 from mtcommission.identify.responses.free_vibration import correlation_length
+from mtcommission.machine.identified import Estimate
 from mtcommission.plant.plant import Plant
 from mtcommission.verify.trace import Array, Role, Trace
 
@@ -40,14 +41,6 @@ UNTESTED = 2.0
 
 UNSURE = 0.2
 """Standard error of the mass, relative to it, from which on nothing is said."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
-    """A value and its standard error [SI]."""
-
-    value: float
-    sigma: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

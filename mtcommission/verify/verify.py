@@ -105,10 +105,7 @@ class Verification:
 def verify(record: Record, traces: Sequence[Trace]) -> Verification:
     """Return what traces say about a record.
 
-    Raises
-    ------
-    InputError
-        No trace holds a move from rest.
+    Raise InputError where no trace holds a move from rest.
     """
     rebuilt = rebuild(record)
     tau = rebuilt.controller.reference_delay

@@ -61,10 +61,7 @@ def fit_state(
 ) -> Fitted:
     """Return mass, delay and modes of an axis from its responses in one state.
 
-    Raises
-    ------
-    InputError
-        If no response has enough lines in the band.
+    Raise InputError if no response has enough lines in the band.
     """
     first = band_hz or coherent_band(responses)
     if band_hz:

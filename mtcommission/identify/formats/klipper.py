@@ -53,10 +53,7 @@ def header_of(lines: Sequence[str]) -> str:
 def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
     """Return the spectra or accelerations of a file of Klipper's.
 
-    Raises
-    ------
-    InputError
-        Its numbers cannot be read.
+    Raise InputError where its numbers cannot be read.
     """
     header = header_of(lines)
     names = [name.strip().strip('"') for name in header.split(",")]

@@ -61,10 +61,7 @@ class _Head:
 def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) -> FileContents:
     """Return what a table holds.
 
-    Raises
-    ------
-    InputError
-        It is no table, or has neither times nor frequencies.
+    Raise InputError where it is no table, or has neither times nor frequencies.
     """
     table = read_table(lines, where=where)
     heads = [_head_of(head) for head in table.heads]
@@ -139,10 +136,7 @@ def find_columns(
 ) -> dict[int, tuple[str, str | None]]:
     """Return our name and the unit given for each column that ``--columns`` names, by its place.
 
-    Raises
-    ------
-    InputError
-        A name that is none of ours, or no such column.
+    Raise InputError where a name is none of ours, or there is no such column.
     """
     found = {}
     for own, wanted in said.items():

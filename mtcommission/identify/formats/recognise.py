@@ -24,10 +24,7 @@ def read_contents(
 ) -> FileContents:
     """Return what a file holds.
 
-    Raises
-    ------
-    InputError
-        No reader knows it, or the one that does finds it broken.
+    Raise InputError where no reader knows it, or the one that does finds it broken.
     """
     if len(data) > LARGEST_FILE:
         raise refuse(where, "identify-file-too-large", most=LARGEST_FILE)

@@ -50,10 +50,7 @@ UNITY = 0.25
 def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileContents:
     """Return the measurement, session or trace in a file.
 
-    Raises
-    ------
-    InputError
-        It is no XML, none of these, or a series in it is broken.
+    Raise InputError where it is no XML, none of these, or a series in it is broken.
     """
     if b"<!DOCTYPE" in data[:4096] or b"<!ENTITY" in data:
         raise refuse(where, "identify-xml-unknown", root="DOCTYPE")
@@ -264,10 +261,7 @@ def _frequency_unit(
 ) -> tuple[float, list[Message]]:
     """Hz per unit of the file's frequencies, which reach to half of one of its sampling rates.
 
-    Raises
-    ------
-    InputError
-        The last line is that in neither Hz nor rad/s.
+    Raise InputError where the last line is that in neither Hz nor rad/s.
     """
     last = float(np.max(_series(response, "m_FrequencyVector", where=where), initial=0.0))
     steps = [

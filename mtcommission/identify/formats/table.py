@@ -92,10 +92,7 @@ def number(cell: str, dialect: Dialect) -> float | None:
 def find_dialect(lines: Sequence[str], *, where: str) -> Dialect:
     """Return how the numbers of some lines are written.
 
-    Raises
-    ------
-    InputError
-        No two columns of numbers are there in any way.
+    Raise InputError where no two columns of numbers are there in any way.
     """
     filled = [line for line in lines if line.strip() and line.lstrip()[0] not in COMMENT_MARKS]
     sample = filled[-SAMPLE - 1 : -1] or filled  # the last may be cut
@@ -124,10 +121,7 @@ def _excerpt(lines: Sequence[str]) -> str:
 def read_table(lines: Sequence[str], *, where: str, first_line: int = 1) -> Table:
     """Return the table of numbers in some lines.
 
-    Raises
-    ------
-    InputError
-        With the line of what is no number, not finite or of another length.
+    Raise InputError with the line of what is no number, not finite or of another length.
     """
     dialect = find_dialect(lines, where=where)
     start = _first_row(lines, dialect)

@@ -20,17 +20,7 @@ _MARKS = (
 def decode(data: bytes, *, where: str) -> str:
     r"""Return the text of a file: UTF-8, UTF-16 with its mark, else Windows-1252.
 
-    Parameters
-    ----------
-    data
-        Its bytes.
-    where
-        Its name, for errors.
-
-    Raises
-    ------
-    InputError
-        It is empty or no text.
+    Raise InputError where it is empty or no text.
 
     Examples
     --------
@@ -54,13 +44,7 @@ def decode(data: bytes, *, where: str) -> str:
 
 
 def lines_of(text: str, *, where: str) -> list[str]:
-    """Return the lines of a text.
-
-    Raises
-    ------
-    InputError
-        One is far longer than any table's.
-    """
+    """Return the lines of a text; raise InputError where one is far longer than any table's."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     for number, line in enumerate(lines, start=1):
         if len(line) > LONGEST_LINE:

@@ -44,10 +44,7 @@ def is_twincat(lines: Sequence[str]) -> bool:
 def read_twincat(lines: Sequence[str], *, where: str) -> FileContents:
     """Return the channels of an export, those of one clock as one record.
 
-    Raises
-    ------
-    InputError
-        Its heads or numbers cannot be read.
+    Raise InputError where its heads or numbers cannot be read.
     """
     steps = next(place for place, line in enumerate(lines) if STEP in line)
     after = lines[steps].split(STEP, 1)[1]

@@ -46,10 +46,7 @@ def is_uff(data: bytes) -> bool:
 def read_uff(data: bytes, *, where: str) -> FileContents:
     """Return the functions in a universal file.
 
-    Raises
-    ------
-    InputError
-        pyuff cannot read it, or it has no function of use here.
+    Raise InputError where pyuff cannot read it, or it has no function of use here.
     """
     sets = _sets(data, where=where)
     scale = next((one for one in sets if one.get("type") == 164), {})

@@ -69,10 +69,7 @@ def read_record(
 ) -> TimeRecord:
     """Return a record in SI.
 
-    Raises
-    ------
-    InputError
-        With every fault: clock, columns that nobody knows, clipped signals.
+    Raise InputError with every fault: clock, columns that nobody knows, clipped signals.
     """
     where = source.file
     clock = even_clock(contents, _sample_time(given), where=where)

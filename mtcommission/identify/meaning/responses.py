@@ -37,10 +37,7 @@ def read_response(
 ) -> FrequencyResponse:
     """Return a response in SI.
 
-    Raises
-    ------
-    InputError
-        With every fault; what is missing is asked for in one of them.
+    Raise InputError with every fault; what is missing is asked for in one of them.
     """
     where, said = source.name, list(remarks)
     unit = read_response_unit(contents.unit) if contents.unit else None
@@ -180,10 +177,7 @@ def read_spectrum(
 ) -> Spectrum:
     """Return a spectrum whose lines can be used; the line at 0 Hz is left out.
 
-    Raises
-    ------
-    InputError
-        With the fault of its lines.
+    Raise InputError with the fault of its lines.
     """
     kept = contents.frequency_hz > 0.0
     if not kept.all() and contents.frequency_hz[0] < 0.0:
