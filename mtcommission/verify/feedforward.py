@@ -16,7 +16,7 @@ import numpy as np
 
 from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.loop.model.assembly import build_loop
-from mtcommission.loop.nonlinear import drive_loop
+from mtcommission.loop.simulate import drive_loop
 from mtcommission.machine.identified import Estimate
 from mtcommission.verify.motions import Recorded
 from mtcommission.verify.prediction import Rebuilt, cycles_of

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.commission import commission
 from mtcommission.errors import ComputationError
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile
@@ -35,6 +34,8 @@ class NewLimits:
 
 def find_new_limits(record: Record, profile: str) -> NewLimits:
     """Return what ``run`` recommends for a refined profile, beside what the record recommends."""
+    from mtcommission.commission import commission  # half of what verify would load
+
     best = record.limits.recommended
     old = Limits(
         acceleration=best.acceleration,
