@@ -128,8 +128,8 @@ verify-parameter-feedforward-mass = { $axis ->
     [rotary] Trägheitsmoment der Beschleunigungsvorsteuerung
    *[linear] Masse der Beschleunigungsvorsteuerung
 }
-verify-parameter-jerk-feedforward = Kraft je Ruck
-verify-parameter-friction-feedforward = Kraft gegen Coulombsche Reibung
+verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
+verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
 verify-feedforward-brings = { $moves ->
     [0] Mit diesen Werten bliebe der Geber { $after } statt { $before } vom verzögerten Sollwert (Effektivwert; an derselben Bewegung, nur eine ist aufgezeichnet).
    *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Geber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).

@@ -128,8 +128,8 @@ verify-parameter-feedforward-mass = { $axis ->
     [rotary] inertia of the acceleration's feed-forward
    *[linear] mass of the acceleration's feed-forward
 }
-verify-parameter-jerk-feedforward = force per jerk
-verify-parameter-friction-feedforward = force against Coulomb friction
+verify-parameter-jerk-feedforward = feed-forward of the jerk
+verify-parameter-friction-feedforward = feed-forward against Coulomb friction
 verify-feedforward-brings = { $moves ->
     [0] With these values the encoder would stay { $after } from the delayed setpoint instead of { $before } (RMS; of the same move, one alone was recorded).
    *[other] With what the first half of the moves says, the encoder would stay { $after } from the delayed setpoint in the second half instead of { $before } (RMS).
