@@ -87,7 +87,7 @@ def test_the_choice_changes_gradually_with_the_spread() -> None:
     A look that misses a narrow valley at some spreads takes another loop: 82.7 ms, or 89.3 ms.
     """
     found = []
-    for spread in (0.0005, 0.001, 0.0015, 0.002, 0.003):
+    for spread in (0.001, 0.0015, 0.002):
         machine = paper_machine()
         needs = replace(machine.requirements, frequency_spread=spread)
         machine = replace(machine, requirements=needs)

@@ -16,9 +16,8 @@ from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize
-from mtcommission.study.robustness import MoveSizes, compare_move_sizes, full_size
+from mtcommission.study.robustness import MoveSizes, compare_move_sizes
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.5, jerk=30.0)
@@ -52,23 +51,6 @@ def test_every_size_is_what_the_simulation_says(average: float) -> None:
             settling, residual = judged(machine, tuned, item, index)
             assert item.residual_deviation[index] == pytest.approx(residual, rel=1e-4, abs=1e-10)
             assert item.settling_time[index] == pytest.approx(settling, abs=2e-6)
-
-
-@pytest.mark.parametrize(
-    "move", [VelocityStep(velocity_step=1.0), Positioning(distance=1.0, max_velocity=10.0)]
-)
-@pytest.mark.parametrize("average", [0.0, 0.0139])
-def test_acceleration_is_reached_from_the_full_size_on(
-    move: VelocityStep | Positioning, average: float
-) -> None:
-    """If it failed, engineers would look for an acceleration that small steps never show."""
-    limits = replace(LIMITS, setpoint_filter=moving_average(average))
-    full = full_size(limits, move)
-    for share, reaches in ((1.02, True), (0.9, False)):
-        setpoint = plan_setpoint(resize(move, share * full), limits)
-        t = np.linspace(0.0, setpoint.duration, 4001)
-        reached = float(np.max(sample_setpoint(setpoint, t)[:, 2]))
-        assert (reached > 0.9995 * LIMITS.acceleration) == reaches
 
 
 def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:

@@ -329,16 +329,6 @@ def test_keys_that_mean_nothing_here(old: str, new: str, fault: str | None) -> N
         assert fault in faults
 
 
-def test_a_servo_profile_of_a_printer_is_told_of_the_kind_of_drive() -> None:
-    """Its frequencies would be free-free ones, and the exported shaper would miss the head."""
-    from mtcommission.machine.plausibility import check_plausibility
-
-    servo = replace(printer().drive, kind=type(printer().drive.kind).SERVO, force_lag=1e-3)
-    remarks = check_plausibility(replace(printer(), drive=servo))
-    assert "drive.kind" in [remark.key for remark in remarks]
-    assert "drive.kind" not in [remark.key for remark in check_plausibility(printer())]
-
-
 def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     """Gains and margins that nobody tuned must not be read off a record; the motion must."""
     machine = printer()

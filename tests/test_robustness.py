@@ -198,16 +198,6 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
         assert one.is_missed.any() != is_kept
 
 
-def test_nothing_is_drawn_without_a_spread() -> None:
-    """If it failed, a sheet would print the distribution of one machine."""
-    limits, settings = MotionLimits(acceleration=1.3, jerk=30.0), RobustnessSettings(samples=300)
-    alone = replace(paper_machine(), control=Control(state_feedback=StateFeedback.OFF))
-    tuned = tune_loop(alone)
-    found = examine_robustness(alone, tuned, limits, settings)
-    assert found.monte_carlo is None
-    assert robustness_part(alone, found).monte_carlo is None
-
-
 def test_record_holds_the_distribution() -> None:
     """If it failed, quantiles and histogram on the sheet would be those of something else."""
     machine = spread_paper_machine()

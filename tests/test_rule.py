@@ -39,7 +39,6 @@ from mtcommission.machine.machine import (
 )
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
@@ -168,41 +167,6 @@ def test_a_wider_band_is_never_slower() -> None:
         needs = replace(machine.requirements, tcp_deviation=band)
         times.append(apply(replace(machine, requirements=needs))[0].predicted_settling_time)
     assert times == sorted(times, reverse=True)
-
-
-def test_the_steps_suffice_to_calculate_the_residual_by_hand() -> None:
-    """If it failed, the sheet's hand calculation would lack a line or show another number."""
-    machine = for_every_size(random_machine(4))
-    found, tuned = apply(machine)
-    mechanics, gains = machine.mechanics, tuned.controller
-    assert isinstance(mechanics, Modal)
-    steps = {Catalogue().say(step.name): step.value for step in found.steps}
-    omega_v, n = steps["speed loop ω_v"], steps["number of ramps n"]
-    assert n == 4
-    parts = [
-        steps["jerk sensitivity C_S of the servo"],
-        steps["jerk sensitivity C_P by the payload"],
-    ]
-    for mode in mechanics.modes:
-        lowest = steps[f"lowest frequency of mode {mode.name}"]
-        seen = 1 + gains.feedforward_mass * mode.measured_gain * min(
-            1.0, omega_v / mode.natural_frequency
-        )
-        spread = machine.requirements.frequency_spread
-        # ω_v with the feed-forward's mass there, with the largest one here
-        assert lowest == pytest.approx(mode.frequency_hz * (1 - spread) / seen**0.5, rel=0.05)
-        m_g = gains.feedforward_mass * max(
-            abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain)
-        )
-        sensitivity = steps[f"jerk sensitivity C of mode {mode.name}"]
-        assert sensitivity == pytest.approx(m_g / (2 * pi * lowest) ** 3, rel=1e-9)
-        parts.append(2 * n * sensitivity * steps[f"share W of mode {mode.name} behind the average"])
-    total = float(np.sqrt(np.sum(np.square(parts))))
-    band = machine.requirements.tcp_deviation
-    assert steps["jerk that the band allows"] == pytest.approx(band / (1.25 * total), rel=1e-9)
-    assert steps["predicted residual"] == pytest.approx(found.limits.jerk * total, rel=1e-9)
-    t_j = steps["jerk time t_j"]
-    assert found.limits.acceleration == pytest.approx(found.limits.jerk * t_j, rel=1e-12)
 
 
 def test_what_the_rule_does_not_know_is_said() -> None:

@@ -142,14 +142,35 @@ class _Sizes:
 
     def worst_after(self, place: int, requirement: Requirement, signal: Signal) -> SizeCheck:
         """Return the worst from t_e + τ on, and what no size exceeds."""
+        move, between = self.machine.moves[place], 0.0
         if self.machine.requirements.every_size:
-            return self._worst_after_any(place, requirement, signal)
-        size = np.array([size_of(self.machine.moves[place])])
-        value, _, corner = self._worst_of(self.machine.moves[place], size, signal)
-        return self._after(place, requirement, (value, value), float(size[0]), corner)
+            size, found, between = self._worst_of_all(move, requirement, signal)
+            value, corner = found
+        else:
+            size = size_of(move)
+            value, _, corner = self._worst_of(move, np.array([size]), signal)
+        noise = EncoderNoise(
+            tool=max(item.tool for item in self.noises),
+            force=max(item.force for item in self.noises),
+        )
+        value, bound = requirement.with_noise(np.array([value, value + between]), noise).tolist()
+        return SizeCheck(
+            requirement=requirement,
+            value=value,
+            bound=bound,
+            move=place + 1,
+            size=size,
+            corner=self.corners[corner],
+        )
 
-    def _worst_after_any(self, place: int, requirement: Requirement, signal: Signal) -> SizeCheck:
-        poles, limits, move = self.poles, self.limits, self.machine.moves[place]
+    def _worst_of_all(
+        self, move: Move, requirement: Requirement, signal: Signal
+    ) -> tuple[float, tuple[float, int], float]:
+        """The worst of sizes laid so close that little is between them: size, (value, corner).
+
+        And by how much a size between may exceed it [own unit].
+        """
+        poles, limits = self.poles, self.limits
         seen = LONGEST_SEEN
         rates = -poles.rates.real[np.abs(poles.factors) > 0.0]
         if len(rates):
@@ -161,11 +182,10 @@ class _Sizes:
         allowed = requirement.bound(self.machine)
         # Where much more than that is left, it need not be known more closely than in proportion.
         for share in (COARSE, UNPROVED):
-            least = (limits.jerk_time / MOST_SIZES, seen / MOST_SIZES)
-            spacings = [
-                item.spacing(share * allowed, least=h)
-                for item, h in zip((pointed, held), least, strict=True)
-            ]
+            spacings = (
+                pointed.spacing(share * allowed, least=limits.jerk_time / MOST_SIZES),
+                held.spacing(share * allowed, least=seen / MOST_SIZES),
+            )
             sizes = lay_sizes(
                 move,
                 limits,
@@ -179,31 +199,7 @@ class _Sizes:
                 break
             allowed = max(allowed, value)
         between = max(item.excess(h) for item, h in zip((pointed, held), spacings, strict=True))
-        found = (value, value + between)
-        return self._after(place, requirement, found, float(sizes[worst]), corner)
-
-    def _after(
-        self,
-        place: int,
-        requirement: Requirement,
-        found: tuple[float, float],
-        size: float,
-        corner: int,
-    ) -> SizeCheck:
-        """``found``: the worst, and what no size exceeds, both without noise."""
-        noise = EncoderNoise(
-            tool=max(item.tool for item in self.noises),
-            force=max(item.force for item in self.noises),
-        )
-        value, bound = requirement.with_noise(np.array(found), noise)
-        return SizeCheck(
-            requirement=requirement,
-            value=float(value),
-            bound=float(bound),
-            move=place + 1,
-            size=size,
-            corner=self.corners[corner],
-        )
+        return float(sizes[worst]), (value, corner), between
 
     def _worst_of(self, move: Move, sizes: Array, signal: Signal) -> tuple[float, int, int]:
         """What is left at most [own unit], and its place among the sizes and corners."""

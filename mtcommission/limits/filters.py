@@ -4,25 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 from math import pi
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, FilterChoice
+from mtcommission.control_kinds.kind import (
+    MOVING_AVERAGE,
+    SHAPERS,
+    TWO_AVERAGES,
+    FilterChoice,
+    Jerk,
+)
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import frequencies_told_apart
 
 TIMES = 8
-"""Lengths of a moving average that are tried at first, logarithmic, beside those of ``PERIODS``."""
+"""Lengths of one moving average, or of two alike, that are tried at first, logarithmic, beside
+those of what rings."""
 
 PERIODS = (0.75, 1.0)
 """Lengths of a moving average, in periods of what rings [-]."""
 
 LONGEST = 0.2
 """Of the averages tried at first [s]."""
+
+SHARES = (0.7, 0.8, 1.0, 1.25)
+"""Frequencies of a shaper that are tried at first where no ramp quiets anything besides, by that of
+what rings: over a spread a robust one may lie well beside it (empirical) [-]."""
 
 RINGING = 0.3
 """Damping ratio below which a pole of the closed loop rings [-]."""
@@ -59,21 +70,24 @@ def _of_kind(
     choice: FilterChoice, control: Control, ringing: list[tuple[float, float]]
 ) -> Iterator[SetpointFilter]:
     kind, periods = choice.kind, [1.0 / frequency for frequency, _ in ringing]
+    usual = np.geomspace(2.0 * control.position_cycle, LONGEST, TIMES).tolist()
     if kind == MOVING_AVERAGE:
-        times = [*np.geomspace(2.0 * control.position_cycle, LONGEST, TIMES)]
-        times += [share * period for period in periods for share in PERIODS]
+        times = [*usual, *(share * period for period in periods for share in PERIODS)]
         for time in _settable(choice, control, times):
             yield SetpointFilter(kind=kind, time=time)
     elif kind == TWO_AVERAGES:
-        for both in combinations_with_replacement(periods, 2):
+        alike = [(time, time) for time in usual]
+        for both in (*combinations_with_replacement(periods, 2), *alike):
             times = _settable(choice, control, both)
             if times:
                 yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
     elif kind in SHAPERS:
+        shares = SHARES if control.kind.jerk is Jerk.NONE else (1.0,)
         # What rings faster than half a sample of the setpoint no shaper of the setpoint reaches.
         highest = min(choice.most_frequency_hz, 0.5 / control.position_cycle)
-        for frequency, damping in ringing:
-            damping = min(max(damping, choice.least_damping), choice.most_damping)
+        for (natural, own), share in product(ringing, shares):
+            damping = min(max(own, choice.least_damping), choice.most_damping)
+            frequency = share * natural
             for hz in frequencies_told_apart(kind, frequency_hz=frequency, damping_ratio=damping):
                 if choice.least_frequency_hz <= hz <= highest:
                     yield SetpointFilter(kind=kind, frequency_hz=hz, damping_ratio=damping)
