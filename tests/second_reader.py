@@ -58,6 +58,8 @@ class Reading:
 def read_file(control: str, text: str, machine: Machine) -> Reading:
     """A file as the control, and the hand that sets the drive, would take it."""
     remark = dict(re.findall(r"^(?:;|#|\(\*) > (.+?) = (\S+)", text, re.MULTILINE))
+    if "N10050 x N10060" in remark:  # of a SINUMERIK
+        remark["position cycle"] = remark["N10050 x N10060"]
     own, words = _own(control, text, machine)
     found = {
         name: float(remark[label]) * factor

@@ -20,6 +20,7 @@ from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import Export
 from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY, formulas_for
+from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion, VelocityStep
@@ -1017,6 +1018,7 @@ def exportable_record(text: str) -> Json:
     }
     record["data"] = to_plain(list_data(machine, build_plant(machine), text))
     follows = machine.drive.follows
+    loop = tuned.loops[0]
     record["loop"] |= {
         "kind": control.kind.key,
         "jerk": control.kind.jerk.value,
@@ -1033,7 +1035,15 @@ def exportable_record(text: str) -> Json:
             "jerk": controller.jerk_feedforward,
             "mass": controller.feedforward_mass,
         },
-        "closed_loop": to_plain(entry_of(ClosedLoop, tuned.loops[0].lifted)),
+        "closed_loop": to_plain(
+            entry_of(
+                ClosedLoop,
+                loop.lifted,
+                loop,
+                inputs=INPUTS,
+                outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in loop.outputs],
+            )
+        ),
     }
     return record
 
