@@ -8,6 +8,7 @@ from __future__ import annotations
 import shlex
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -25,7 +26,7 @@ from mtcommission.cli.arguments import (
     read_machine,
 )
 from mtcommission.cli.language import SPOKEN, LanguageOption, say, words
-from mtcommission.cli.terminal import announce_limits, print_said, show, show_stage
+from mtcommission.cli.terminal import print_said, show, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -76,7 +77,7 @@ def run(
     spoken = words()
     with show_stage() as progress:
         found = commission(
-            machine, profile=source, progress=progress, announce=announce_limits(machine)
+            machine, profile=source, progress=progress, announce=partial(progress.announce, machine)
         )
         progress(Message("stage-improvements"))
         record = record_run(found, created=now())
@@ -236,7 +237,7 @@ def limits(
             machine,
             with_rules=not is_page_only,
             progress=progress,
-            announce=announce_limits(machine),
+            announce=partial(progress.announce, machine),
         )
     if page:
         write_text(page, _page_of(found, source, language=language))

@@ -116,29 +116,41 @@ def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:
 # While something is computed
 
 
-@contextmanager
-def show_stage() -> Iterator[Callable[[Message | str], None]]:
-    """Show the running stage on the error stream; silent where that is no terminal."""
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich.console import Console
+class Stage:
+    """Says what is computed, and what is known already, until the answer takes their place."""
 
-    with Console(stderr=True, emoji=False).status("") as status:
-        yield lambda stage: status.update(f"{words().say(stage)} …")
+    def __init__(self, show: Callable[[str], None] | None = None) -> None:
+        self._show, self._known, self._now = show, "", ""
 
+    def __call__(self, stage: Message | str) -> None:
+        """Say which stage runs."""
+        self._now = f"{words().say(stage)} …" if self._show else ""
+        self._update()
 
-def announce_limits(machine: Machine) -> Callable[[Candidate], None]:
-    """Return what says verdict and limits on the error stream; silent where that is no terminal."""
-
-    def announce(best: Candidate) -> None:
-        if sys.stderr.isatty():
+    def announce(self, machine: Machine, best: Candidate) -> None:
+        """Say verdict and limits, as soon as they are known."""
+        if self._show:
             from mtcommission.glance import say_verdict
 
-            sys.stderr.write(f"{say_verdict(machine, best, words())}\n")
-            sys.stderr.flush()
+            self._known = say_verdict(machine, best, words())
+            self._update()
 
-    return announce
+    def _update(self) -> None:
+        if self._show:
+            self._show("\n".join(filter(None, (self._known, self._now))))
+
+
+@contextmanager
+def show_stage() -> Iterator[Stage]:
+    """Show the running stage on the error stream; silent where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield Stage()
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    with Console(stderr=True, emoji=False).status("") as status:
+        yield Stage(lambda text: status.update(Text(text)))
 
 
 @contextmanager

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from mtcommission.machine.basis import OF_LOOP, mark_assumed, say_loop
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.machine import Datum
-from mtcommission.record.record import Record
 from mtcommission.record.robustness import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.tables import show
+
+if TYPE_CHECKING:
+    from mtcommission.record.record import Record
 
 Row = tuple[str, str]
 

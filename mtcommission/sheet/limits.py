@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from mtcommission.record.limits import Alternative, ModeLimitsEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.moves import MoveEntry
-from mtcommission.record.record import Record
 from mtcommission.record.values import Words
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
@@ -43,6 +42,9 @@ from mtcommission.sheet.tables import (
     wide,
 )
 from mtcommission.sheet.verdict import keeps_reserve, met_at_all, say_limiting
+
+if TYPE_CHECKING:
+    from mtcommission.record.record import Record
 
 Array = NDArray[np.float64]
 

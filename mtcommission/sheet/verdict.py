@@ -15,8 +15,6 @@ from mtcommission.messages.message import Message, join_by_and, parts_of
 from mtcommission.messages.quantities import pretty_unit
 from mtcommission.record.limits import AttainableEntry
 from mtcommission.record.moves import Check
-from mtcommission.record.optima import BandEntry, RobustEntry
-from mtcommission.record.record import Record
 from mtcommission.requirements.register import REGISTER, read_requirement
 from mtcommission.requirements.requirement import Requirement
 from mtcommission.sheet.basis import (
@@ -53,6 +51,8 @@ from mtcommission.sheet.tables import (
 if TYPE_CHECKING:
     from mtcommission.control_kinds.syntax import Entry
     from mtcommission.export.write import Export
+    from mtcommission.record.optima import BandEntry, RobustEntry
+    from mtcommission.record.record import Record
 
 ROUNDING = 1e-6
 """Relative difference that search and check may have where the reserve is just kept."""

@@ -42,7 +42,7 @@ identify-frequency-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
    *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
 }
-identify-frequency-apart = jeder der { $states } Zustände wird für sich beurteilt; { SHARE($floor) } ist das Mindeste, was Wiederholungen und Pegel an anderen Maschinen zeigten
+identify-frequency-apart = jeder der { $states } Zustände wird für sich beurteilt, dazu die Mitte, dazwischen aber nichts (mehr Zustände messen, wo die Maschine dazwischen arbeitet); { SHARE($floor) } ist das Mindeste, was Wiederholungen und Pegel an anderen Maschinen zeigten
 identify-damping-apart = { identify-frequency-apart }
 identify-damping-floor = { $states ->
     [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)

@@ -42,7 +42,7 @@ identify-frequency-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
    *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
 }
-identify-frequency-apart = each of the { $states } states is judged by itself; { SHARE($floor) } is the least that repeats and levels of other machines showed
+identify-frequency-apart = each of the { $states } states is judged by itself, and the middle, but nothing else between them (measure more states where the machine works in between); { SHARE($floor) } is the least that repeats and levels of other machines showed
 identify-damping-apart = { identify-frequency-apart }
 identify-damping-floor = { $states ->
     [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
