@@ -45,7 +45,7 @@ from mtcommission.wizard.answers import (
     to_answers,
     to_profile,
 )
-from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint
+from mtcommission.wizard.console import BACK, LineConsole, RichConsole, fold, hint, means
 from mtcommission.wizard.document import update_document
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, read_reply, title
@@ -653,6 +653,13 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
     assert "choose one of: 1 linear, 2 rotary" in said
     assert said.count("A rotary axis takes inertia for mass") > 1
     assert "got -5 N, must be > 0 N" in said
+
+
+def test_a_command_is_understood_in_the_language_that_is_spoken() -> None:
+    """In German "zurück" became the name of the axis."""
+    german = Catalogue("de")
+    assert all(means(typed, BACK, german) for typed in ("<", "back", "Zurück"))
+    assert not means("zurück", BACK, Catalogue("en"))
 
 
 # Replies

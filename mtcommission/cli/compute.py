@@ -116,7 +116,7 @@ def run(
     if not is_known:
         indent = " " * (following.index(":") + 2)
         following += f"\n{indent}{say('cli-list-of-controls')}"
-    print_said("cli-written-into", folder=str(output), files=tuple(files))
+    show([say("cli-written-into", folder=str(output), files=tuple(files))])
     sys.stdout.write(f"{following}\n")
     raise typer.Exit(0 if record.assessment.met else 1)
 

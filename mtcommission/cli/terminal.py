@@ -110,7 +110,7 @@ def print_note(note: Message) -> None:
 
 def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:
     """Say which files were written."""
-    print_said("cli-written", files=tuple(str(folder / name) for name in names))
+    show([say("cli-written", files=tuple(str(folder / name) for name in names))])
 
 
 # While something is computed

@@ -119,6 +119,11 @@ class RichConsole:
         return str(asked.unsafe_ask())
 
 
+def means(typed: str, command: tuple[str, str], words: Catalogue) -> bool:
+    """Return whether a command was typed: its sign, or its name in English or the language."""
+    return typed.lower() in (*command, words.text(f"wizard-{command[1]}").lower())
+
+
 def _take_signs(application: Application[Any]) -> None:
     """< ? q and the end of input act in a list, too: on its own it takes no letters."""
     from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent, merge_key_bindings

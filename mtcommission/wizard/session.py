@@ -27,7 +27,7 @@ from mtcommission.wizard.answers import (
     note_stated,
     to_profile,
 )
-from mtcommission.wizard.console import BACK, HELP, QUIT, Console, explain
+from mtcommission.wizard.console import BACK, HELP, QUIT, Console, explain, means
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, Reply, read_reply, title
@@ -209,7 +209,7 @@ class _Interview:
             self.console.tell(where)
         while True:
             typed = self._typed(question)
-            if typed.lower() in BACK:
+            if means(typed, BACK, self.words):
                 if before is None:
                     self.tell(Message("wizard-first-question"))
                 return before or question.key
@@ -255,7 +255,7 @@ class _Interview:
             self.console.tell(f"{number:>3}  {name}: {value}{mark}")
         while True:
             typed = self._typed(CHANGE)
-            if not typed or typed.lower() in BACK:
+            if not typed or means(typed, BACK, self.words):
                 return before if typed else None
             numbers = {str(n): question.key for n, question in enumerate(settled, start=1)}
             key = numbers.get(typed) or read_key(typed)
@@ -273,9 +273,9 @@ class _Interview:
                 raise _Left(INPUT_ENDED, question.key) from error
             except KeyboardInterrupt as error:
                 raise _Left(INTERRUPTED_BY_USER, question.key) from error
-            if typed.lower() in QUIT:
+            if means(typed, QUIT, self.words):
                 raise _Left(USER_LEFT, question.key)
-            if typed.lower() not in HELP:
+            if not means(typed, HELP, self.words):
                 return typed
             self.console.tell(explain(question, self.words))
 
@@ -345,7 +345,9 @@ class _Interview:
         while True:
             try:
                 typed = self._typed(question)
-                return typed not in BACK and read_reply(question, typed, titles=titles).text == YES
+                if means(typed, BACK, self.words):
+                    return False
+                return read_reply(question, typed, titles=titles).text == YES
             except _Left:
                 return False  # the profile is written, nothing is lost
             except Refused as error:

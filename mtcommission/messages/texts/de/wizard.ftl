@@ -167,7 +167,7 @@ ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
 ask-pair-modes-frequency = Frequenz der weiteren gemessenen Resonanz { $number }
 ask-pair-modes-frequency-empty = keine mehr
-ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen.
+ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen, ebenso dann, was Motor und Last tun: beides gilt als angenommen und kann doppelt so groß herauskommen.
 ask-pair-modes-damping-ratio-where = Halbe relative 3-dB-Breite der Spitze; Maschinenstrukturen zeigen 0,01 bis 0,1.
 ask-plant-moving-mass = { $axis ->
     [rotary] Ganzes starres Trägheitsmoment

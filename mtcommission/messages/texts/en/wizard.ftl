@@ -170,7 +170,7 @@ ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
 ask-pair-modes-frequency = Frequency of measured resonance { $number } besides
 ask-pair-modes-frequency-empty = no more
-ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and marked as assumed.
+ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and so is what motor and load then do: both are marked as assumed, and may come out twice as large.
 ask-pair-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-plant-moving-mass = { $axis ->
     [rotary] Whole rigid inertia
