@@ -17,7 +17,6 @@ bounds-widened-alike = { " " }(alle gleich erweitert)
 
 bounded-optimum-not-found = zeitoptimale Steuerung unter { $bounds } und { PLAIN($force, digits: 6) } { $unit }
 optimum-too-long = eine optimale Steuerung von { PLAIN($t_f) } s sind { ROUND($radians, digits: 3) } rad des Schnellsten in der Maschine, gerechnet werden höchstens { ROUND($most, digits: 2) }
-mesh-too-fine = das Netz der optimalen Steuerung hat { ROUND($cells, digits: 3) } Zellen, gerechnet werden höchstens { ROUND($most, digits: 2) }
 grid-search-stopped = die Suche nach t_f auf dem Gitter endete bei { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = das lineare Programm mit { PLAIN($cells, digits: 9) } Zellen für { PLAIN($t_f, digits: 6) } s kam nicht zum Ende
 free-motion-rings-on = die freie Bewegung nach dem Ende klingt zu langsam ab, um sie ganz zu verfolgen

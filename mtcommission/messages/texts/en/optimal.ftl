@@ -17,7 +17,6 @@ bounds-widened-alike = { " " }(all widened alike)
 
 bounded-optimum-not-found = time-optimal control under { $bounds } and { PLAIN($force, digits: 6) } { $unit }
 optimum-too-long = an optimal control of { PLAIN($t_f) } s is { ROUND($radians, digits: 3) } rad of what is fastest in the machine, at most { ROUND($most, digits: 2) } are computed
-mesh-too-fine = the mesh of the optimal control has { ROUND($cells, digits: 3) } cells, at most { ROUND($most, digits: 2) } are computed
 grid-search-stopped = search for t_f on the grid stopped at { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = the linear program of { PLAIN($cells, digits: 9) } cells for { PLAIN($t_f, digits: 6) } s did not end
 free-motion-rings-on = the free motion after the end takes too long to decay to be watched
