@@ -152,9 +152,7 @@ addEventListener("load", () => {
   const cut = [...document.querySelectorAll("h1, h2, .headline *")]
     .filter(part => right(part) > right(part.closest("section, header")))
     .map(part => part.textContent);
-  const {plots} = JSON.parse(document.getElementById("plots").textContent);
-  const curves = [...document.querySelectorAll("[data-plot]")]
-    .filter(host => plots[host.dataset.plot].kind === "LinePlot");
+  const curves = [...document.querySelectorAll("[data-plot]")];
   const letters = Math.min(...curves.map(host => 12 * host.firstChild.getScreenCTM().a));
   const over = Math.max(...curves.flatMap(host =>
     [...host.querySelectorAll("text")].map(text => right(text) - right(host))));
