@@ -12,8 +12,8 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -101,10 +101,12 @@ def open_store(
 
 def _is_log(path: Path) -> bool:
     """Whether a sound line is there, or nothing but the torn first one."""
-    return any(True for _ in _entries(path)) or path.read_bytes().find(b"\n") < 0
+    with closing(_entries(path)) as entries:
+        is_sound = next(entries, None) is not None
+    return is_sound or b"\n" not in path.read_bytes()
 
 
-def _entries(path: Path) -> Iterator[dict[str, Any]]:
+def _entries(path: Path) -> Generator[dict[str, Any]]:
     """What the sound lines of a log hold."""
     with path.open("rb") as file:
         for line in file:
