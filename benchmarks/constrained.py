@@ -17,7 +17,7 @@ from time import process_time
 
 from benchmarks.constrained_survey import survey
 from mtcommission.errors import ComputationError
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem

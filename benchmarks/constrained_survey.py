@@ -17,7 +17,8 @@ from scipy.linalg import expm, matrix_balance
 
 from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Arc, Bound, TimeOptimum

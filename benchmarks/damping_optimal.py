@@ -20,7 +20,8 @@ from time import process_time
 import numpy as np
 
 from mtcommission.errors import ComputationError
-from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.free.time_optimal import solve_time_optimal

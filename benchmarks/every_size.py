@@ -35,7 +35,8 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant

@@ -14,19 +14,11 @@ from math import exp, inf, log, pi
 import numpy as np
 
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import (
-    Drive,
-    Machine,
-    Modes,
-    Move,
-    Peak,
-    Positioning,
-    Requirements,
-    Reserve,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.requirements import Modes, Peak, Requirements, Reserve
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.plant.modal import Modal
 

@@ -14,7 +14,8 @@ from math import inf, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant, build_plant

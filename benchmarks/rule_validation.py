@@ -38,7 +38,8 @@ from mtcommission.limits.commissioning_rule import (
 )
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Machine, Positioning, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Positioning
 from mtcommission.machine.variations import corners
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant, dominant_mode

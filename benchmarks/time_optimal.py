@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.printers import random_axis
 from mtcommission.errors import ComputationError
 from mtcommission.limits.optima import find_time_optimum
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import TimeOptimum
 from mtcommission.optimal.transcription.settings import TranscriptionSettings

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, TWO_AVERAGES
 from mtcommission.errors import Fault, InputError, Refused
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.ranges import FILTER_TIMES, FREQUENCIES
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner

@@ -22,7 +22,8 @@ from scipy.optimize import brentq, minimize_scalar
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import HUMPS, shape
 from mtcommission.plant.manipulator import Manipulator

@@ -8,8 +8,11 @@ import numpy as np
 
 from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 

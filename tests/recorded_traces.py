@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop, find_friction
-from mtcommission.machine.machine import Move
+from mtcommission.machine.moves import Move
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit

@@ -23,7 +23,8 @@ from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Motion, VelocityStep
+from mtcommission.machine.machine import Motion
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.message import Message, Value, to_json
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash

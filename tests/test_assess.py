@@ -11,7 +11,9 @@ import pytest
 from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Peak, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.requirements import Peak
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE

@@ -14,15 +14,11 @@ from scipy.optimize import brentq
 
 from mtcommission.errors import InputError
 from mtcommission.limits.optima import find_damping_optimum, find_optima, find_time_optimum
-from mtcommission.machine.machine import (
-    Drive,
-    Machine,
-    Modes,
-    Positioning,
-    Requirements,
-    VelocityStep,
-)
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band.band_optimum import find_band_optimum
 from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.optimal.free.curve import solve_curve

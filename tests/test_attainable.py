@@ -9,7 +9,8 @@ import pytest
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Peak
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirements import Peak
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.peak import peak_of
 from mtcommission.requirements.settling_time import SETTLING_TIME

@@ -13,7 +13,8 @@ from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima, find_time_optimum
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
 from mtcommission.optimal.band.force import BandForce

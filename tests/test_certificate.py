@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.bound import prove_bound
 from mtcommission.optimal.free.certificate import Claim, adjoint, certify, terminal_jacobian
 from mtcommission.optimal.free.dual import DualPoint, evaluate_dual

@@ -19,14 +19,9 @@ from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    Machine,
-    Peak,
-    Positioning,
-    Reserve,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.requirements import Peak, Reserve
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue

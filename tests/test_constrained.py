@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.composed import compose_time_optimum

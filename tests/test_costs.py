@@ -16,8 +16,9 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.free import newton_refinement

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.bound import prove_bound
 from mtcommission.optimal.free.curve import solve_curve
 from mtcommission.optimal.free.curve_proof import isolate_owned_zeros, prove_bounds

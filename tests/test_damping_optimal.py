@@ -13,7 +13,8 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.hamiltonian import (
     ArcSequence,

@@ -23,7 +23,8 @@ from mtcommission.loop.tuning.gains import add_state_feedback, design_observer, 
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
-from mtcommission.machine.machine import Machine, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint

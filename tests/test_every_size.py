@@ -16,7 +16,8 @@ from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION

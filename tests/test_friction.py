@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mtcommission.loop.simulate import find_friction
-from mtcommission.machine.machine import Drive
+from mtcommission.machine.drive import Drive
 from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine
 

@@ -14,7 +14,8 @@ from scipy.optimize import linprog
 
 from mtcommission import cli
 from mtcommission.limits.optima import find_time_optimum
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_jerk_limited
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory

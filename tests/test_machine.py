@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.basis import list_assumed, list_neglected
 from mtcommission.machine.control import Control
-from mtcommission.machine.machine import Drive, mid_payload, moving_mass
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import mid_payload, moving_mass
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator

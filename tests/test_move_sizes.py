@@ -10,8 +10,9 @@ import pytest
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Machine, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant

@@ -20,8 +20,9 @@ from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
-from mtcommission.machine.machine import Machine, Requirements
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.ranges import VELOCITIES
+from mtcommission.machine.requirements import Requirements
 from mtcommission.machine.variations import Corner, corners
 from mtcommission.messages.message import Message, parts_of
 from mtcommission.plant.plant import Plant, build_plant

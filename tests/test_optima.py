@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.fuzz import call
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import solve_bounded_time_optimal

@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from mtcommission.machine.control import Control
-from mtcommission.machine.machine import Machine, Modes, Motion, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plausibility import Remark, check_plausibility
+from mtcommission.machine.requirements import Modes
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal

@@ -8,7 +8,8 @@ import pytest
 
 from benchmarks.population import Population, Range, random_machine
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import VelocityStep, moving_mass
+from mtcommission.machine.machine import moving_mass
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 

@@ -15,7 +15,8 @@ from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant

@@ -14,14 +14,9 @@ from benchmarks.mutations import dice_of, mutated, shipped_texts
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.control import FilterKind, StateFeedback, TcpSensor, Today
-from mtcommission.machine.machine import (
-    NO_RESERVE,
-    Machine,
-    Motion,
-    Positioning,
-    Reserve,
-    VelocityStep,
-)
+from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal

@@ -13,7 +13,8 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.machine.machine import Machine, Positioning, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Positioning
 from tests.independent_loop import profile_of, quiet_copy, run
 from tests.machines import paper_machine
 

@@ -15,7 +15,8 @@ from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_a
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import TcpSensor
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.profile.shipped import read_shipped

@@ -9,7 +9,8 @@ import pytest
 
 from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.independent_loop import Judgement, axis_of, judge, profile_of, run

@@ -14,7 +14,9 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Machine, Peak, Positioning
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Positioning
+from mtcommission.machine.requirements import Peak
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     corners,

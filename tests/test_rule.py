@@ -28,16 +28,11 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import (
-    Drive,
-    Machine,
-    Modes,
-    Peak,
-    Requirements,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.requirements import Modes, Peak, Requirements
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant

@@ -15,7 +15,8 @@ from mtcommission.loop.model.assembly import delay_weights, discretise
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.plant.manipulator import Manipulator

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import mtcommission
 from mtcommission.errors import ComputationError
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint, sample_setpoint

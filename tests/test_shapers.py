@@ -14,7 +14,7 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant

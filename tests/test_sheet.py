@@ -34,7 +34,7 @@ from mtcommission.limits.commissioning_rule import (
     formulas_for,
 )
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Positioning
+from mtcommission.machine.moves import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, join_by_and
 from mtcommission.messages.quantities import THIN_SPACE, Formatter, motion_unit

@@ -13,8 +13,10 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Drive, Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.dual_start import start_force
 from mtcommission.optimal.free.flow import dyadic_flow, states_at
 from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows

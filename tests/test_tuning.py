@@ -30,7 +30,8 @@ from mtcommission.machine.control import (
     StateGain,
     TcpSensor,
 )
-from mtcommission.machine.machine import Machine, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant

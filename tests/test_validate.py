@@ -19,7 +19,7 @@ from scipy.optimize import fsolve
 from mtcommission import cli
 from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
-from mtcommission.machine.machine import VelocityStep
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, constant_arc, propagate

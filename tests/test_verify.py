@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from mtcommission.cli import main
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
-from mtcommission.machine.machine import Positioning
+from mtcommission.machine.moves import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.files import dump_json

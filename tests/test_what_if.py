@@ -22,8 +22,9 @@ from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.machine.machine import Machine, Move
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import MachineState
+from mtcommission.machine.moves import Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.catalogue import Catalogue, decimal_mark_of

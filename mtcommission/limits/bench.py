@@ -29,7 +29,8 @@ from mtcommission.loop.respond import (
     where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.requirement import Mean, Requirement

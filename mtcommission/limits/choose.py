@@ -19,7 +19,8 @@ from mtcommission.limits.judge import Candidate, MoveResult, evaluate_moves, sim
 from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Reserve, largest_acceleration, practical_ceiling
+from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling
+from mtcommission.machine.requirements import Reserve
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import keep_reserve, requirements_of

@@ -26,7 +26,8 @@ import numpy as np
 from mtcommission.control_kinds.kind import MOVING_AVERAGE, Jerk
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import corners, vary
 from mtcommission.messages.message import Message

@@ -33,7 +33,8 @@ from mtcommission.loop.respond import (
     where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Positioning
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant

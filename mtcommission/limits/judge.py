@@ -15,7 +15,9 @@ from mtcommission.limits.every_size import SizeCheck, judge_sizes
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Reserve, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.requirements import Reserve
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant

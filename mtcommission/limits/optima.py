@@ -8,7 +8,8 @@ from math import ceil, floor, isfinite, log10
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.condense import condense
-from mtcommission.machine.machine import Machine, Move, Positioning
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.at_once import (
     damping_optimum_on,

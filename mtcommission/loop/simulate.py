@@ -45,7 +45,7 @@ from mtcommission.loop.respond import (
     outputs_at,
     set_in_motion,
 )
-from mtcommission.machine.machine import Drive
+from mtcommission.machine.drive import Drive
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 

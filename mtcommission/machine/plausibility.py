@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from mtcommission.machine.identified import MOST_MISFIT
-from mtcommission.machine.machine import Machine, Motion, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, Motion, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import convert_to

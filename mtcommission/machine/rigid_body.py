@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import sqrt
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
 
 
@@ -14,7 +15,7 @@ def peak_velocity(move: Move, acceleration: float) -> float:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Positioning
+    >>> from mtcommission.machine.moves import Positioning
     >>> peak_velocity(Positioning(distance=0.5, max_velocity=2.0), 2.0)
     1.0
     """

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.exponential import balanced_expm

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError
-from mtcommission.machine.machine import Move, Positioning
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.shapers import shape
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.proof import follow_control, require_followable

@@ -13,7 +13,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow

@@ -17,7 +17,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, Positioning, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.plant.plant import Plant, driven_at_once
 

@@ -153,7 +153,9 @@ def build_plant(machine: Machine) -> Plant:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Drive, Modes, Requirements, VelocityStep
+    >>> from mtcommission.machine.drive import Drive
+    >>> from mtcommission.machine.moves import VelocityStep
+    >>> from mtcommission.machine.requirements import Modes, Requirements
     >>> from mtcommission.machine.mechanics import FlexibleMode
     >>> from mtcommission.plant.modal import Modal
     >>> axis = Machine(name="a", axis="X", source="example",

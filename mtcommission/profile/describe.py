@@ -9,16 +9,11 @@ from functools import cache
 from typing import Any
 
 import mtcommission.plant.kinds  # noqa: F401  registers them
+from mtcommission.machine.drive import Drive, PositionSource
 from mtcommission.machine.keys import Table, list_keys, table_schema
-from mtcommission.machine.machine import (
-    ABOUT,
-    Drive,
-    Machine,
-    Positioning,
-    PositionSource,
-    VelocityStep,
-)
+from mtcommission.machine.machine import ABOUT, Machine
 from mtcommission.machine.mechanics import HELD, KINDS
+from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.readers import Array, AxisRange, Range, Word, propose
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Annotated
 
+from mtcommission.machine.drive import DriveKind, PositionSource
 from mtcommission.machine.keys import list_quantities
-from mtcommission.machine.machine import DriveKind, Machine, Motion, PositionSource
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.readers import KeyPath
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.kinds import KINDS

@@ -10,7 +10,8 @@ import numpy as np
 
 from mtcommission.limits.judge import Assessment, MoveResult, evaluate_moves
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Reserve
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirements import Reserve
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.record.rules import filled, named
 from mtcommission.record.shape import entry_of, of

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.rules import above_zero, at_least, long, named, of_one_size, one_of, rising

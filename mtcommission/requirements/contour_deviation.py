@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mtcommission.loop.respond import tool_deviation
-from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Requirement, Swing, Yields
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import isfinite
 
-from mtcommission.machine.machine import NO_RESERVE, Machine
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirements import NO_RESERVE
 from mtcommission.requirements.contour_deviation import CONTOUR_DEVIATION
 from mtcommission.requirements.peak import peak_of, peaks_of
 from mtcommission.requirements.requirement import Requirement

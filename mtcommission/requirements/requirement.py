@@ -18,7 +18,9 @@ from mtcommission.loop.disturbance import EncoderNoise
 from mtcommission.loop.poles import LoopPoles
 from mtcommission.loop.respond import Signal
 from mtcommission.loop.simulate import LoopResponse
-from mtcommission.machine.machine import Machine, Move, Reserve
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move
+from mtcommission.machine.requirements import Reserve
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import JerkSteps

@@ -12,7 +12,8 @@ from mtcommission.loop.disturbance import SIGMAS, EncoderNoise
 from mtcommission.loop.poles import LoopPoles
 from mtcommission.loop.respond import outputs_at, set_in_motion
 from mtcommission.loop.simulate import rms_force, window_shares
-from mtcommission.machine.machine import Machine, Move, heaviest_mass
+from mtcommission.machine.machine import Machine, heaviest_mass
+from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
 from mtcommission.requirements.requirement import Mean, Requirement, Yields
 from mtcommission.setpoint.setpoint import JerkSteps

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.respond import OUTPUTS, Signal
-from mtcommission.machine.machine import Machine, Move
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move
 from mtcommission.plant.plant import Plant
 from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Mean, Requirement, Settling, Swing

@@ -14,7 +14,7 @@ from math import ceil, floor, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 

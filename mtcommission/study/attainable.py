@@ -22,7 +22,8 @@ from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import NO_RESERVE, Machine
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirements import NO_RESERVE
 from mtcommission.messages.message import Message
 from mtcommission.requirements.register import requirements_of
 from mtcommission.requirements.requirement import Requirement, Yields

@@ -26,7 +26,8 @@ from mtcommission.limits.optima import Optima
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.messages.message import Message

@@ -29,7 +29,8 @@ from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.variations import Corner, corners, draw_variations, vary
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import build_plant

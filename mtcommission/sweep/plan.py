@@ -17,7 +17,7 @@ import numpy as np
 import tomlkit
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.machine.machine import Positioning
+from mtcommission.machine.moves import Positioning
 from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.solution import Bound
 from mtcommission.profile.read import parse_profile

@@ -12,7 +12,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import ComputationError, InputError, MtcommissionError
-from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Positioning
 from mtcommission.machine.rigid_body import require_force
 from mtcommission.optimal.free.curve import solve_curve
 from mtcommission.optimal.free.moments import moment_problem

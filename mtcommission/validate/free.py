@@ -9,7 +9,7 @@ from math import inf, pi, sqrt
 import numpy as np
 from scipy.linalg import expm
 
-from mtcommission.machine.machine import Move
+from mtcommission.machine.moves import Move
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Bang,

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
+from mtcommission.machine.drive import Drive
+from mtcommission.machine.machine import Machine, Weight
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal

@@ -13,7 +13,7 @@ from mtcommission.identify.formats.plain import find_columns
 from mtcommission.identify.meaning.columns import place_in, says_setpoint, signals_in
 from mtcommission.identify.meaning.units import SignalUnit, read_signal_unit
 from mtcommission.identify.measurement import Sensor, Signal
-from mtcommission.machine.machine import Drive
+from mtcommission.machine.drive import Drive
 from mtcommission.messages.message import Message
 from mtcommission.verify.trace import Role
 

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from mtcommission.errors import MtcommissionError
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint, sample_setpoint

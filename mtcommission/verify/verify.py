@@ -9,7 +9,7 @@ from math import inf, isfinite, sqrt
 import numpy as np
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.machine.machine import VelocityStep
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mtcommission.machine.machine import Move
+from mtcommission.machine.moves import Move
 from mtcommission.optimal.band.force import BandForce, as_force
 from mtcommission.optimal.band.program import Question
 from mtcommission.optimal.band.proof import prove_time

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mtcommission.machine.machine import Move
+from mtcommission.machine.moves import Move
 from mtcommission.optimal.band.program import CellForce, Question
 from mtcommission.optimal.solution import Arc, Bang, Interior, constant_arc
 

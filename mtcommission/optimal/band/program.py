@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, Positioning
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.optimal.band.tail import Tail, find_tail_peaks

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move
+from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
 from mtcommission.optimal.band.force import BandForce, as_force
 from mtcommission.optimal.band.program import CellForce, Question

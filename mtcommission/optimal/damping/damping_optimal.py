@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import newton_cotes
 
-from mtcommission.machine.machine import Move, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move
 from mtcommission.optimal.damping.hamiltonian import (
     SAMPLES_PER_PIECE,
     Labels,
@@ -63,8 +64,11 @@ def solve_damping_optimal(
     --------
     >>> from itertools import groupby
     >>> from mtcommission.optimal.solution import control_text
-    >>> from mtcommission.machine.machine import *
+    >>> from mtcommission.machine.drive import Drive
+    >>> from mtcommission.machine.machine import Machine, Weight
     >>> from mtcommission.machine.mechanics import FlexibleMode
+    >>> from mtcommission.machine.moves import VelocityStep
+    >>> from mtcommission.machine.requirements import Modes, Requirements
     >>> from mtcommission.plant.modal import Modal
     >>> from mtcommission.plant.plant import build_plant
     >>> axis = Machine(name="a", axis="X", source="example",

@@ -23,7 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, Positioning, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.optimal.damping.two_point import (
     Middle,
     TwoPoint,

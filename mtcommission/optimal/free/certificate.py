@@ -62,7 +62,7 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     --------
     Multipliers that are a little off still prove a bound, only a weaker one:
 
-    >>> from mtcommission.machine.machine import Positioning
+    >>> from mtcommission.machine.moves import Positioning
     >>> from mtcommission.optimal.free.dual import evaluate_dual
     >>> from mtcommission.optimal.free.flow import dyadic_flow
     >>> from mtcommission.optimal.free.mesh import build_mesh

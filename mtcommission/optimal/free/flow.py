@@ -103,7 +103,7 @@ def states_at(
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Positioning
+    >>> from mtcommission.machine.moves import Positioning
     >>> from mtcommission.optimal.free.moments import moment_problem
     >>> from mtcommission.plant.plant import build_plant
     >>> from mtcommission.profile.shipped import read_shipped

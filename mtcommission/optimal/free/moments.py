@@ -20,7 +20,7 @@ from math import cos, expm1, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]

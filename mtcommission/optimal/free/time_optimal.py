@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.certificate import Claim, certify

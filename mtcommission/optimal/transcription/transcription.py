@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, Positioning, Weight
+from mtcommission.machine.machine import Weight
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
