@@ -19,9 +19,9 @@ from benchmarks.constrained_survey import survey
 from mtcommission.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
+from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem
-from mtcommission.optimal.program import first_cells
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_time_optimal

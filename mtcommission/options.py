@@ -278,7 +278,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     limit = least_limit(plant, force, request.bounds)
     bounds, is_exact = on_states(plant, request.bounds), request.method == "exact"
     if isfinite(request.jerk):
-        from mtcommission.optimal.bounded import solve_jerk_limited
+        from mtcommission.optimal.jerk_limited import solve_jerk_limited
 
         return solve_jerk_limited(
             plant, move, force_limit=limit, jerk_limit=request.jerk, bounds=bounds

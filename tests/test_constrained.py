@@ -16,14 +16,16 @@ from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
+from mtcommission.optimal.cell_peaks import excess, find_peaks
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.composed import compose_time_optimum
+from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.polish.edits import pruned, solve_exactly
 from mtcommission.optimal.polish.newton import Extremal, solve_sequence
 from mtcommission.optimal.polish.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.program import Points, excess, find_peaks, first_cells, solve_cells
+from mtcommission.optimal.program import Points, solve_cells
 from mtcommission.optimal.proof import Atom, Measure, dual_value, lower_bound, stretches
 from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import Plant, build_plant

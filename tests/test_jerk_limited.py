@@ -16,8 +16,8 @@ from mtcommission import cli
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.bounded import solve_jerk_limited
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
+from mtcommission.optimal.jerk_limited import solve_jerk_limited
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -18,8 +18,16 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.messages.message import Message
+from mtcommission.optimal.cell_peaks import excess, find_peaks
 from mtcommission.optimal.closed_form import impulse_response
-from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.exchange import (
+    MOST_ENTRIES,
+    RADIANS_PER_CELL,
+    beyond_time,
+    exchange,
+    first_cells,
+    later,
+)
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.polish.edits import SPLINTER, holds_high_order, pruned, solve_exactly
 from mtcommission.optimal.polish.newton import Extremal
@@ -43,22 +51,7 @@ from mtcommission.optimal.problem import (
     bounded_problem,
     describe_bounds,
 )
-from mtcommission.optimal.program import (
-    MOST_ENTRIES,
-    RADIANS_PER_CELL,
-    Cells,
-    Plan,
-    Points,
-    beyond_time,
-    excess,
-    exchange,
-    find_peaks,
-    first_cells,
-    later,
-    smallest_factor_by,
-    solve_cells,
-    steepness,
-)
+from mtcommission.optimal.program import Cells, Plan, Points, solve_cells
 from mtcommission.optimal.proof import (
     Found,
     Stretch,
@@ -69,19 +62,18 @@ from mtcommission.optimal.proof import (
     require_followable,
     stretches,
 )
+from mtcommission.optimal.smallest_bound import smallest_factor_by
 from mtcommission.optimal.solution import (
     Arc,
     Bang,
     Bound,
-    Boundary,
     Certificate,
     Interior,
-    Ramp,
     TimeOptimum,
     TouchPoint,
     constant_arc,
 )
-from mtcommission.plant.plant import Plant, driven_at_once
+from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
@@ -176,7 +168,7 @@ def solve_bounded_time_optimal(
     (0.0436416, [Boundary(signal='v_phi', side=-1)])
     """
     every = all_bounds(plant, move, bounds)
-    _refuse_impossible(plant, move, every)
+    refuse_impossible(plant, move, every)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     if all(peaks[bound.name] <= bound.value for bound in every):
@@ -185,6 +177,19 @@ def solve_bounded_time_optimal(
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
     found = _under_force_bound(problem, move) or _search(problem, t_free=free.t_f)
     return _as_optimum(problem, move, every, found)
+
+
+def solve_problem(
+    problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], *, t_free: float
+) -> TimeOptimum:
+    """Return the optimum of a scaled problem; ``t_free``: that of the same move without bounds [s].
+
+    Raises
+    ------
+    ComputationError
+        As ``solve_bounded_time_optimal``.
+    """
+    return _as_optimum(problem, move, bounds, _search(problem, t_free=t_free))
 
 
 def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
@@ -203,7 +208,7 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
     return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
 
 
-def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
+def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
     """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion."""
     target = np.zeros(plant.order)
     if isinstance(move, VelocityStep):
@@ -331,7 +336,7 @@ def _observe(problem: BoundedProblem, cells: Cells) -> _Seen:
         mesh=mesh,
         zeros=zeros,
         # The program sees |∫ σ| of a cell only, so the smaller part of its zero's counts twice.
-        hidden=steepness(problem, parts, zeros) * nearer**2 / along,
+        hidden=_steepness(problem, parts, zeros) * nearer**2 / along,
         structure=structure,
         guess=detect_sequence(problem, structure, parts, zeros, mesh),
         # A reach below 1 is missing time.
@@ -607,71 +612,11 @@ def _law_holds(problem: BoundedProblem, found: Found, zeros: Array) -> bool:
     return bool(np.all(distance < SAME_TIME * found.t_f))
 
 
-def solve_jerk_limited(
-    plant: Plant,
-    move: Move,
-    *,
-    force_limit: float,
-    jerk_limit: float,
-    bounds: tuple[Bound, ...],
-) -> TimeOptimum:
-    """Return the fastest motion within acceleration and jerk that leaves everything at rest.
-
-    Raises
-    ------
-    ComputationError
-        As ``solve_bounded_time_optimal``.
-
-    Source: docs/optimal-control.md, with the jerk for the force.
-
-    Examples
-    --------
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> machine = read_shipped("printer-belt").machine
-    >>> found = solve_jerk_limited(build_plant(machine), VelocityStep(velocity_step=0.08),
-    ...     force_limit=53.0, jerk_limit=2e4, bounds=())
-    >>> round(found.t_f, 6), [arc.control.side for arc in found.arcs]
-    (0.011153, [1, -1, 1, -1])
-    """
-    state = plant.states[plant.force]
-    every = all_bounds(plant, move, (*bounds, Bound(name=state, value=force_limit)))
-    _refuse_impossible(plant, move, every)
-    sooner = solve_time_optimal(driven_at_once(plant), move, force_limit=force_limit).t_f
-    least = max(sooner, _least_ramps(move, jerk_limit))
-    problem = bounded_problem(plant, move, force_limit=jerk_limit, bounds=every, horizon=least)
-    optimum = _as_optimum(problem, move, every, _search(problem, t_free=least))
-    return replace(
-        optimum,
-        force_limit=force_limit,
-        jerk_limit=jerk_limit,
-        bounds=tuple(bound for bound in every if bound.name != state),
-        arcs=_accelerations(state, optimum.arcs),
-    )
-
-
-def _least_ramps(move: Move, jerk: float) -> float:
-    """Return the time that a rigid axis takes within the jerk alone [s]."""
-    if isinstance(move, VelocityStep):
-        return float(2.0 * np.sqrt(move.velocity_step / jerk))
-    return float(4.0 * np.cbrt(0.5 * move.distance / jerk))
-
-
-def _accelerations(state: str, arcs: tuple[Arc, ...]) -> tuple[Arc, ...]:
-    """Return arcs of the jerk as arcs of the acceleration, which is its integral."""
-    found, a = [], 0.0
-    for arc in arcs:
-        k, span = arc.initial.size, arc.t_end - arc.t_start
-        generator = np.zeros((k + 1, k + 1))
-        generator[:k, :k], generator[k, :k] = arc.generator, arc.output
-        control = arc.control
-        if isinstance(control, Bang):
-            control = Ramp(control.side)
-        elif isinstance(control, Boundary) and control.signal == state:
-            control = Bang(control.side)
-        initial, output = np.append(arc.initial, a), np.append(np.zeros(k), 1.0)
-        found.append(
-            replace(arc, control=control, generator=generator, initial=initial, output=output)
-        )
-        a = float((balanced_expm(generator * span) @ initial)[-1])
-    return tuple(found)
+def _steepness(problem: BoundedProblem, parts: tuple[Stretch, ...], zeros: Array) -> Array:
+    """Return F |σ'| at the zeros of σ."""
+    ordered = parts[::-1]
+    ends = np.array([part.end for part in ordered])
+    index = np.searchsorted(ends, zeros, side="right") - 1
+    adjoints = np.array([part.adjoint for part in ordered])[index]
+    motion = impulse_response(problem.plant, zeros - ends[index])
+    return np.asarray(problem.force_limit * np.abs(np.sum(adjoints @ problem.plant.A * motion, 1)))

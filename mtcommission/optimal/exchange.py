@@ -1,0 +1,189 @@
+"""The least time on cells: first cells that reach the target, then points where a motion breaks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
+from mtcommission.optimal.cell_peaks import excess, find_peaks
+from mtcommission.optimal.linear_program import Basis
+from mtcommission.optimal.problem import BoundedProblem, describe_bounds
+from mtcommission.optimal.program import Cells, Plan, Points, at_ends, may_act, solve_cells
+from mtcommission.optimal.smallest_bound import LEAST_TOLERANCE, smallest_factor
+
+Array = NDArray[np.float64]
+FEWEST_CELLS, MOST_CELLS = 100, 400
+"""At first: enough to see every feature, few enough for a fraction of a second (empirical)."""
+RADIANS_PER_CELL = 0.8
+"""Between the two, cells that resolve the fastest mode (empirical)."""
+GROWTH = 0.15
+"""Of cells with the distance from the ends of a long move and of its cruise (empirical)."""
+TIME_STEPS, HORIZON = 40, 60.0
+"""Programs of the first search of t_f, and its longest t_f in multiples of the free optimum."""
+FAR = 3.0
+"""The same from which on a program that rounding spoils ends the search."""
+TIME_TOLERANCE = 1e-3
+"""|α - 1| at which the first search ends, times dα/dlog t_f between the next two."""
+STEEPNESS = (0.01, 1.0)
+LONGER, STANDSTILL = 1.5, 1e-3
+"""Factor between two times over which the reach has to grow, by how much, or it never will."""
+INSIDE = (0.02, 0.98)
+"""Share of a bracket of t_f in which the next time lies."""
+LEAST_SLOPE, LARGEST_CHANGE = 0.3, 0.02
+"""Least dα/dlog t_f that is believed, and largest relative change of t_f in one step."""
+MOST_ENTRIES = 1.5e6
+"""Cells times points of a program: some seconds."""
+EXCHANGES = 20
+"""Rounds at most in which peaks become points and t_f is corrected."""
+
+
+def later(cells: Cells, *, wanted: float = 1.0) -> float:
+    """Return the factor on t_f at which the reach should be what is wanted, within safe steps."""
+    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, LEAST_SLOPE)
+    return 1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE))
+
+
+def exchange(
+    problem: BoundedProblem, plan: Plan, *, tolerance: float, start: Basis | None = None
+) -> Cells | None:
+    """Return the solution that just reaches the target and keeps the bounds to a tolerance.
+
+    What the last program has not reached or kept is less than what it was told, or told anew.
+    """
+    found: Cells | None = None
+    for _ in range(EXCHANGES):
+        following = solve_cells(problem, plan, start=start)
+        if following is None:
+            break
+        before, found = found, following
+        # Where the first cells say nothing of the slope, a chord over more and more points must do.
+        is_same = before is not None and before.weights.size == found.weights.size
+        is_flat = found.slope * found.t_f < LEAST_SLOPE
+        if before is not None and (is_same or is_flat) and found.t_f != before.t_f:
+            secant = (found.reach - before.reach) / (found.t_f - before.t_f)
+            found = replace(found, slope=secant) if secant > 0.0 else found
+        peaks = find_peaks(problem, found)
+        more = Points(remaining=peaks.remaining, limit=peaks.limit)
+        over = excess(problem, found, peaks) > tolerance
+        over &= may_act(problem, replace(found.plan, points=more))
+        is_timely = abs(found.reach - 1.0) < 0.1 * tolerance
+        if is_timely and not over.any():
+            break
+        share = 1.0 if is_timely else later(found)
+        every = found.plan.points.joined(peaks.remaining[over], peaks.limit[over])
+        plan, start = replace(found.plan, points=every).scaled(share), found.basis
+        if plan.edges.size * every.limit.size > MOST_ENTRIES:
+            break
+    return found
+
+
+def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
+    """Return even edges; of a long move close together at its ends and those of its cruise."""
+    cell = radians / problem.vibration_rate
+    if t_f / cell < MOST_CELLS:
+        return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
+    ramp = min(problem.ramp, 0.5 * t_f)
+    places = np.unique([0.0, ramp, t_f - ramp, t_f])
+    edges = [0.0]
+    while edges[-1] < t_f:
+        ahead = places[np.searchsorted(places, edges[-1], side="right") :]
+        far = min(float(np.abs(places - edges[-1]).min()), float(ahead[0]) - edges[-1])
+        edges.append(edges[-1] + max(cell, GROWTH * far))
+    return np.array(edges) * (t_f / edges[-1])
+
+
+def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
+    """Return the solution on first cells that reaches the target, all bounds at all their ends.
+
+    Raises
+    ------
+    ComputationError
+        BOUND_CANNOT_HOLD if the reach does not grow any more; BEYOND_HORIZON if it still grows
+        at the end of the search.
+
+    Examples
+    --------
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.optimal.problem import bounded_problem
+    >>> from mtcommission.optimal.solution import Bound
+    >>> from mtcommission.plant.plant import build_plant
+    >>> machine = read_shipped("milling-manipulator").machine
+    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
+    ...     bounds=(Bound(name="v_phi", value=0.005),), horizon=0.05)
+    >>> round(first_cells(problem, t_free=0.0435).t_f, 3)
+    0.052
+    """
+    t_f, slower = 1.05 * t_free, None
+    found = _evenly(problem, t_f)
+    faster, missing, spare, was_slow = found, 1.0, 1.0, False
+    for _ in range(TIME_STEPS):
+        # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
+        steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
+        if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
+            return found
+        if found.reach < 1.0:
+            before, faster, missing = faster, found, 1.0 - found.reach
+            is_still = found.reach - before.reach < STANDSTILL * found.reach
+            if found.t_f > HORIZON * t_free or (found.t_f > LONGER * before.t_f and is_still):
+                raise _out_of_reach(problem, found, t_free)
+            # Illinois' rule: the chord moves on from an end that stays twice.
+            spare, was_slow = spare * (1.0 if was_slow else 0.5), False
+        else:
+            slower, spare = found, found.reach - 1.0
+            missing, was_slow = missing * (0.5 if was_slow else 1.0), True
+        if slower is None:
+            step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
+            t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
+        elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
+            return found
+        else:
+            share = float(np.clip(missing / (missing + spare), *INSIDE))
+            t_f = faster.t_f + share * (slower.t_f - faster.t_f)
+        try:
+            found = _evenly(problem, t_f, near=found)
+        except ComputationError as error:
+            if slower is not None or found.t_f < FAR * t_free:
+                raise
+            raise beyond_time(problem, found) from error
+    raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
+
+
+def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
+    edges = first_edges(problem, t_f, radians=RADIANS_PER_CELL)
+    start = near.basis if near is not None and near.force.size == edges.size - 1 else None
+    found = solve_cells(problem, Plan(edges=edges, points=at_ends(problem, edges)), start=start)
+    if found is None:
+        detail = Message("grid-program-unfinished", cells=edges.size - 1, t_f=t_f)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    return found
+
+
+def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> ComputationError:
+    named = describe_bounds(problem.plant, problem.bounds)
+    if longest.t_f > HORIZON * t_free:
+        return beyond_time(problem, longest)
+    least = smallest_factor(problem, t_free=t_free)
+    if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
+        detail = Message("grid-search-stopped", t_f=longest.t_f)
+        return ComputationError(Outcome.NO_CONVERGENCE, detail)
+    if least < 1.0:
+        detail = Message("bounds-near-least", bounds=named, above=1.0 / least - 1.0)
+        return ComputationError(Outcome.BEYOND_HORIZON, detail)
+    least *= 1.0 + LEAST_TOLERANCE
+    smallest = tuple(
+        Message("value-about", value=least * bound.value, unit=problem.plant.unit(bound.name))
+        for bound in problem.bounds
+    )
+    detail = Message("bounds-below-least", bounds=named, least=smallest)
+    return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+
+
+def beyond_time(problem: BoundedProblem, longest: Cells) -> ComputationError:
+    """Return the refusal of bounds that no program of acceptable size keeps."""
+    bounds = describe_bounds(problem.plant, problem.bounds)
+    detail = Message("bounds-beyond-time", bounds=bounds, t_f=longest.t_f)
+    return ComputationError(Outcome.BEYOND_HORIZON, detail)

@@ -1,0 +1,95 @@
+"""The fastest motion of an open-loop axis within acceleration, jerk and bounds on states."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.optimal.bounded import refuse_impossible, solve_problem
+from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.problem import (
+    all_bounds,
+    bounded_problem,
+)
+from mtcommission.optimal.solution import (
+    Arc,
+    Bang,
+    Bound,
+    Boundary,
+    Ramp,
+    TimeOptimum,
+)
+from mtcommission.plant.plant import Plant, driven_at_once
+
+
+def solve_jerk_limited(
+    plant: Plant,
+    move: Move,
+    *,
+    force_limit: float,
+    jerk_limit: float,
+    bounds: tuple[Bound, ...],
+) -> TimeOptimum:
+    """Return the fastest motion within acceleration and jerk that leaves everything at rest.
+
+    Raises
+    ------
+    ComputationError
+        As ``solve_bounded_time_optimal``.
+
+    Source: docs/optimal-control.md, with the jerk for the force.
+
+    Examples
+    --------
+    >>> from mtcommission.plant.plant import build_plant
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> machine = read_shipped("printer-belt").machine
+    >>> found = solve_jerk_limited(build_plant(machine), VelocityStep(velocity_step=0.08),
+    ...     force_limit=53.0, jerk_limit=2e4, bounds=())
+    >>> round(found.t_f, 6), [arc.control.side for arc in found.arcs]
+    (0.011153, [1, -1, 1, -1])
+    """
+    state = plant.states[plant.force]
+    every = all_bounds(plant, move, (*bounds, Bound(name=state, value=force_limit)))
+    refuse_impossible(plant, move, every)
+    sooner = solve_time_optimal(driven_at_once(plant), move, force_limit=force_limit).t_f
+    least = max(sooner, _least_ramps(move, jerk_limit))
+    problem = bounded_problem(plant, move, force_limit=jerk_limit, bounds=every, horizon=least)
+    optimum = solve_problem(problem, move, every, t_free=least)
+    return replace(
+        optimum,
+        force_limit=force_limit,
+        jerk_limit=jerk_limit,
+        bounds=tuple(bound for bound in every if bound.name != state),
+        arcs=_accelerations(state, optimum.arcs),
+    )
+
+
+def _least_ramps(move: Move, jerk: float) -> float:
+    """Return the time that a rigid axis takes within the jerk alone [s]."""
+    if isinstance(move, VelocityStep):
+        return float(2.0 * np.sqrt(move.velocity_step / jerk))
+    return float(4.0 * np.cbrt(0.5 * move.distance / jerk))
+
+
+def _accelerations(state: str, arcs: tuple[Arc, ...]) -> tuple[Arc, ...]:
+    """Return arcs of the jerk as arcs of the acceleration, which is its integral."""
+    found, a = [], 0.0
+    for arc in arcs:
+        k, span = arc.initial.size, arc.t_end - arc.t_start
+        generator = np.zeros((k + 1, k + 1))
+        generator[:k, :k], generator[k, :k] = arc.generator, arc.output
+        control = arc.control
+        if isinstance(control, Bang):
+            control = Ramp(control.side)
+        elif isinstance(control, Boundary) and control.signal == state:
+            control = Bang(control.side)
+        initial, output = np.append(arc.initial, a), np.append(np.zeros(k), 1.0)
+        found.append(
+            replace(arc, control=control, generator=generator, initial=initial, output=output)
+        )
+        a = float((balanced_expm(generator * span) @ initial)[-1])
+    return tuple(found)
