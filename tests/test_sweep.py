@@ -1034,8 +1034,9 @@ def test_lost_scheduler_names_resume(tmp_path: Path, undisturbed: pl.DataFrame) 
                 masses_plan(), folder=tmp_path, engine=Engine(scheduler=address), progress=end
             )
     finally:
-        scheduler.kill()
-        worker.kill()
+        for process in (scheduler, worker):
+            process.kill()
+            process.wait()
     assert lost.value.outcome is Outcome.SCHEDULER_LOST
     assert resumed(tmp_path).equals(undisturbed)
 
