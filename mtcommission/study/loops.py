@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any
 
-from mtcommission.limits.choose import Choice
+from mtcommission.limits.choose import Choice, may_be_in_time
 from mtcommission.limits.explore import REFINED, Found
 from mtcommission.limits.judge import Candidate, simulate_moves
 from mtcommission.loop.disturbance import DisturbanceStep, simulate_disturbance
@@ -66,10 +66,15 @@ class LoopTrial:
         return self.choice.candidate
 
     @property
+    def expected_time(self) -> float:
+        """Settling time as far as was looked [s]; inf where no limits were found."""
+        delay = self.tuned.controller.reference_delay
+        return self.found[0].duration + delay if self.found else inf
+
+    @property
     def price(self) -> float:
         """Settling time as far as was looked, less what the stiffness is worth."""
-        delay = self.tuned.controller.reference_delay
-        return priced(self.found[0].duration + delay if self.found else inf, self.tuned)
+        return priced(self.expected_time, self.tuned)
 
     @property
     def limits(self) -> MotionLimits | None:
@@ -176,6 +181,8 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     finalists.sort(key=lambda one: one.price)
     best: LoopTrial | None = None
     for item in finalists:
+        if best and not may_be_in_time(machine, item.expected_time):
+            continue
         trial = _judge(machine, item)
         best = best or trial
         if trial.choice and trial.choice.meets_requirements:
