@@ -14,6 +14,7 @@ from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Assessment, Candidate, MoveResult
 from mtcommission.limits.optima import Optima, condense_optima, find_optima
+from mtcommission.loop.disturbance import DisturbanceStep
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
@@ -32,7 +33,7 @@ from mtcommission.study.improvements import (
     find_improvements,
     value_tool_sensor,
 )
-from mtcommission.study.loops import LoopChoice, LoopStudy, show_alternatives, study_loop
+from mtcommission.study.loops import LoopChoice, disturb, show_alternatives
 from mtcommission.study.optimum import MoveComparison, WithinBand, compare_move, find_within_band
 from mtcommission.study.robustness import (
     FrictionEffect,
@@ -60,7 +61,7 @@ class Commissioning:
     optima: tuple[Optima, ...]  # one for each move
     within_band: tuple[WithinBand, ...]  # the fastest controls that leave the tool in the band
     loop: LoopChoice  # the one that is used, and its variants
-    loop_study: LoopStudy  # its answer to a disturbance, and the effect of the jerk feed-forward
+    disturbed: dict[str, DisturbanceStep]  # the answer to a step of force, by name of the loop
     choice: Choice  # recommended limits, judged, each move with them, and the landscape
     listed: Candidate | None  # what would serve the listed sizes best; None: only these count
     alternatives: tuple[Candidate, ...]  # limits condensed from the optima
@@ -183,7 +184,7 @@ def commission(
         optima=optima,
         within_band=within_band,
         loop=loop,
-        loop_study=study_loop(machine, loop, choice.limits),
+        disturbed=disturb(loop),
         choice=choice,
         listed=listed,
         alternatives=tuple(alternatives),

@@ -689,7 +689,6 @@ def _loop() -> Any:
                 )
             },
         },
-        "jerk_feedforward": [_jerk_feedforward(0.0, 1997.0), _jerk_feedforward(1.0, 2019.0)],
         "bode": {
             "t": f,
             "signals": {
@@ -759,17 +758,6 @@ def _delay(
     }
 
 
-def _jerk_feedforward(weight: float, force: float) -> Any:
-    return {
-        "weight": weight,
-        "used": weight == 0.0,
-        "reference_delay": 5.625e-3 - 2.5e-3 * weight,
-        "max_force": force,
-        "settling_time": 0.1042 - 2.5e-3 * weight,
-        "residual_deviation": 4.55e-6,
-    }
-
-
 def _variant(name: str, scale: float, *, used: bool) -> Any:
     return {
         "name": to_json(Message(name)),
@@ -791,14 +779,6 @@ def _robustness() -> Any:
     factor = [0.9 + 0.0025 * k for k in range(81)]
     residual = [4.61e-6 + 41e-6 * abs(value - 1.0) for value in factor]
     kept = [value for value, one in zip(factor, residual, strict=True) if one <= 5.1e-6]
-    worst = {
-        "payload": 87.3,
-        "frequency_factor": 0.9517,
-        "damping_factor": 1.0,
-        "state": "",
-        "settling_time": 0.1391,
-        "residual_deviation": 6.62e-6,
-    }
     shares = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0]
     return {
         "monte_carlo": {
@@ -806,27 +786,14 @@ def _robustness() -> Any:
             "seed": 17,
             "share_met": 0.841,
             "share_in_band": 0.852,
-            "settling_time": {
-                "unit": "s",
-                "quantiles": [
-                    {"share": share, "value": 0.1161 + 0.023 * share**3} for share in shares
-                ],
-                "histogram": {"edges": [0.1161, 0.1281, 0.1391], "counts": [861, 152]},
-                "not_settled": 0,
-            },
-            "residual_deviation": {
-                "unit": "m",
-                "quantiles": [
-                    {"share": share, "value": 3.02e-6 + 3.6e-6 * share} for share in shares
-                ],
-                "histogram": {
-                    "edges": [3.02e-6 + 0.15e-6 * k for k in range(25)],
-                    "counts": [3 + 4 * k for k in range(12)] + [130 - 7 * k for k in range(12)],
-                },
-                "not_settled": 0,
-            },
-            "worst": worst,
-            "slowest": {**worst, "settling_time": 0.1393, "residual_deviation": 6.51e-6},
+            "quantiles": [
+                {
+                    "share": share,
+                    "settling_time": 0.1161 + 0.023 * share**3,
+                    "residual_deviation": 3.02e-6 + 3.6e-6 * share,
+                }
+                for share in shares
+            ],
         },
         "frequency_error": {
             "factor": factor,
@@ -865,17 +832,6 @@ def _comparison() -> Any:
         "heat": 79717.0,
         "work": 3.912,
     }
-    fed = {
-        "control": said("control-time-optimal"),
-        "payload": 0.0,
-        "frequency_factor": 0.951,
-        "damping_factor": 1.0,
-        "state": "",
-        "settling_time": 0.0727,
-        "residual_deviation": 4.69e-5,
-        "peak_deviation": 4.71e-5,
-        "saturated_share": 0.471,
-    }
     claims = [
         said(
             "claim-rectangular",
@@ -900,7 +856,6 @@ def _comparison() -> Any:
     ]
     return {
         "controls": [control],
-        "fed_forward": [fed],
         "claims": claims,
         "why_not_the_optimum": why_not,
     }

@@ -46,10 +46,6 @@ def sealed(record, path: Path) -> Path:
             "optima[1].time.t_f: got 0, must be at least",
         ),
         (
-            lambda r: r["robustness"]["monte_carlo"]["settling_time"]["quantiles"].pop(),
-            "robustness.monte_carlo.residual_deviation.quantiles: has lengths 7, 8",
-        ),
-        (
             lambda r: r["limits"]["alternatives"][0].update(residual_deviation=-1e-6),
             "alternatives[1].residual_deviation: got -1e-06, must be at least 0",
         ),
@@ -79,7 +75,7 @@ def test_entries_that_do_not_belong_together_are_named(break_it, place, tmp_path
 def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
     """The checksum of such a record could not even be computed."""
     path = sealed(example_record(), tmp_path / "record.json")
-    path.write_text(path.read_text("utf-8").replace('"schema": 6', '"x": 1e999, "schema": 6'))
+    path.write_text(path.read_text("utf-8").replace('"schema": 7', '"x": 1e999, "schema": 7'))
     with pytest.raises(InputError, match="1e999 is no number of JSON"):
         load_record(path)
 

@@ -1,22 +1,17 @@
-"""What the sheet says about disturbances, delays and the jerk feed-forward must be so."""
+"""What the sheet says about disturbances must be so."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from mtcommission.limits.judge import evaluate
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.plant import build_plant
-from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.loops import LoopChoice, study_loop
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
-LIMITS = MotionLimits(acceleration=1.5, jerk=50.0)
 REST = Profile(knots=(0.0,), jerks=(0.0,))
 
 
@@ -45,28 +40,3 @@ def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says() -> None:
     omega = 2 * np.pi * tuned.nominal.weakest_frequency_hz
     compliance = abs(np.sum(impulse * np.exp(-1j * omega * answer.t[1:])) * T_v)
     assert compliance == pytest.approx(1.0 / tuned.nominal.dynamic_stiffness, rel=0.01)
-
-
-def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
-    """The row of the weight in use would not be the recommendation's own, or not comparable."""
-    machine = paper_machine()
-    tuned = tune_loop(machine)
-    without, with_it = study_loop(
-        machine, LoopChoice(tuned=tuned, variants=()), LIMITS
-    ).jerk_feedforward
-    own = evaluate(machine, build_plant(machine), tuned, LIMITS)
-    assert (without.weight, with_it.weight) == (0.0, 1.0)
-    assert without.is_used
-    assert not with_it.is_used
-    assert without.settling_time == pytest.approx(own.settling_time)
-    lag = machine.drive.force_lag
-    assert without.reference_delay - with_it.reference_delay == pytest.approx(lag)
-    again = evaluate(
-        machine,
-        build_plant(machine),
-        tune_loop(quiet_copy(machine, jerk_feedforward=1.0)),
-        LIMITS,
-    )
-    assert with_it.settling_time == pytest.approx(again.settling_time)
-    force = next(check for check in again.assessment.checks if check.name == "set force")
-    assert with_it.max_force == pytest.approx(force.value)

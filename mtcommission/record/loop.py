@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.loop.analysis import FrequencyResponse, find_mixed_modes
-from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
+from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, encoder_noise
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -33,7 +33,7 @@ from mtcommission.record.values import (
     mode_names,
 )
 from mtcommission.requirements.set_force import SET_FORCE
-from mtcommission.study.loops import LoopStudy, LoopTrial
+from mtcommission.study.loops import LoopTrial
 
 if TYPE_CHECKING:
     from mtcommission.commission import Commissioning
@@ -150,18 +150,6 @@ class DelayEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JerkFeedforwardEntry:
-    """The recommended limits with some weight of the jerk feed-forward, worst case."""
-
-    weight: float
-    used: bool
-    reference_delay: float
-    max_force: float  # the largest |F_set| that the loop asks for, whatever the drive can give
-    settling_time: float | None
-    residual_deviation: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FeatureEntry:
     """Whether the kind of control has something, and where that was read."""
 
@@ -233,7 +221,6 @@ class LoopPart:
     delays: list[DelayEntry]
     # The tool's displacement per newton after a step of force, by loop.
     disturbance: Annotated[Series, one_of(*LOOPS)]
-    jerk_feedforward: list[JerkFeedforwardEntry]
     bode: Annotated[Series, named(_drawn)]
     remarks: list[Words]  # which rule chose what
     warnings: list[Words]  # what is poor about the loop; part of the record's warnings, too
@@ -293,8 +280,7 @@ def loop_part(found: Commissioning) -> LoopPart:
             for corner, a in zip(tuned.corners, tuned.analyses, strict=bool(tuned.analyses))
         ],
         delays=_delay_entries(controller),
-        disturbance=_disturbance(found.loop_study),
-        jerk_feedforward=found.loop_study.jerk_feedforward,
+        disturbance=_disturbance(found.disturbed),
         **_judged(plant, tuned),
     )
 
@@ -379,13 +365,13 @@ def _decibel(response: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.asarray(20 * np.log10(np.abs(response)))
 
 
-def _disturbance(study: LoopStudy) -> Series:
-    if not study.disturbed:
+def _disturbance(disturbed: dict[str, DisturbanceStep]) -> Series:
+    if not disturbed:
         return NO_SERIES
-    t = next(iter(study.disturbed.values())).t
+    t = next(iter(disturbed.values())).t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
-    steps = [step.deflection[::every] for step in study.disturbed.values()]
-    return entry_of(Series, t=t[::every], signals=_lists(study.disturbed, steps))
+    steps = [step.deflection[::every] for step in disturbed.values()]
+    return entry_of(Series, t=t[::every], signals=_lists(disturbed, steps))
 
 
 def _lists(names: Iterable[str], columns: Iterable[NDArray[np.float64]]) -> dict[str, list[float]]:

@@ -19,7 +19,6 @@ from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     Array,
     BySignal,
-    InCorner,
     MoveKeys,
     Positive,
     Series,
@@ -173,22 +172,10 @@ class ComparedEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FedForwardEntry(InCorner):
-    """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
-
-    control: Words
-    settling_time: float | None
-    residual_deviation: float | None
-    peak_deviation: float
-    saturated_share: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ComparisonEntry:
     """One move in the loop and by its optima."""
 
     controls: list[ComparedEntry]
-    fed_forward: list[FedForwardEntry]
     claims: list[Words]  # of the paper, measured: overshoot, and a transfer time far from the least
     why_not_the_optimum: list[Words]  # what each optimum does when it is fed forward
 
@@ -250,10 +237,5 @@ def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntr
         controls=[
             entry_of(ComparedEntry, control, peaks=by_name(plant.signals, control.peaks))
             for control in comparison.controls
-        ],
-        fed_forward=[
-            entry_of(FedForwardEntry, found, control=name)
-            for name, rows in comparison.fed_forward
-            for found in rows
         ],
     )

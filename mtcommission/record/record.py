@@ -38,7 +38,7 @@ from mtcommission.record.optima import (
     comparison_entry,
     optima_entry,
 )
-from mtcommission.record.robustness import RobustnessPart, robustness_part
+from mtcommission.record.robustness import RobustnessPart
 from mtcommission.record.rules import Place, filled, long
 from mtcommission.record.shape import (
     WRONG,
@@ -55,7 +55,7 @@ from mtcommission.version import __version__
 if TYPE_CHECKING:
     from mtcommission.commission import Commissioning
 
-SCHEMA = 6
+SCHEMA = 7
 
 FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
 """Key of the datum that bounds F_set, of an axis with a drive and of a motor that follows."""
@@ -178,7 +178,7 @@ def build_record(
         loop=loop_part(found),
         moves=[move_entry(plant, tuned, result) for result in moves],
         comparisons=[comparison_entry(plant, item) for item in found.comparisons],
-        robustness=robustness_part(machine, robustness),
+        robustness=entry_of(RobustnessPart, robustness),
         assessment=assessment_part(found.assessment, machine.requirements.reserve),
         identified=identified,
         what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),

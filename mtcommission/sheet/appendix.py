@@ -182,22 +182,15 @@ def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
 
 
 def _quantiles(drawn: MonteCarloEntry, words: Catalogue) -> Table:
-    settling, residual = drawn.settling_time, drawn.residual_deviation
     ends = {0.0: "least", 1.0: "largest"}
 
-    def share(item: tuple[Quantile, Quantile]) -> str:
-        at = item[0].share
-        if at in ends:
-            return words.text(ends[at])
-        return words.text("share-of-machines", share=words.format.percent(at))
+    def share(item: Quantile) -> str:
+        if item.share in ends:
+            return words.text(ends[item.share])
+        return words.text("share-of-machines", share=words.format.percent(item.share))
 
-    columns = (
-        Quantity("machines", share, width=1.6),
-        Quantity("settling-time", lambda it: it[0].value, settling.unit, "not-settled"),
-        Quantity("residual", lambda it: it[1].value, residual.unit, "not-settled"),
-    )
-    both = zip(settling.quantiles, residual.quantiles, strict=True)
-    return table(words, "quantiles-caption", columns, both)
+    columns = (Quantity("machines", share, width=1.6), SETTLING, RESIDUAL)
+    return table(words, "quantiles-caption", columns, drawn.quantiles)
 
 
 def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:

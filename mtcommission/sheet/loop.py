@@ -18,7 +18,6 @@ from mtcommission.messages.quantities import symbol
 from mtcommission.record.loop import (
     CandidateEntry,
     FeatureEntry,
-    JerkFeedforwardEntry,
     LoopPart,
     Margins,
     VariantEntry,
@@ -363,9 +362,7 @@ def _candidate_name(item: CandidateEntry, words: Catalogue) -> str:
     return _used(words.text("classic-loop", name=name) if item.classic else name, item, words)
 
 
-def _used(
-    name: str, item: CandidateEntry | VariantEntry | JerkFeedforwardEntry, words: Catalogue
-) -> str:
+def _used(name: str, item: CandidateEntry | VariantEntry, words: Catalogue) -> str:
     return words.text("variant-used", name=name) if item.used else name
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from mtcommission.limits.choose import Choice, may_be_in_time
 from mtcommission.limits.explore import REFINED, Found
-from mtcommission.limits.judge import Candidate, simulate_moves
+from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.family import (
@@ -31,7 +31,7 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import CLASSIC, Shape
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
@@ -392,66 +392,16 @@ def name_filter(item: ForceFilter) -> Message:
     return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JerkFeedforward:
-    """The recommended limits with some weight of the jerk feed-forward, worst case."""
+def disturb(loop: LoopChoice) -> dict[str, DisturbanceStep]:
+    """Return how the tool answers to a step of force, on the nominal machine, by name of the loop.
 
-    weight: float  # 1 cancels the drive lag [-]
-    is_used: bool  # whether everything else in the record uses this weight
-    reference_delay: float  # τ [s]
-    max_force: float  # largest |F_set| that the loop asks for [N]
-    settling_time: float  # [s]
-    residual_deviation: float  # [m]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoopStudy:
-    """The response of the tool to a disturbance, and the effect of the jerk feed-forward."""
-
-    disturbed: dict[str, DisturbanceStep]
-    """Of the loop without and with state feedback, or of the one there is, nominal machine; empty
-    where the motor follows its setpoint, whatever pushes."""
-    jerk_feedforward: tuple[JerkFeedforward, ...]
-    """Without, with, and as the profile has it; empty where the control has none."""
-
-
-def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> LoopStudy:
-    """Return the response to a disturbance and what the jerk feed-forward does to some limits."""
-    if machine.drive.follows:
-        return LoopStudy(disturbed={}, jerk_feedforward=())
+    The loops without and with state feedback, or the one there is; empty where the motor follows
+    its setpoint, whatever pushes.
+    """
+    if loop.tuned.controller.follows:
+        return {}
     shown = {item.name.kind: item.tuned for item in loop.variants if item.name}
-    shown = shown or {"loop-in-use": loop.tuned}
-    used = loop.tuned.controller.jerk_feedforward
-    weights = sorted({0.0, 1.0, used}) if machine.control.kind.jerk_feedforward else ()
-    return LoopStudy(
-        disturbed={
-            name: simulate_disturbance(tuned.loops[0], duration=STUDY.push_time)
-            for name, tuned in shown.items()
-        },
-        jerk_feedforward=tuple(
-            _with_jerk_feedforward(machine, loop.tuned, limits, weight=weight) for weight in weights
-        ),
-    )
-
-
-def _with_jerk_feedforward(
-    machine: Machine, tuned: TunedLoop, limits: MotionLimits, *, weight: float
-) -> JerkFeedforward:
-    """With another weight the same gains, and the delay that belongs to it."""
-    used = tuned.controller.jerk_feedforward
-    if weight != used:
-        controller = replace(tuned.controller, jerk_feedforward=weight)
-        if machine.control.reference_delay is None:
-            controller = replace(controller, reference_delay=controller.feedforward_delay)
-        tuned = close_loop(corner_plants(machine), controller)
-    # Without a limit the force asked for is the linear one, which is what is compared.
-    strong = replace(machine, drive=replace(machine.drive, max_force=inf))
-    found = [one for move in simulate_moves(strong, tuned, limits) for one in move.responses]
-    return JerkFeedforward(
-        weight=weight,
-        is_used=weight == used,
-        reference_delay=tuned.controller.reference_delay,
-        max_force=max(one.max_force for one in found),
-        settling_time=max(one.settling_time for one in found),
-        residual_deviation=max(one.residual_deviation for one in found),
-    )
+    return {
+        name: simulate_disturbance(tuned.loops[0], duration=STUDY.push_time)
+        for name, tuned in (shown or {"loop-in-use": loop.tuned}).items()
+    }

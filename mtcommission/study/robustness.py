@@ -68,16 +68,6 @@ class MonteCarlo:
     share_in_band: float  # the band alone [-]
     seed: int
 
-    @property
-    def worst(self) -> int:
-        """The sample with the largest residual deviation."""
-        return int(np.argmax(self.residual_deviation))
-
-    @property
-    def slowest(self) -> int:
-        """The sample with the longest settling time."""
-        return int(np.argmax(self.settling_time))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class KeptRange:
