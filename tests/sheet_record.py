@@ -424,6 +424,8 @@ def _judged(scale: float) -> Any:
     return {
         "acceleration": 2.41 * scale,
         "jerk": 41.2 * scale,
+        "jerk_time": 0.0585,
+        "setpoint_filter": None,
         "settling_time": 0.1056 * scale,
         "residual_deviation": 4.582e-6 * scale,
         "peak_deviation": 9.47e-6 * scale,
@@ -433,17 +435,11 @@ def _judged(scale: float) -> Any:
 
 
 def _limits() -> Any:
-    best = _trial("", 1.0)
     return {
-        "recommended": {
-            "acceleration": best["acceleration"],
-            "jerk": best["jerk"],
-            "jerk_time": 0.0585,
+        "recommended": _judged(1.0)
+        | {
+            "keeps_reserve": True,
             "bound_by": said("bound-by-requirements", requirements=RESIDUAL_DEVIATION.message),
-            "settling_time": best["settling_time"],
-            "residual_deviation": best["residual_deviation"],
-            "peak_deviation": best["peak_deviation"],
-            "setpoint_filter": None,
             "frequency_range": [0.9475, 1.0525],
             "damping_range": [0.61, 1.7],
             "valid_for": [{"smallest": 0.0, "largest": 0.102}],
@@ -457,8 +453,7 @@ def _limits() -> Any:
                 }
             ],
         },
-        "listed_only": _judged(0.9)
-        | {"setpoint_filter": None, "valid_for": [{"smallest": 0.102, "largest": 0.102}]},
+        "listed_only": _judged(0.9) | {"valid_for": [{"smallest": 0.102, "largest": 0.102}]},
         "today": None,
         "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
         "would_bring": [

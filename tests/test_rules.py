@@ -53,4 +53,4 @@ def test_a_row_is_judged_like_the_recommendation(acceleration: float, jerk: floa
     assert found.settling_time == own.settling_time
     assert found.residual_deviation == own.residual_deviation
     assert found.assessment.is_met == own.assessment.is_met
-    assert found.assessment.keeps(needs.reserve) == own.assessment.keeps(needs.reserve)
+    assert found.assessment.keeps_reserve == own.assessment.keeps_reserve

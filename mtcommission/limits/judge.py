@@ -17,7 +17,6 @@ from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.machine.requirements import Reserve
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
@@ -42,6 +41,7 @@ class Check:
     requirement: Requirement
     value: float  # worst over all moves and corners [unit]; inf if the response never settles
     limit: float  # largest allowed value [unit]
+    reserve: float  # share of the limit that a recommendation may use [-]
     unit: str  # SI
     is_met: bool
     where: Message  # move and corner of the worst value
@@ -70,11 +70,11 @@ class Assessment:
         worst = max(missed, key=lambda check: check.value / check.limit, default=None)
         return worst.requirement if worst else None
 
-    def keeps(self, reserve: Reserve) -> bool:
-        """Return whether no requirement needs more than a reserve leaves."""
+    @property
+    def keeps_reserve(self) -> bool:
+        """Whether no requirement needs more than a recommendation may use."""
         return all(
-            check.value <= (1.0 + ROUNDING) * check.requirement.share(reserve) * check.limit
-            for check in self.checks
+            check.value <= (1.0 + ROUNDING) * check.reserve * check.limit for check in self.checks
         )
 
     def check_of(self, requirement: Requirement) -> Check:
@@ -113,6 +113,7 @@ def assess(
                 requirement=requirement,
                 value=value,
                 limit=limit,
+                reserve=requirement.share(machine.requirements.reserve),
                 unit=requirement.unit(machine, plant),
                 is_met=value <= (1.0 + LAST_DIGIT) * limit,
                 where=where,

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY, RuleFormula
-from mtcommission.limits.judge import Candidate
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.recommend import Recommendation
-from mtcommission.record.moves import AssessmentPart, assessment_part
+from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.rules import above_zero, filled, found_in, long, one_of
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
@@ -56,6 +55,12 @@ def _jerk_if_limited(limits: MotionLimits) -> float | None:
     return limits.jerk if limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
 
 
+def _ends(error: KeptRange | None) -> list[float] | None:
+    """Both ends of a range that was found; None where an end was not."""
+    ends = [error.kept_from, error.kept_to] if error else []
+    return ends if ends and all(map(isfinite, ends)) else None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SizesEntry:
     """Between which sizes of a move all requirements were judged [m/s or m, as the move]."""
@@ -76,17 +81,25 @@ class WorstSizeEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecommendedEntry:
-    """Limits for the control, what binds them, and where they were judged."""
+class JudgedLimits:
+    """Limits and what they reach, worst over moves and corners."""
 
     acceleration: Positive = of("limits.acceleration")
     jerk: Positive = of("limits.jerk")
     jerk_time: Positive = of("limits.jerk_time")
-    setpoint_filter: SetpointFilterEntry | None
-    bound_by: Words
+    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
     settling_time: PositiveOrNone
     residual_deviation: NotNegative
     peak_deviation: float
+    meets_requirements: bool = of("assessment.is_met")
+    keeps_reserve: bool = of("assessment.keeps_reserve")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecommendedEntry(JudgedLimits):
+    """Limits for the control, what binds them, and where they were judged."""
+
+    bound_by: Words
     valid_for: Annotated[list[SizesEntry], long("/moves")]
     worst_sizes: list[WorstSizeEntry] = of("sizes")  # empty where the listed sizes alone count
 
@@ -100,6 +113,27 @@ class LimitsEntry(RecommendedEntry):
 
     frequency_range: list[float] | None
     damping_range: list[float] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListedEntry(JudgedLimits):
+    """Limits for the listed sizes alone: what it costs to serve every smaller move, too."""
+
+    valid_for: list[SizesEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alternative(JudgedLimits):
+    """Other limits, and why they are shown."""
+
+    name: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleResult(Alternative):
+    """A maker's or textbook's rule, in the same simulation."""
+
+    source: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,43 +156,8 @@ class TodayEntry:
     peak_deviation: float | None
     meets_requirements: bool
     keeps_reserve: bool
-    frequency_range: list[float] | None
+    frequency_range: list[float] | None = of("frequency_error", by=_ends)
     valid_for: list[SizesEntry]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JudgedLimits:
-    """Limits and what they reach, worst over moves and corners."""
-
-    acceleration: Positive = of("limits.acceleration")
-    jerk: Positive = of("limits.jerk")
-    settling_time: PositiveOrNone
-    residual_deviation: NotNegative
-    peak_deviation: float
-    meets_requirements: bool = of("assessment.is_met")
-    keeps_reserve: bool  # they need no more of what is allowed than recommendations may use
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ListedEntry(JudgedLimits):
-    """Limits for the listed sizes alone: what it costs to serve every smaller move, too."""
-
-    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
-    valid_for: list[SizesEntry]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Alternative(JudgedLimits):
-    """Other limits, and why they are shown."""
-
-    name: Words
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RuleResult(Alternative):
-    """A maker's or textbook's rule, in the same simulation."""
-
-    source: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -293,11 +292,8 @@ class LimitsAnswer:
     today: TodayEntry | None
     rules: list[RuleResult]
     rule: RuleText
-    assessment: AssessmentPart
+    assessment: AssessmentPart = of("choice.candidate.assessment")
     warnings: list[Words]
-
-
-Judged = TypeVar("Judged", bound=JudgedLimits)
 
 
 def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
@@ -308,8 +304,6 @@ def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
         found,
         recommended=_recommended(RecommendedEntry, machine, choice),
         today=today and _today(machine, today),
-        rules=[_judged(RuleResult, item, machine) for item in found.rules],
-        assessment=assessment_part(choice.candidate.assessment, machine.requirements.reserve),
         warnings=[
             *describe_loop(found.tuned.controller),
             *choice.warnings,
@@ -322,6 +316,7 @@ def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
 def limits_part(found: Commissioning) -> LimitsPart:
     """Return all about the limits of a record."""
     choice, machine, today, listed = found.choice, found.machine, found.today, found.listed
+    kept = found.robustness
     return entry_of(
         LimitsPart,
         found,
@@ -329,15 +324,13 @@ def limits_part(found: Commissioning) -> LimitsPart:
             LimitsEntry,
             machine,
             choice,
-            frequency_range=_ends(found.robustness.frequency_error),
-            damping_range=_ends(found.robustness.damping_range),
+            frequency_range=_ends(kept.frequency_error),
+            damping_range=_ends(kept.damping_range),
         ),
         listed_only=listed
-        and _judged(ListedEntry, listed, machine, valid_for=_sizes(machine, every=False)),
+        and entry_of(ListedEntry, listed, valid_for=_sizes(machine, every=False)),
         today=today and _today(machine, today),
         modes=[_mode_entry(mode) for mode in found.modes],
-        alternatives=[_judged(Alternative, item, machine) for item in found.alternatives],
-        rules=[_judged(RuleResult, item, machine) for item in found.rules],
         warnings=[*choice.warnings, *_failure(today)],
         would_bring=[
             entry_of(ImprovementEntry, item, share=item.saved / found.recommended.settling_time)
@@ -355,17 +348,11 @@ def _recommended(form: type[Any], machine: Machine, choice: Choice, **more: obje
     return entry_of(
         form,
         best,
+        choice,
         setpoint_filter=best.limits.setpoint_filter or machine.control.setpoint_filter,
-        bound_by=choice.bound_by,
         valid_for=_sizes(machine, every=best.assessment.is_met),
         **more,
     )
-
-
-def _ends(error: KeptRange | None) -> list[float] | None:
-    """Both ends of a range that was found; None where an end was not."""
-    ends = [error.kept_from, error.kept_to] if error else []
-    return ends if ends and all(map(isfinite, ends)) else None
 
 
 def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
@@ -373,11 +360,6 @@ def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
     every &= machine.requirements.every_size
     sizes = map(size_of, machine.moves)
     return [SizesEntry(smallest=0.0 if every else size, largest=size) for size in sizes]
-
-
-def _judged(form: type[Judged], item: Candidate, machine: Machine, **more: object) -> Judged:
-    keeps = item.assessment.keeps(machine.requirements.reserve)
-    return entry_of(form, item, keeps_reserve=keeps, **more)
 
 
 def _today(machine: Machine, found: TodaysValues) -> TodayEntry:
@@ -392,8 +374,7 @@ def _today(machine: Machine, found: TodaysValues) -> TodayEntry:
         judged,
         bound_by=limiting.message if limiting else None,
         meets_requirements=is_met,
-        keeps_reserve=verdict is not None and verdict.keeps(machine.requirements.reserve),
-        frequency_range=_ends(found.frequency_error),
+        keeps_reserve=verdict is not None and verdict.keeps_reserve,
         valid_for=_sizes(machine, every=is_met),
         **({} if judged else dict.fromkeys(REACHED)),
     )

@@ -8,10 +8,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from mtcommission.limits.judge import Assessment, MoveResult, evaluate_moves
+from mtcommission.limits.judge import MoveResult, evaluate_moves
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirements import Reserve
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.record.rules import filled, named
 from mtcommission.record.shape import entry_of, of
@@ -115,7 +114,7 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: str  # the requirement that stands in the way; "": none
+    obstacle: str = of("limiting_requirement", by=lambda one: one.key if one else "")  # "": none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,18 +140,7 @@ def simulation_part(
         entries[0],
         moves=entries,
         warnings=tuned.warnings,
-        assessment=assessment_part(verdict, machine.requirements.reserve),
-    )
-
-
-def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
-    """Return the verdict as the record holds it, with the share that recommendations may use."""
-    limiting = assessment.limiting_requirement
-    checks = assessment.checks
-    return AssessmentPart(
-        met=assessment.is_met,
-        checks=[entry_of(Check, one, reserve=one.requirement.share(reserve)) for one in checks],
-        obstacle=limiting.key if limiting else "",
+        assessment=verdict,
     )
 
 

@@ -31,7 +31,7 @@ from mtcommission.record.machine import (
     list_assumptions,
     list_data,
 )
-from mtcommission.record.moves import AssessmentPart, MoveEntry, assessment_part, move_entry
+from mtcommission.record.moves import AssessmentPart, MoveEntry, move_entry
 from mtcommission.record.optima import (
     ComparisonEntry,
     OptimaEntry,
@@ -179,7 +179,7 @@ def build_record(
         moves=[move_entry(plant, tuned, result) for result in moves],
         comparisons=[comparison_entry(plant, item) for item in found.comparisons],
         robustness=entry_of(RobustnessPart, robustness),
-        assessment=assessment_part(found.assessment, machine.requirements.reserve),
+        assessment=entry_of(AssessmentPart, found.assessment),
         identified=identified,
         what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),
     )

@@ -15,7 +15,6 @@ from mtcommission.record.identified import (
     MeasuredResponseEntry,
     ToolSensorEntry,
 )
-from mtcommission.record.limits import JudgedLimits, LimitsEntry
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.record import Record
 from mtcommission.sheet.document import (
@@ -28,7 +27,7 @@ from mtcommission.sheet.document import (
     Tone,
     note,
 )
-from mtcommission.sheet.limits import is_of_calibration
+from mtcommission.sheet.limits import MEETS, is_of_calibration
 from mtcommission.sheet.plots import MAIN, SETPOINT, THIRD, Array, Curve, Signals, line_plot
 from mtcommission.sheet.tables import (
     ACCELERATION,
@@ -41,7 +40,6 @@ from mtcommission.sheet.tables import (
     table,
     wide,
 )
-from mtcommission.sheet.verdict import met_at_all
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 INFORMATION = (
@@ -333,30 +331,19 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> I
         ),
     )
     own = text("identified-klipper-ours", filter=say_filter(ours.setpoint_filter, words))
-    simulated: list[tuple[str, bool, LimitsEntry | JudgedLimits]] = [
-        (own, record.assessment.met, ours),
-        *(
-            (words.say(one.name), one.meets_requirements, one)
-            for one in record.limits.rules
-            if is_of_calibration(one)
-        ),
-    ]
-
-    def met(item: tuple[str, bool, LimitsEntry | JudgedLimits]) -> str:
-        return met_at_all(item[1], getattr(item[2], "keeps_reserve", True), words)
-
+    proposed = [one for one in record.limits.rules if is_of_calibration(one)]
+    simulated = [(own, ours), *((words.say(one.name), one) for one in proposed)]
     columns = (
         Quantity("", lambda item: item[0], width=2.6),
-        *(_of_limits(quantity) for quantity in (ACCELERATION, SETTLING, RESIDUAL)),
-        Quantity("meets", met),
+        *(_of_limits(quantity) for quantity in (ACCELERATION, SETTLING, RESIDUAL, MEETS)),
     )
     yield table(words, "identified-klipper-caption", chosen, part.proposals)
     yield table(words, "identified-klipper-simulated", columns, simulated)
 
 
 def _of_limits(quantity: Quantity) -> Quantity:
-    """A quantity of the third of three: name, verdict and limits."""
-    return wide(quantity, 1.0, value=lambda item: quantity.of(item[2]))
+    """A quantity of the second of two: name and limits."""
+    return wide(quantity, 1.0, value=lambda item: quantity.of(item[1]))
 
 
 def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:

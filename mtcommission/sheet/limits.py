@@ -41,7 +41,7 @@ from mtcommission.sheet.tables import (
     table,
     wide,
 )
-from mtcommission.sheet.verdict import keeps_reserve, met_at_all, say_limiting
+from mtcommission.sheet.verdict import say_limiting
 
 if TYPE_CHECKING:
     from mtcommission.record.record import Record
@@ -50,6 +50,18 @@ Array = NDArray[np.float64]
 
 ROUNDED = 1.001
 """A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
+
+MEETS = Quantity(
+    "meets",
+    lambda item: Message(
+        "no"
+        if not item.meets_requirements
+        else "yes"
+        if item.keeps_reserve
+        else "yes-without-reserve"
+    ),
+)
+"""Whether limits meet all requirements, and whether that takes the reserve."""
 
 UNSEEN = 0.1
 """Share of a velocity cycle below which a ramp is a step to the drive."""
@@ -84,17 +96,13 @@ def jerk_column(record: Record, words: Catalogue, *, width: float = 1.5) -> Quan
 
 def limits_columns(record: Record, words: Catalogue) -> tuple[Quantity, ...]:
     """Return what limits are, what they give, and whether that meets all requirements."""
-
-    def met(item: Alternative) -> str:
-        return met_at_all(item.meets_requirements, item.keeps_reserve, words)
-
     return (
         wide(ACCELERATION, 1.2),
         jerk_column(record, words),
         wide(SETTLING, 1.2),
         wide(RESIDUAL, 1.2),
         wide(PEAK, 1.2),
-        Quantity("meets", met, width=1.15),
+        wide(MEETS, 1.15),
     )
 
 
@@ -115,23 +123,16 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
         *((words.say(item.name), item) for item in serving),
     ]
     name = Quantity("limits-name", lambda it: it[0], width=2.3)
-    *numbers, met = limits_columns(record, words)
-
-    def meets(item: object) -> object:
-        if item is part.recommended:
-            return met_at_all(record.assessment.met, keeps_reserve(record), words)
-        return met.of(item)
 
     def known(quantity: Quantity) -> Quantity:
         """What today's values give is not known where they cannot be judged."""
         missing = "" if part.today and part.today.failure else quantity.missing
         return wide(quantity, quantity.width, value=lambda it: quantity.of(it[1]), missing=missing)
 
-    judged = wide(met, met.width, value=lambda it: meets(it[1]))
     yield table(
         words,
         "alternatives-caption",
-        (name, *map(known, numbers), judged),
+        (name, *map(known, limits_columns(record, words))),
         named,
         strong=lambda it: it[1] is part.recommended,
     )

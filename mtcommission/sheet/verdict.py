@@ -278,24 +278,9 @@ def verdict_on(check: Check, words: Catalogue) -> str:
     """Return whether a requirement is met, and whether that takes the reserve."""
     if not check.met:
         return words.text("not-met")
-    return words.text("met" if _is_within_reserve(check) else "met-without-reserve")
-
-
-def _is_within_reserve(check: Check) -> bool:
     wanted = (1.0 + ROUNDING) * check.reserve * check.limit
-    return check.value is not None and check.value <= wanted
-
-
-def keeps_reserve(record: Record) -> bool:
-    """Return whether the recommended limits leave the reserve of every requirement."""
-    return all(map(_is_within_reserve, record.assessment.checks))
-
-
-def met_at_all(is_met: bool, keeps_reserve: bool, words: Catalogue) -> str:
-    """Return whether limits meet all requirements, and whether that takes the reserve."""
-    if not is_met:
-        return words.text("no")
-    return words.text("yes" if keeps_reserve else "yes-without-reserve")
+    is_within = check.value is not None and check.value <= wanted
+    return words.text("met" if is_within else "met-without-reserve")
 
 
 def _judged_during(record: Record, words: Catalogue) -> str:

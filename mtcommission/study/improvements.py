@@ -203,7 +203,7 @@ def _rested(machine: Machine, tuned: TunedLoop, choice: Choice) -> list[Improvem
             change = Message("change-dwell", dwell=dwell, acceleration=a)
             found = judge(replace(with_rest(dwell), limits=rested.limits))
             is_sooner = found.settling_time < choice.candidate.settling_time
-            if found.assessment.keeps(machine.requirements.reserve) and is_sooner:
+            if found.assessment.keeps_reserve and is_sooner:
                 return [_compared(change, found, choice)]
             dwell *= STUDY.rest_factor  # some smaller move, or another corner, heats more
     except ComputationError as error:
