@@ -152,7 +152,7 @@ class Judge:
             return False
         if not isfinite(drive.continuous_force):
             return True
-        return all(self._rms(place, move, share) <= drive.continuous_force for share in even[::4])
+        return all(self._rms(place, move, share) <= drive.continuous_force for share in even[::-2])
 
     def _rms(self, place: Place, move: Move, share: float) -> float:
         """RMS motor force of a size, worst corner, over the move and its dwell [N]."""
@@ -251,7 +251,7 @@ def settable(kind: ControlKind, item: SetpointFilter, cycle: float) -> SetpointF
         inside = choice.least_frequency_hz <= item.frequency_hz <= choice.most_frequency_hz
         return item if inside else None
     least, most = choice.times(cycle)
-    step = choice.step or cycle
+    step = choice.unit(cycle)
     times = [round(t / step) * step for t in (item.time, item.second_time)]
     if any(t and not least <= t * (1.0 + 1e-9) <= most * (1.0 + 2e-9) for t in times):
         return None
@@ -264,11 +264,9 @@ def refine(judge: Judge, duration: float, place: Place, largest: float) -> tuple
     for reach in REACHES:
         for _ in range(12):
             item, t, a = place
-            times = (
-                t * np.array([1.0 - reach, 1.0, 1.0 + reach])
-                if control.kind.has_jerk_limit
-                else [t]
-            )
+            times = np.array([t])
+            if control.kind.has_jerk_limit:
+                times = np.maximum(t * np.array([1.0 - reach, 1.0, 1.0 + reach]), SHORTEST)
             steps = np.minimum(a * (1.0 + reach * np.arange(-2.0, 5.0)), largest)
             around = product(beside(judge.machine, item, reach), times, np.unique(steps))
             ranked = sorted(((judge.duration(p), p) for p in around), key=lambda x: x[0])

@@ -277,9 +277,21 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
     assert candidate.settling_time < tuned.controller.reference_delay + 2e-3
 
 
-def test_a_robust_shaper_is_found_beside_what_rings() -> None:
-    """Marlin once got 297 ms: only shapers at the very frequency of the mode were tried."""
-    machine = parse_profile(draw_profile(40), where="drawn")
+@pytest.mark.parametrize(("seed", "latest"), [(40, 0.105), (205, 3.8)])
+def test_a_robust_shaper_is_found_beside_what_rings(seed: int, latest: float) -> None:
+    """Only shapers at the very frequencies of the modes were tried: 297 ms, and 3.93 s.
+
+    The best lies beside the mode of the first machine, between the two of the second.
+    """
+    machine = parse_profile(draw_profile(seed), where="drawn")
     choice = choose_limits(machine, build_plant(machine), tune_loop(machine))
     assert choice.meets_requirements
-    assert choice.candidate.settling_time < 0.105
+    assert choice.candidate.settling_time < latest
+
+
+def test_the_proof_takes_little_from_what_is_allowed() -> None:
+    """With long cycles and slow decay it once took a twentieth of the band, and 2 % of time."""
+    machine = parse_profile(draw_profile(225), where="drawn")
+    choice = choose_limits(machine, build_plant(machine), tune_loop(machine))
+    residual = choice.candidate.sizes[0]
+    assert residual.value < residual.bound < 1.01 * residual.value

@@ -10,8 +10,9 @@ step passes a sample; it exceeds the larger of its neighbours by no more than
 K: largest second derivative by T at any phase; κ: change of the slope by one more or one less
 sample that sees the acceleration, summed over the steps that may pass one within h; J: the same of
 the value, where the control feeds the jerk forward. All three are residuals of other inputs to the
-same loop. Where J is not nothing, sizes on either side of each such place are looked at
-instead. h is laid so that what is left is little; the sum stands in the result, and counts.
+same loop. Where J is not nothing, or κ asks for sizes closer than a part of a cycle, those on
+either side of each such place are looked at instead. h is laid so that what is left is little; the
+sum stands in the result, and counts.
 """
 
 from __future__ import annotations
@@ -55,6 +56,10 @@ LEFT = 1.3
 
 MOST_SIZES = 3000
 """Sizes of a move in each of its families; where more would be needed the bound is wider."""
+
+CROWDED = 0.25
+"""Position cycles between two sizes, below which those just before and after a step of the setpoint
+passes a sample are fewer: between them only K is left [-]."""
 
 SAMPLES = 48
 """Samples per period of free motion: the peak of a swing is missed by 0.2 % at most."""
@@ -176,31 +181,33 @@ class _Sizes:
         rates = -poles.rates.real[np.abs(poles.factors) > 0.0]
         if len(rates):
             seen = min(float(np.log(1e3) / max(rates.min(), 1e-9)), LONGEST_SEEN)
-        pointed, held = bound_between(poles, limits, move, signal)
-        both = pointed.jump > 0.0 and seen / poles.dt < MOST_SIZES
-        if both:  # on either side of every place where a step passes a sample: only K is left
-            pointed, held = (replace(item, kink=0.0, jump=0.0) for item in (pointed, held))
+        families = bound_between(poles, limits, move, signal)
+        smooth = [replace(one, kink=0.0, jump=0.0) for one in families]
+        least = limits.jerk_time / MOST_SIZES, seen / MOST_SIZES
         allowed = requirement.bound(self.machine)
         # Where much more than that is left, it need not be known more closely than in proportion.
         for share in (COARSE, UNPROVED):
-            spacings = (
-                pointed.spacing(share * allowed, least=limits.jerk_time / MOST_SIZES),
-                held.spacing(share * allowed, least=seen / MOST_SIZES),
-            )
+            between = list(families)
+            close = [one.spacing(share * allowed) for one in between]
+            is_crowded = families[0].jump > 0.0 or min(close) < CROWDED * poles.dt
+            is_cut = is_crowded and seen / poles.dt < MOST_SIZES
+            if is_cut:
+                between, close = smooth, [one.spacing(share * allowed) for one in smooth]
+            spacings = np.maximum(close, least)
             sizes = lay_sizes(
                 move,
                 limits,
                 pointed_spacing=spacings[0],
                 spacing=min(spacings[1], seen),
                 decayed=seen,
-                cycle=poles.dt if both else 0.0,
+                cycle=poles.dt if is_cut else 0.0,
             )
             value, worst, corner = self._worst_of(move, sizes, signal)
             if value > LEFT * allowed:
                 break
             allowed = max(allowed, value)
-        between = max(item.excess(h) for item, h in zip((pointed, held), spacings, strict=True))
-        return float(sizes[worst]), (value, corner), between
+        excess = max(item.excess(h) for item, h in zip(between, spacings, strict=True))
+        return float(sizes[worst]), (value, corner), excess
 
     def _worst_of(self, move: Move, sizes: Array, signal: Signal) -> tuple[float, int, int]:
         """What is left at most [own unit], and its place among the sizes and corners."""
@@ -284,13 +291,12 @@ class Between:
         )
         return self.bent * h**2 / 8.0 + self.kink * crossings * h / 4.0 + self.jump
 
-    def spacing(self, allowed: float, *, least: float) -> float:
-        """Return the largest spacing whose excess, jumps apart, is allowed; at least some [s]."""
+    def spacing(self, allowed: float) -> float:
+        """Return the largest spacing whose excess, jumps apart, is allowed [s]."""
         slope = 0.25 * self.kink * sum(weight * rate for weight, rate in self.passing)
         if not self.bent and not slope:
             return inf
-        h = 2.0 * allowed / (slope + sqrt(slope**2 + 0.5 * self.bent * allowed))
-        return max(h, least)
+        return 2.0 * allowed / (slope + sqrt(slope**2 + 0.5 * self.bent * allowed))
 
 
 POINTED_STEP, HELD_STEP = ((2.0, 1.0), (1.0, 2.0)), ((2.0, 1.0),)

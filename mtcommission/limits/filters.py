@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import combinations_with_replacement, product
-from math import pi
+from itertools import combinations_with_replacement, pairwise, product
+from math import pi, sqrt
 
 import numpy as np
 
@@ -34,6 +34,9 @@ LONGEST = 0.2
 SHARES = (0.7, 0.8, 1.0, 1.25)
 """Frequencies of a shaper that are tried at first where no ramp quiets anything besides, by that of
 what rings: over a spread a robust one may lie well beside it (empirical) [-]."""
+
+NEIGHBOURS = 2.0
+"""Ratio of two frequencies up to which one shaper between them may quiet both [-]."""
 
 RINGING = 0.3
 """Damping ratio below which a pole of the closed loop rings [-]."""
@@ -82,15 +85,27 @@ def _of_kind(
             if times:
                 yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
     elif kind in SHAPERS:
-        shares = SHARES if control.kind.jerk is Jerk.NONE else (1.0,)
+        is_alone = control.kind.jerk is Jerk.NONE
+        places = _with_middles(ringing) if is_alone else ringing
+        shares = SHARES if is_alone else (1.0,)
         # What rings faster than half a sample of the setpoint no shaper of the setpoint reaches.
         highest = min(choice.most_frequency_hz, 0.5 / control.position_cycle)
-        for (natural, own), share in product(ringing, shares):
+        for (natural, own), share in product(places, shares):
             damping = min(max(own, choice.least_damping), choice.most_damping)
             frequency = share * natural
             for hz in frequencies_told_apart(kind, frequency_hz=frequency, damping_ratio=damping):
                 if choice.least_frequency_hz <= hz <= highest:
                     yield SetpointFilter(kind=kind, frequency_hz=hz, damping_ratio=damping)
+
+
+def _with_middles(ringing: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """What rings, and the middle of any two neighbours: a robust shaper there may quiet both."""
+    middles = [
+        (sqrt(low * high), min(damping))
+        for (low, high), damping in (zip(*both, strict=True) for both in pairwise(ringing))
+        if high < NEIGHBOURS * low
+    ]
+    return [*ringing, *middles]
 
 
 def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) -> list[float]:
