@@ -24,15 +24,14 @@ from mtcommission.record.record import Record, build_record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.columns import Axis
-from mtcommission.verify.entry import verification_entry
 from mtcommission.verify.feedforward import suggest_feedforward
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
-from mtcommission.verify.read import read_trace
 from mtcommission.verify.refine import refine
 from mtcommission.verify.renew import renew_profile
+from mtcommission.verify.report import check_row, known_first, say_reasons, verification_entry
+from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import Verification, verify
-from mtcommission.verify.wording import check_row
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -190,7 +189,8 @@ def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_bla
     planned = words.format.quantity(found.warnings[0].values["planned"], jerk.unit)
     assert row[1].startswith(planned)
     assert row[2] == "–"
-    assert words.format.quantity(limits_of(found.record).jerk, jerk.unit) in row[4]
+    entered = words.format.quantity(limits_of(found.record).jerk, jerk.unit)
+    assert any(f"with {entered} entered" in line for line in say_reasons(found, words))
     assert find(found, "setpoint acceleration").verdict is Verdict.HOLDS
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
@@ -230,6 +230,12 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
     assert found.verdict is Verdict.UNKNOWN
     residual = find(found, "move 1: residual deviation")
     assert residual.reason.kind == "verify-encoder-only"
+    # What is known stands first, and the reason once.
+    shown = [check.verdict is Verdict.UNKNOWN for check in known_first(found)]
+    assert shown == sorted(shown)
+    said = [line for line in say_reasons(found, words_of(found)) if "only the encoder" in line]
+    assert len(said) == 1
+    assert said[0].count("Move 1") == 3
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.9, Verdict.FAILS), (0.99, Verdict.UNKNOWN)])

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
+from mtcommission.sheet.document import Paragraph, Table, Tone
 from mtcommission.verify.checks import Verdict
 from mtcommission.verify.feedforward import FeedForward
-from mtcommission.verify.new_limits import NewLimits
 from mtcommission.verify.refine import Refined
-from mtcommission.verify.verify import Verification
-from mtcommission.verify.wording import (
+from mtcommission.verify.renew import NewLimits
+from mtcommission.verify.report import (
     check_row,
-    limit_rows,
-    parameter_row,
-    say_check,
-    say_feedforward,
-    say_test,
-    say_verdict,
+    known_first,
+    list_differences,
+    say_detail,
+    say_reasons,
 )
+from mtcommission.verify.verify import Verification
 
 STYLES = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.UNKNOWN: "yellow"}
 
@@ -25,50 +24,34 @@ STYLES = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.UNKNOWN: "yellow
 def describe_verification(
     found: Verification, refined: Refined, fed: FeedForward | None, limits: NewLimits | None
 ) -> list[Line]:
-    """Return the verdict, the planner's first, every check, and what is different.
+    """Return the verdict, what was measured, each reason once, and what is different.
 
     ``refined``, ``fed``: parameters and feed-forward as the traces show them; ``limits``: what they
     lead to, if asked for.
     """
     spoken = words()
     say = spoken.text
-
-    def heads(*names: str) -> list[str]:
-        return [say(f"verify-head-{name}") if name else "" for name in names]
-
-    rows, styles, reasons = list[list[str]](), list[str](), list[str]()
-    for check in found.checks:
-        what, predicted, allowed, measured, why = check_row(check, spoken)
-        if check.measured is not None or check.decides:
-            bound = allowed if check.limit is not None else predicted
-            rows.append([what, bound, measured, say_verdict(check.verdict, spoken)])
-            styles.append(STYLES[check.verdict])
-        if check.verdict is not Verdict.HOLDS:
-            reasons.append(f"{say_check(check, spoken)}: {why}")
+    checks = [check for check in known_first(found) if check.measured is not None]
+    rows = []
+    for check in checks:
+        what, predicted, allowed, measured, verdict = check_row(check, spoken)
+        rows.append((what, predicted if check.limit is None else allowed, measured, verdict))
+    heads = [*(say(f"verify-head-{name}") for name in ("what", "allowed", "measured")), ""]
     machine = found.record.machine
-    obeyed = {True: "yes", False: "no", None: "unknown"}[found.obeyed]
     lines: list[Line] = [
         heading(say("terminal-machine", name=machine.name, axis_name=machine.axis)),
         (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
-        say("verify-detail", moves=len(found.recorded), obeyed=obeyed),
+        say_detail(found, spoken),
         *warn(spoken, found.warnings),
         "",
-        *table(heads("what", "allowed", "measured", ""), rows, styles),
+        *table(heads, rows, [STYLES[check.verdict] for check in checks]),
         "",
-        *reasons,
+        *say_reasons(found, spoken),
     ]
-    if refined.parameters:
-        changed = (parameter_row(one, spoken) for one in refined.parameters)
-        lines += ["", *table(heads("parameter", "old", "new", ""), changed)]
-    if found.unexplained is not None:
-        lines.append(say("verify-unexplained", share=found.unexplained))
-    if note := say_test(refined, spoken):
-        lines.append(note)
-    if fed is not None:
-        values = (parameter_row(one, spoken) for one in fed.values)
-        lines += ["", *table(heads("feedforward", "old", "new", ""), values)]
-        lines.append(say_feedforward(fed, spoken))
-    if limits is not None:
-        lines += ["", *table(heads("", "old", "new"), limit_rows(limits, spoken))]
-        lines += warn(spoken, [limits.failure] if limits.failure else [])
+    for block in list_differences(found, refined, fed, limits, spoken):
+        if isinstance(block, Table):
+            own = [[str(cell) for cell in row] for row in block.rows]
+            lines += ["", *table([column.head for column in block.columns], own)]
+        elif isinstance(block, Paragraph):
+            lines.append((block.text, "yellow" if block.tone is Tone.WARNING else ""))
     return lines

@@ -52,13 +52,11 @@ def verify(
     from mtcommission.record.files import dump_json
     from mtcommission.record.record import load_record
     from mtcommission.verify.columns import Axis
-    from mtcommission.verify.entry import verification_entry
     from mtcommission.verify.feedforward import suggest_feedforward
-    from mtcommission.verify.new_limits import find_new_limits
-    from mtcommission.verify.page import print_verification
-    from mtcommission.verify.read import read_trace
     from mtcommission.verify.refine import refine
-    from mtcommission.verify.renew import renew_profile
+    from mtcommission.verify.renew import find_new_limits, renew_profile
+    from mtcommission.verify.report import verification_entry
+    from mtcommission.verify.trace import read_trace
     from mtcommission.verify.verify import verify as compare
 
     loaded = load_record(record)
@@ -79,6 +77,8 @@ def verify(
             write_text(renewed, text)
     entry = dump_json(verification_entry(found, refined, fed, limits))
     if output:
+        from mtcommission.verify.page import print_verification
+
         page = print_verification(found, refined, fed, limits, created=now(), language=language)
         files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
         write_files(output, files)

@@ -18,7 +18,6 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -26,7 +25,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
 from mtcommission.record.limits import ModeLimitsEntry
-from mtcommission.record.read_back import close_as_held, read_limits, read_machine
+from mtcommission.record.read_back import close_as_held, read_held, read_limits
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -171,7 +170,7 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
         If the record does not belong to its own profile text.
     """
     _require_own_profile(record)
-    machine = _as_recorded(record)
+    machine = read_held(record)
     tuned = close_as_held(machine)
     _require_same_loop(record, tuned)
     return Subject(
@@ -198,25 +197,6 @@ def _require_own_profile(record: Record) -> None:
     if profile.sha256 not in (profile_text_hash(text.encode()) for text in texts):
         message = Message("export-profile-edited")
         raise InputError([Fault(where="record", key="profile.text", message=message)])
-
-
-def _as_recorded(record: Record) -> Machine:
-    """The profile's machine with the record's force limit and gains in place of tuning."""
-    machine = read_machine(record)
-    loop, gains = record.loop, record.loop.state_feedback
-    control = replace(
-        machine.control,
-        position_gain=loop.Kv,
-        velocity_gain=loop.Kp,
-        integral_time=loop.Tn,
-        reference_delay=loop.reference_delay,
-        feedforward_mass=loop.feedforward.mass,
-        force_filters=tuple(loop.force_filters),
-        seeks_force_filters=False,
-        state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
-        state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
-    )
-    return replace(machine, control=control)
 
 
 def _require_same_loop(record: Record, tuned: TunedLoop) -> None:

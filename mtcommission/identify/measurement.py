@@ -209,3 +209,14 @@ class Evidence:
     vibrations: tuple[FreeVibration, ...]
     # Time records from which some of them come, to be simulated again.
     records: tuple[TimeRecord, ...]
+
+
+def correlation_length(rest: Array) -> float:
+    """Return how many samples of what a fit leaves are worth one independent one, at least 1."""
+    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
+    lags = np.fft.irfft(power)[: rest.size // 4]
+    if lags.size < 2 or lags[0] <= 0.0:
+        return 1.0
+    rho = lags / lags[0]
+    end = int(np.argmax(rho < 0.05)) or rho.size
+    return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))

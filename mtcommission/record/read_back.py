@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mtcommission.control_kinds.kind import FIR
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import build_cascade, given_state_feedback
 from mtcommission.loop.tuning.tuned import (
     TunedLoop,
@@ -14,9 +15,10 @@ from mtcommission.loop.tuning.tuned import (
     follow,
 )
 from mtcommission.loop.tuning.tuning import warn_of_modes
-from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.plant.plant import Plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.limits import LimitsEntry
 from mtcommission.record.record import FORCE_LIMITS, Record
@@ -32,23 +34,51 @@ def read_machine(record: Record) -> Machine:
     return replace(machine, drive=replace(machine.drive, max_force=float(force)))
 
 
-def close_as_held(machine: Machine) -> TunedLoop:
-    """Return the loop of a control whose gains are all given, in every corner: nothing is tuned.
+def read_held(record: Record) -> Machine:
+    """Return the machine of a record with the gains that were found in place of tuning."""
+    machine, loop = read_machine(record), record.loop
+    gains = loop.state_feedback
+    control = replace(
+        machine.control,
+        position_gain=loop.Kv,
+        velocity_gain=loop.Kp,
+        integral_time=loop.Tn,
+        reference_delay=loop.reference_delay,
+        feedforward_mass=loop.feedforward.mass,
+        force_filters=tuple(loop.force_filters),
+        seeks_force_filters=False,
+        state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
+        state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
+    )
+    return replace(machine, control=control)
+
+
+def held_controller(machine: Machine, plant: Plant) -> Controller:
+    """Return a controller whose gains are all given: nothing is tuned.
 
     Raises
     ------
     ComputationError
         NOT_OBSERVABLE or FEEDBACK_DESIGN_FAILED, for state gains.
     """
+    controller = build_cascade(machine, plant, fraction=1.0)
+    if machine.control.state_feedback is not StateFeedback.GIVEN:
+        return controller
+    return given_state_feedback(machine, plant, controller, settings=TuningSettings())
+
+
+def close_as_held(machine: Machine) -> TunedLoop:
+    """Return the loop of a control whose gains are all given, in every corner.
+
+    Raises
+    ------
+    ComputationError
+        As ``held_controller``.
+    """
     bench = corner_plants(machine)
     if machine.drive.follows:
         return follow(machine, bench)
-    controller = build_cascade(machine, bench.model, fraction=1.0)
-    if machine.control.state_feedback is StateFeedback.GIVEN:
-        controller = given_state_feedback(
-            machine, bench.model, controller, settings=TuningSettings()
-        )
-    tuned = close_loop(bench, controller)
+    tuned = close_loop(bench, held_controller(machine, bench.model))
     return replace(tuned, warnings=tuple(warn_of_modes(bench, tuned)))
 
 

@@ -1,19 +1,28 @@
-"""A recorded signal of one move beside its prediction, on the same clock and by the same rules."""
+"""One recorded move beside what the loop of the record makes of its setpoint.
+
+Signals and predictions are on the same clock, and go through the same smoothing.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import log, sqrt
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from math import inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs, savgol_filter
+from scipy.ndimage import convolve1d
 
-from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt
+from mtcommission.identify.measurement import FreeMode
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint
+from mtcommission.verify.columns import Role
+from mtcommission.verify.planner import number_of, planned
+from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
+from mtcommission.verify.regression import regress
+from mtcommission.verify.ringing import find_modes
 from mtcommission.verify.setpoint import Motion
-from mtcommission.verify.trace import Array, Channel, Role, Trace, resolution
-
-Flags = NDArray[np.bool_]
+from mtcommission.verify.trace import Array, Channel, Trace, resolution
 
 REST = 0.1
 """Of the rest before a move, what offset and noise are taken from [s]."""
@@ -26,24 +35,26 @@ SMOOTHED = 0.2
 
 LEAST_SIGMAS = 2.0
 
+CORRELATED = 10.0
+"""Samples of what a shift leaves that are worth one (empirical)."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Beside:
-    """One signal of one move."""
+    """One signal of one move.
 
-    role: Role  # Tool, encoder (also from a following error), acceleration of the tool, or force
-    t: Array  # Times of the samples, in the trace's time [s]
-    measured: Array  # Position relative to the rest before it, or force, shape (n,) [m, N]
-    predicted: Array  # The same in every corner, shape (n_corners, n)
-    # Of a position: from the delayed setpoint, shape (n,) [m]; else as ``measured``.
-    deviation: Array
-    predicted_deviation: Array  # Likewise, shape (n_corners, n)
+    ``deviation``: of a position, from the delayed setpoint, smoothed; else the signal itself.
+    """
+
+    role: Role  # tool, encoder (also from a following error), acceleration of the tool, or force
+    t: Array  # times of the samples, in the trace's time [s]
+    measured: Array  # position relative to the rest before it, or force, shape (n,) [m, N]
+    deviation: Array  # shape (n,) [m]
+    predicted: Array  # the same in every corner, shape (n_corners, n)
     raw: Array  # ``deviation`` before smoothing
-    # noise, slack: What noise and resolution may add to a largest value of ``deviation``, and what
-    # they may hide of it.
-    noise: float
-    slack: float
-    offset: float  # Taken off: mean at rest before the move
+    width: int  # samples that were smoothed over
+    noise: float  # what noise and resolution may add to a largest value of ``deviation``
+    slack: float  # what they may hide of it
 
     @property
     def is_position(self) -> bool:
@@ -55,24 +66,112 @@ class Beside:
         """Of the clock [s]."""
         return float(self.t[1] - self.t[0])
 
-    def after(self, instant: float) -> Flags:
+    def after(self, instant: float) -> NDArray[np.bool_]:
         """Return which samples are at or after an instant."""
         return self.t >= instant - 1e-9
 
 
-def lay_beside(
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recorded:
+    """One move of a trace, beside what the record says of it."""
+
+    trace: Trace
+    motion: Motion
+    number: int  # which of the record's moves it is, from 1; 0 for none
+    setpoint: Setpoint | None  # what the control should have sent; None: it cannot be planned
+    prediction: Prediction  # what the loop makes of the recorded setpoint
+    shift: float  # by which the position comes later than predicted [s]
+    shift_error: float  # two standard errors of it; inf: not known [s]
+    applied_shift: float  # ``shift``, or 0 where columns may not be recorded as far apart [s]
+    beside: tuple[Beside, ...]
+    modes: tuple[FreeMode | None, ...]  # vibration in the dwell of each mode; None: not seen
+
+    def find(self, role: Role) -> Beside | None:
+        """Return one signal; None if it was not recorded."""
+        return next((one for one in self.beside if one.role is role), None)
+
+
+def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motion) -> Recorded:
+    """Return a recorded move beside its prediction."""
+    moves = rebuilt.machine.moves
+    number = number_of(motion, moves, entered)
+    prediction = predict(rebuilt, motion)
+    beside = tuple(_lay_beside(rebuilt, trace, motion, prediction, shift=0.0))
+    shift, error = 0.0, inf
+    if first := next((one for one in beside if one.is_position), None):
+        shift, error = _find_shift(rebuilt, motion, first)
+    applied = shift if abs(shift) <= allowed_shift(rebuilt, trace) else 0.0
+    if applied:
+        beside = tuple(_lay_beside(rebuilt, trace, motion, prediction, shift=applied))
+    rest = motion.end + rebuilt.controller.reference_delay + applied
+    modes: tuple[FreeMode | None, ...] = tuple(None for _ in rebuilt.plant.modes)
+    for one in beside:
+        if one.role is Role.FORCE or motion.is_cut or any(modes):
+            continue
+        after = one.after(rest)
+        modes = find_modes(
+            rebuilt, one.t[after] - rest, one.deviation[after], one.predicted[0][after], one.noise
+        )
+        if one.role is Role.ACCELERATION:
+            modes = tuple(mode and _as_position(mode) for mode in modes)
+    return Recorded(
+        trace=trace,
+        motion=motion,
+        number=number,
+        setpoint=planned(motion, moves[number - 1] if number else None, entered),
+        prediction=prediction,
+        shift=shift,
+        shift_error=2.0 * error,
+        applied_shift=applied,
+        beside=beside,
+        modes=modes,
+    )
+
+
+def _as_position(mode: FreeMode) -> FreeMode:
+    """A vibration seen by an accelerometer, its amplitude as a way [m]."""
+    return replace(mode, amplitude=mode.amplitude / (2.0 * pi * mode.frequency_hz) ** 2)
+
+
+def unexplained(recorded: Iterable[Recorded], rebuilt: Rebuilt | None = None) -> float | None:
+    """Return the share of the deviation, by RMS, that a machine leaves; None: no position.
+
+    ``rebuilt``: the machine, if it is another than the one that the moves lie beside.
+    """
+    missed = total = 0.0
+    for one in recorded:
+        other = predict(rebuilt, one.motion) if rebuilt else None
+        for signal in one.beside:
+            if not signal.is_position:
+                continue
+            expected = signal.predicted[0]
+            if rebuilt and other:
+                t = signal.t - one.applied_shift
+                late = one.motion.sample(t - rebuilt.controller.reference_delay)[:, 0]
+                column = TOOL if signal.role is Role.TOOL else ENCODER
+                expected = _smoothed(other.at(t, column)[0] - late, signal.width)
+            moving = signal.after(one.motion.begin)
+            missed += float(np.sum((signal.deviation - expected)[moving] ** 2))
+            total += float(np.sum(signal.deviation[moving] ** 2))
+    return sqrt(missed / total) if total > 0.0 else None
+
+
+def allowed_shift(rebuilt: Rebuilt, trace: Trace) -> float:
+    """Return by how much columns may be recorded apart from each other [s]."""
+    return rebuilt.controller.position_cycle + trace.setpoint.step
+
+
+def _lay_beside(
     rebuilt: Rebuilt, trace: Trace, motion: Motion, prediction: Prediction, *, shift: float
-) -> tuple[Beside, ...]:
-    """Return every recorded signal of a move beside its prediction."""
-    found = []
+) -> Iterator[Beside]:
+    """Every recorded signal of a move beside its prediction."""
     for role in (Role.TOOL, Role.ENCODER, Role.FOLLOWING_ERROR, Role.ACCELERATION, Role.FORCE):
         channel = trace.find(role)
         if channel is None or (role is Role.FOLLOWING_ERROR and trace.find(Role.ENCODER)):
             continue
         t, values = channel.between(motion.begin - REST, motion.until)
         if t.size >= 4 * FEWEST:
-            found.append(_lay(rebuilt, channel, motion, prediction, t, values, shift))
-    return tuple(found)
+            yield _lay(rebuilt, channel, motion, prediction, t, values, shift)
 
 
 def _lay(
@@ -84,43 +183,34 @@ def _lay(
     values: Array,
     shift: float,
 ) -> Beside:
-    tau = rebuilt.controller.reference_delay
-    late = motion.sample(t - tau - shift)[:, 0]
-    role, at = channel.role, t - shift
-    before = t < motion.begin - channel.step
-    offset = 0.0
-    if role is Role.FORCE:
-        measured, predicted = values, prediction.at(at, FORCE)
-        deviation, predicted_deviation = measured, predicted
-    elif role is Role.ACCELERATION:
-        rate = np.gradient(prediction.at(at, TOOL), channel.step, axis=1)
-        predicted = predicted_deviation = np.asarray(np.gradient(rate, channel.step, axis=1))
-        offset = float(np.mean(values[before])) if before.sum() >= FEWEST else 0.0
-        measured = deviation = values - offset
-    else:
-        column = TOOL if role is Role.TOOL else ENCODER
-        predicted = prediction.at(at, column)
-        predicted_deviation = predicted - late
+    role, step = channel.role, channel.step
+    late = motion.sample(t - rebuilt.controller.reference_delay - shift)[:, 0]
+    column = {Role.FORCE: FORCE, Role.TOOL: TOOL, Role.ACCELERATION: TOOL}.get(role, ENCODER)
+    predicted, deviation = prediction.at(t - shift, column), values
+    if role is Role.ACCELERATION:
+        predicted = np.gradient(np.gradient(predicted, step, axis=1), step, axis=1)
+    elif role is not Role.FORCE:
+        predicted = predicted - late
         is_error = role is Role.FOLLOWING_ERROR
         deviation = -values if is_error else values - motion.start - late
-        offset = float(np.mean(deviation[before])) if before.sum() >= FEWEST else 0.0
-        deviation = deviation - offset
-        measured = deviation + late
-    width = 1 if role is Role.FORCE else _width(rebuilt, channel.step)
+    before = t < motion.begin - step
+    if role is not Role.FORCE and before.sum() >= FEWEST:
+        deviation = deviation - float(np.mean(deviation[before]))
+    is_position = role not in (Role.FORCE, Role.ACCELERATION)
+    width = 1 if role is Role.FORCE else _width(rebuilt, step)
     smooth = _smoothed(deviation, width)
     sigma, grain = _sigma(deviation, smooth, before, width), resolution(values)
     sigmas = max(sqrt(2.0 * log(max(t.size / width, 2.0))), LEAST_SIGMAS)
     return Beside(
         role=Role.ENCODER if role is Role.FOLLOWING_ERROR else role,
         t=t,
-        measured=measured,
-        predicted=predicted,
+        measured=deviation + late if is_position else deviation,
         deviation=smooth,
-        predicted_deviation=np.array([_smoothed(row, width) for row in predicted_deviation]),
+        predicted=_smoothed(predicted, width),
         raw=deviation,
+        width=width,
         noise=sigmas * sigma + 0.5 * grain,
         slack=LEAST_SIGMAS * sigma + 0.5 * grain,
-        offset=offset,
     )
 
 
@@ -131,42 +221,47 @@ def _width(rebuilt: Rebuilt, step: float) -> int:
     return width if width >= 5 else 1
 
 
+def _parabola(width: int) -> Array:
+    """What takes samples to the parabola through them by least squares, shape (width, width)."""
+    powers = np.vander(np.linspace(-1.0, 1.0, width), 3)
+    return np.asarray(powers @ np.linalg.pinv(powers))
+
+
 def _smoothed(values: Array, width: int) -> Array:
-    if width == 1 or values.size <= width:
+    """Each sample on the parabola through the window around it, or at an end the outermost one.
+
+    Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964) 1627-1639.
+    """
+    if width == 1 or values.shape[-1] <= width:
         return values
-    return np.asarray(savgol_filter(values, width, 2), dtype=np.float64)
+    onto, half = _parabola(width), width // 2
+    smooth: Array = convolve1d(values, onto[half], axis=-1)
+    smooth[..., :half] = values[..., :width] @ onto[:half].T
+    smooth[..., -half:] = values[..., -width:] @ onto[-half:].T
+    return smooth
 
 
-def _sigma(values: Array, smooth: Array, before: Flags, width: int) -> float:
+def _sigma(values: Array, smooth: Array, before: NDArray[np.bool_], width: int) -> float:
     """Standard deviation of what is left of the noise."""
     second = np.abs(np.diff(values, n=2))
     scatter = 1.4826 * float(np.median(second)) / sqrt(6.0)
     if width > 1:
-        scatter *= sqrt(float(np.sum(savgol_coeffs(width, 2) ** 2)))
+        scatter *= sqrt(float(np.sum(_parabola(width)[width // 2] ** 2)))
     at_rest = smooth[before]
     rest = float(np.std(at_rest)) if at_rest.size >= FEWEST else 0.0
     return max(rest, scatter if rest == 0.0 else min(scatter, 2.0 * rest))
 
 
-def find_shift(rebuilt: Rebuilt, motion: Motion, beside: Beside) -> tuple[float, float]:
-    """Return by how much a position comes later than predicted, and the standard error [s].
+def _find_shift(rebuilt: Rebuilt, motion: Motion, beside: Beside) -> tuple[float, float]:
+    """By how much a position comes later than predicted, and the standard error [s].
 
     Least squares of measured less predicted position over the setpoint's velocity; a second
     column takes what follows the acceleration (mass, stiffness).
     """
     tau = rebuilt.controller.reference_delay
     moving = (beside.t >= motion.begin + tau) & (beside.t <= motion.end + tau)
-    if moving.sum() < FEWEST:
-        return 0.0, float("inf")
     rows = motion.sample(beside.t[moving] - tau)[:, 1:3]
     if rows.shape[0] < FEWEST or not np.any(rows[:, 0]):
-        return 0.0, float("inf")
-    wanted = (beside.raw - beside.predicted_deviation[0])[moving]
-    scale = np.abs(rows).max(axis=0)
-    scale[scale == 0.0] = 1.0
-    found, *_ = np.linalg.lstsq(rows / scale, wanted, rcond=None)
-    rest = wanted - rows / scale @ found
-    gram = np.linalg.pinv((rows / scale).T @ (rows / scale))
-    # The rest is no white noise: some ten samples of it are worth one.
-    sigma = sqrt(10.0 * float(rest @ rest) / max(rest.size - 2, 1) * float(gram[0, 0]))
-    return -float(found[0]) / scale[0], sigma / scale[0]
+        return 0.0, inf
+    found = regress(rows, (beside.raw - beside.predicted[0])[moving], correlated=CORRELATED)
+    return -float(found.values[0]), float(found.sigma[0])

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from math import isfinite
+from math import inf, isfinite
 
 from mtcommission.messages.message import Message
 from mtcommission.requirements.register import read_requirement
@@ -22,33 +22,41 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One promise against what was measured."""
+    """One promise against what was measured [SI]."""
 
-    key: str  # What it is, as in JSON, e.g. ``"residual deviation"``.
-    move: int = 0  # Number of the record's move from 1; 0: of no single move
-    mode: str = ""  # Name of the mode; "" for none
-    unit: str  # SI unit of all values
-    # predicted, low, high: Nominal, and least and largest over the corners; None: nothing was
-    # predicted.
-    predicted: float | None
-    low: float | None
-    high: float | None
-    # What is required; None where the prediction itself is what was promised.
-    limit: float | None = None
-    # measured, uncertainty: None: not measured.
-    measured: float | None
-    uncertainty: float | None
-    # verdict, reason: And why.
-    verdict: Verdict
+    key: str  # what it is, as in JSON, e.g. ``"residual deviation"``
+    move: int = 0  # number of the record's move from 1; 0: of no single move
+    mode: str = ""
+    unit: str = ""  # of all values
+    predicted: float | None = None  # nominal; None: nothing was predicted
+    low: float | None = None  # least and largest over the corners
+    high: float | None = None
+    limit: float | None = None  # what is required; None: the prediction is what was promised
+    measured: float | None = None
+    uncertainty: float | None = None
+    verdict: Verdict = Verdict.UNKNOWN
     reason: Message
-    # Whether it is a requirement: the whole verdict is "cannot tell" where this one is.
-    decides: bool = False
+    decides: bool = False  # whether the whole verdict is "cannot tell" where this one is
 
     @property
     def name(self) -> str:
         """Name in JSON."""
         parts = [f"move {self.move}"] if self.move else []
         return ": ".join([*parts, *([self.mode] if self.mode else []), self.key])
+
+    def doubted(self, reason: Message) -> Check:
+        """Return it as one that cannot be told, unless that is so already."""
+        if self.verdict is Verdict.UNKNOWN:
+            return self
+        return replace(self, verdict=Verdict.UNKNOWN, reason=reason)
+
+
+KEPT = {
+    Verdict.HOLDS: Message("verify-kept"),
+    Verdict.FAILS: Message("verify-missed"),
+    Verdict.UNKNOWN: Message("verify-within-noise"),
+}
+"""Reasons where nothing but the numbers decides."""
 
 
 def what_of(check: Check) -> Message:
@@ -60,27 +68,19 @@ def what_of(check: Check) -> Message:
     return Message("of-mode", name=what, mode=check.mode) if check.mode else what
 
 
-def at_most(
-    measured: float, uncertainty: float, limit: float, *, slack: float | None = None
-) -> Verdict:
-    """Return whether a value is at most a limit.
+def judge(least: float, most: float, low: float, high: float) -> Verdict:
+    """Return whether a value that lies between two others keeps its bounds.
 
     Examples
     --------
-    >>> [at_most(4.0, u, 5.0).value for u in (0.5, 2.0)], at_most(8.0, 2.0, 5.0).value
-    (['holds', 'cannot tell'], 'does not hold')
+    >>> [judge(4.0 - u, 4.0 + u, 0.0, 5.0).value for u in (0.5, 2.0)]
+    ['holds', 'cannot tell']
+    >>> judge(6.0, 10.0, 0.0, 5.0).value
+    'does not hold'
     """
-    if measured + (uncertainty if slack is None else slack) <= limit:
+    if low <= least and most <= high:
         return Verdict.HOLDS
-    return Verdict.FAILS if measured - uncertainty > limit else Verdict.UNKNOWN
-
-
-def within(measured: float, uncertainty: float, low: float, high: float) -> Verdict:
-    """Return whether a value lies between two others."""
-    if low <= measured - uncertainty and measured + uncertainty <= high:
-        return Verdict.HOLDS
-    outside = measured + uncertainty < low or measured - uncertainty > high
-    return Verdict.FAILS if outside else Verdict.UNKNOWN
+    return Verdict.FAILS if least > high or most < low else Verdict.UNKNOWN
 
 
 def judge_all(checks: Sequence[Check]) -> Verdict:
@@ -101,16 +101,13 @@ def worst(checks: Sequence[Check]) -> Check:
 
     What failed once fails; what held and never failed holds, though another repetition was cut.
     """
-    for verdict in (Verdict.FAILS, Verdict.HOLDS, Verdict.UNKNOWN):
-        same = [check for check in checks if check.verdict is verdict]
-        if same:
-            return max(same, key=_share)
-    raise AssertionError("a move was recorded at least once")
+    order = (Verdict.UNKNOWN, Verdict.HOLDS, Verdict.FAILS)
+    return max(checks, key=lambda check: (order.index(check.verdict), _share(check)))
 
 
 def _share(check: Check) -> float:
-    bound = check.limit if check.limit is not None else check.high
-    value = check.measured
-    if value is None or not bound or not isfinite(value):
-        return float("inf") if value is not None else -1.0
-    return value / bound
+    """Of the bound, by what was measured; -1: nothing was."""
+    bound, value = check.limit if check.limit is not None else check.high, check.measured
+    if value is None:
+        return -1.0
+    return value / bound if bound and isfinite(value) else inf

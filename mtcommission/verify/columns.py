@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from math import pi
 
 from mtcommission.errors import Fault, InputError
@@ -15,7 +16,20 @@ from mtcommission.identify.meaning.units import SignalUnit, read_signal_unit
 from mtcommission.identify.measurement import Sensor, Signal
 from mtcommission.machine.drive import Drive
 from mtcommission.messages.message import Message
-from mtcommission.verify.trace import Role
+
+
+class Role(StrEnum):
+    """What a column of a trace holds; the value is our name of it."""
+
+    SETPOINT = "x_ref"
+    SETPOINT_VELOCITY = "v_ref"
+    ENCODER = "encoder"
+    VELOCITY = "velocity"
+    FOLLOWING_ERROR = "following_error"
+    TOOL = "tcp"
+    ACCELERATION = "acceleration"
+    FORCE = "force"
+
 
 NAMES = {**{role.value: role for role in Role}, "torque": Role.FORCE, "current": Role.FORCE}
 """Names of ``--columns``; see docs/verification.md."""
@@ -58,9 +72,8 @@ class Axis:
 class Meaning:
     """What a column holds."""
 
-    role: Role  # Its role
+    role: Role
     scale: float  # SI value at the axis of one unit of the file
-    said: bool  # Whether ``--columns`` named it
     remark: Message | None = None  # What was assumed
 
 
@@ -84,13 +97,13 @@ def read_meanings(
     found: list[Meaning | None] = []
     for place, column in enumerate(columns):
         if place in given:
-            found.append(_meaning(column, *given[place], axis, said=True, where=where))
+            found.append(_meaning(column, *given[place], axis, where=where))
             continue
         role = _role(column)
         if role is None or role in taken:
             found.append(None)
         else:
-            found.append(_meaning(column, role, column.unit, axis, said=False, where=where))
+            found.append(_meaning(column, role, column.unit, axis, where=where))
     _require_one_each(columns, found, where=where)
     return found
 
@@ -122,19 +135,17 @@ def _role(column: Column) -> Role | None:
     return Role.FORCE
 
 
-def _meaning(
-    column: Column, role: Role, unit: str, axis: Axis, *, said: bool, where: str
-) -> Meaning:
+def _meaning(column: Column, role: Role, unit: str, axis: Axis, *, where: str) -> Meaning:
     if not unit:
         assumed = Message("verify-si-assumed", name=column.name)
         scale = axis.constant if role is Role.FORCE and axis.constant else 1.0
-        return Meaning(role=role, scale=scale, said=said, remark=assumed)
+        return Meaning(role=role, scale=scale, remark=assumed)
     measured = read_signal_unit(unit)
     if measured is None or measured.signal not in _SIGNALS[role]:
         message = Message("verify-unit-contradicts", name=column.name, unit=unit, role=role.value)
         raise InputError([Fault(where=where, message=message)])
     scale, remark = _at_axis(column, measured, axis, where=where)
-    return Meaning(role=role, scale=scale, said=said, remark=remark)
+    return Meaning(role=role, scale=scale, remark=remark)
 
 
 def _at_axis(

@@ -14,14 +14,14 @@ from math import inf, sqrt
 
 import numpy as np
 
-from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop
 from mtcommission.machine.identified import Estimate
-from mtcommission.verify.motions import Recorded
+from mtcommission.verify.beside import Recorded
+from mtcommission.verify.columns import Role
 from mtcommission.verify.prediction import Rebuilt, cycles_of
 from mtcommission.verify.refine import Parameter
-from mtcommission.verify.trace import Array, Role
+from mtcommission.verify.regression import Array, regress
 from mtcommission.verify.verify import Verification
 
 COUNTS = 3.0
@@ -113,22 +113,18 @@ def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array]:
     """
     columns = np.vstack([one.columns for one in rows])
     deviation = np.concatenate([one.deviation for one in rows])
-    scale = np.linalg.norm(columns, axis=0)
-    more, sigma = np.zeros(scale.size), np.full(scale.size, inf)
-    kept = np.flatnonzero(scale > 0.0)
+    power = float(deviation @ deviation)
+    more, sigma = np.zeros(columns.shape[1]), np.full(columns.shape[1], inf)
+    kept = np.flatnonzero(np.any(columns, axis=0))
     while kept.size:
-        A = columns[:, kept] / scale[kept]
-        x, *_ = np.linalg.lstsq(A, -deviation, rcond=None)
-        rest = deviation + A @ x
-        variance = correlation_length(rest) * float(rest @ rest) / max(rest.size - kept.size, 1)
-        inverse = np.linalg.pinv(A.T @ A)
-        error = np.sqrt(np.maximum(variance * np.diag(inverse), 1e-300))
-        sigma[kept] = error / scale[kept]
-        # What the misfit grows by without a value.
-        lost = x**2 / np.maximum(np.diag(inverse), 1e-300)
-        stays = (np.abs(x) > COUNTS * error) & (lost > WORTH**2 * float(deviation @ deviation))
+        found = regress(columns[:, kept], -deviation)
+        sigma[kept] = found.sigma
+        # What the misfit grows by without a value, of the noise of one sample.
+        t_squared = (found.values / np.maximum(found.sigma, 1e-300)) ** 2
+        lost = t_squared * found.variance
+        stays = (t_squared > COUNTS**2) & (lost > WORTH**2 * power)
         if stays.all():
-            more[kept] = x / scale[kept]
+            more[kept] = found.values
             break
         kept = np.delete(kept, int(np.argmin(np.where(stays, inf, lost))))
     return more, sigma

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,37 +18,38 @@ from mtcommission.sheet.document import (
     Line,
     LinePlot,
     Panel,
-    Paragraph,
     Section,
     Table,
     Tone,
     document,
 )
 from mtcommission.sheet.html import set_html
-from mtcommission.verify.beside import Beside
+from mtcommission.verify.beside import Recorded
 from mtcommission.verify.checks import Verdict
+from mtcommission.verify.columns import Role
 from mtcommission.verify.feedforward import FeedForward
-from mtcommission.verify.motions import Recorded
-from mtcommission.verify.new_limits import NewLimits
-from mtcommission.verify.refine import Parameter, Refined
-from mtcommission.verify.trace import Array, Role
-from mtcommission.verify.verify import Verification
-from mtcommission.verify.wording import (
-    HEADS,
+from mtcommission.verify.refine import Refined
+from mtcommission.verify.renew import NewLimits
+from mtcommission.verify.report import (
     check_row,
-    limit_rows,
-    parameter_row,
+    known_first,
+    list_differences,
     say_check,
-    say_feedforward,
-    say_test,
+    say_detail,
+    say_reasons,
     say_verdict,
 )
+from mtcommission.verify.trace import Array
+from mtcommission.verify.verify import Verification
 
 MOST_POINTS = 1500
 """Of a curve."""
 
 MOST_PLOTS = 6
 """Moves that are drawn."""
+
+LARGE = ("settling time", "residual deviation", "peak deviation", "max force")
+"""Checks of the first move that stand in the headline."""
 
 
 def print_verification(
@@ -60,144 +62,78 @@ def print_verification(
     language: str,
 ) -> str:
     """Return the page, which works offline."""
-    record = found.record
-    axis = record.machine
-    words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
+    record, machine = found.record, found.record.machine
+    words = Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
     say = words.text
-    warnings = tuple(words.say(warning) for warning in found.warnings)
-    sections = [
-        Section(
-            key="verdict",
-            heading=say("verify-part-verdict"),
-            blocks=(
-                _headline(found, words),
-                *([Bullets(items=warnings, tone=Tone.WARNING)] if warnings else []),
-                _checks(found, words),
-            ),
+    warnings = tuple(map(words.say, found.warnings))
+    parts: dict[str, Sequence[Block]] = {
+        "verdict": (
+            _headline(found, words),
+            *([Bullets(items=warnings, tone=Tone.WARNING)] if warnings else []),
+            _checks(found, words),
+            Bullets(items=tuple(say_reasons(found, words))),
         ),
-        Section(key="overlay", heading=say("verify-part-overlay"), blocks=_plots(found, words)),
-        *_differences(found, refined, fed, limits, words),
-        Section(
-            key="sources", heading=say("verify-part-sources"), blocks=(_sources(found, words),)
-        ),
-    ]
+        "overlay": [
+            _plot(f"move-{place}", one, found, words)
+            for place, one in enumerate(found.recorded[:MOST_PLOTS], start=1)
+            if one.beside
+        ],
+        "differences": list_differences(found, refined, fed, limits, words),
+        "sources": [_sources(found, words)],
+    }
     page = document(
         words,
         script_note="identify-script-note",
         title=say("verify-title"),
-        machine=record.machine.name,
-        axis=f"{say('axis')} {record.machine.axis}",
+        machine=machine.name,
+        axis=f"{say('axis')} {machine.axis}",
         identity=say("identity", name=record.profile.name, hash=record.profile.sha256[:12]),
         created=created,
         disclaimer=say("verify-disclaimer"),
-        sections=tuple(sections),
+        sections=tuple(
+            Section(key=key, heading=say(f"verify-part-{key}"), blocks=tuple(blocks))
+            for key, blocks in parts.items()
+            if blocks
+        ),
     )
     return set_html(page, decimal_mark=words.format.decimal_mark)
 
 
 def _headline(found: Verification, words: Catalogue) -> Headline:
-    shown = [
-        check
-        for check in found.checks
-        if check.key in ("settling time", "residual deviation", "peak deviation", "max force")
-    ][:4]
     return Headline(
         is_met=found.verdict is Verdict.HOLDS,
         verdict=words.say(found.headline),
-        detail=words.text("verify-detail", moves=len(found.recorded), obeyed=_obeyed(found)),
+        detail=say_detail(found, words),
         values=tuple(
             BigValue(
                 label=say_check(check, words),
                 value=words.format.quantity(check.measured, check.unit),
                 aside=say_verdict(check.verdict, words),
             )
-            for check in shown
+            for check in [one for one in found.checks if one.key in LARGE][: len(LARGE)]
         ),
     )
 
 
-def _obeyed(found: Verification) -> str:
-    return {True: "yes", False: "no", None: "unknown"}[found.obeyed]
-
-
 def _checks(found: Verification, words: Catalogue) -> Table:
-    widths = (1.4, 1.5, 0.9, 1.2, 2.2)
-    rows = tuple(check_row(check, words) for check in found.checks)
-    failed = [k for k, check in enumerate(found.checks) if check.verdict is Verdict.FAILS]
+    widths = {"what": 1.6, "predicted": 1.8, "allowed": 0.9, "measured": 1.4, "verdict": 0.9}
+    checks = known_first(found)
     return Table(
         caption=words.text("verify-caption-checks"),
         columns=tuple(
             Column(head=words.text(f"verify-head-{head}"), width=width)
-            for head, width in zip(HEADS, widths, strict=True)
+            for head, width in widths.items()
         ),
-        rows=rows,
-        strong_rows=tuple(failed),
-    )
-
-
-def _differences(
-    found: Verification,
-    refined: Refined,
-    fed: FeedForward | None,
-    limits: NewLimits | None,
-    words: Catalogue,
-) -> list[Section]:
-    """What is different from the record: parameters, and the limits that follow."""
-    say = words.text
-    blocks: list[Block] = []
-    if refined.parameters:
-        blocks.append(_parameters("parameter", refined.parameters, words))
-    notes = [say_test(refined, words)]
-    if found.unexplained is not None:
-        notes.insert(0, say("verify-unexplained", share=found.unexplained))
-    blocks += [Paragraph(text=note, tone=Tone.NOTE) for note in notes if note]
-    if fed is not None:
-        blocks.append(_parameters("feedforward", fed.values, words))
-        blocks.append(Paragraph(text=say_feedforward(fed, words), tone=Tone.NOTE))
-    if limits is not None:
-        if limits.failure:
-            blocks.append(Paragraph(text=words.say(limits.failure), tone=Tone.WARNING))
-        blocks.append(
-            Table(
-                caption=say("verify-caption-limits"),
-                columns=(
-                    Column(head="", width=1.4),
-                    Column(head=say("verify-head-old"), is_number=True),
-                    Column(head=say("verify-head-new"), is_number=True),
-                ),
-                rows=tuple(limit_rows(limits, words)),
-            )
-        )
-    if not blocks:
-        return []
-    return [
-        Section(key="differences", heading=say("verify-part-differences"), blocks=tuple(blocks))
-    ]
-
-
-def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Table:
-    say = words.text
-    return Table(
-        caption=say(f"verify-caption-{kind}s"),
-        columns=(
-            Column(head=say(f"verify-head-{kind}"), width=1.6),
-            Column(head=say("verify-head-old"), is_number=True),
-            Column(head=say("verify-head-new"), is_number=True, width=1.6),
-            Column(head=say("verify-head-note"), width=1.6),
-        ),
-        rows=tuple(parameter_row(one, words) for one in values),
-        strong_rows=tuple(place for place, one in enumerate(values) if one.has_changed),
+        rows=tuple(check_row(check, words) for check in checks),
+        strong_rows=tuple(k for k, one in enumerate(checks) if one.verdict is Verdict.FAILS),
     )
 
 
 def _sources(found: Verification, words: Catalogue) -> Table:
+    heads = {"identify-head-file": 1.0, "verify-head-columns": 2.0, "identify-head-hash": 2.0}
     return Table(
         caption=words.text("verify-caption-sources"),
-        columns=(
-            Column(head=words.text("identify-head-file")),
-            Column(head=words.text("verify-head-columns"), width=2.0),
-            Column(head=words.text("identify-head-hash"), width=2.0),
-        ),
+        columns=tuple(Column(head=words.text(head), width=width) for head, width in heads.items()),
         rows=tuple(
             (
                 trace.file,
@@ -209,60 +145,45 @@ def _sources(found: Verification, words: Catalogue) -> Table:
     )
 
 
-def _plots(found: Verification, words: Catalogue) -> tuple[Block, ...]:
-    return tuple(
-        _plot(f"move-{place}", one, found, words)
-        for place, one in enumerate(found.recorded[:MOST_PLOTS], start=1)
-        if one.beside
-    )
-
-
 def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> LinePlot:
     """Setpoint's acceleration, then each signal over its predicted band and their difference."""
-    say, form, motion = words.text, words.format, one.motion
-    rotary = words.rotary
+    motion = one.motion
+    length, force = ("rad", "N m") if words.rotary else ("m", "N")
+    units = {Role.FORCE: force, Role.ACCELERATION: f"{length}/s^2"}
     t = np.linspace(motion.begin, motion.until, MOST_POINTS)
-    x = 1e3 * (t - motion.begin)
-    panels = [
-        _panel(
-            words, "verify-plot-acceleration", "rad/s^2" if rotary else "m/s^2",
-            [("setpoint", x, motion.sample(t)[:, 2], 1)],
-        )
-    ]  # fmt: skip
+    setpoint = Line(label="setpoint", x=1e3 * (t - motion.begin), y=motion.sample(t)[:, 2], style=1)
+    panels = [_panel(words, "acceleration", f"{length}/s^2", [setpoint])]
     band = found.rebuilt.machine.requirements.tcp_deviation
     for signal in one.beside:
-        length = "rad" if rotary else "m"
-        unit = {
-            Role.FORCE: "N m" if rotary else "N",
-            Role.ACCELERATION: f"{length}/s^2",
-        }.get(signal.role, length)
-        measured, low, high = _thinned(signal)
-        own = 1e3 * (_points(signal) - motion.begin)
+        unit = units.get(signal.role, length)
+        stride = max(signal.t.size // MOST_POINTS, 1)
+        x = 1e3 * (signal.t[::stride] - motion.begin)
+        rows = signal.predicted[:, ::stride]
+        measured = signal.deviation[::stride]
         is_acceleration = signal.role is Role.ACCELERATION
-        kind = f"verify-plot-{signal.role.value}{'-measured' if is_acceleration else ''}"
-        panels.append(
+
+        def line(name: str, y: Array, style: int, x: Array = x) -> Line:
+            return Line(label=f"verify-line-{name}", x=x, y=y, style=style)
+
+        panels += [
             _panel(
-                words, kind, unit,
+                words,
+                f"{signal.role.value}{'-measured' if is_acceleration else ''}",
+                unit,
                 [
-                    ("verify-line-measured", own, measured, 4),
-                    ("verify-line-low", own, low, 2),
-                    ("verify-line-high", own, high, 2),
+                    line("measured", measured, 4),
+                    line("low", rows.min(axis=0), 2),
+                    line("high", rows.max(axis=0), 2),
                 ],
-                borders=(band,) if signal.is_position else (),
-            )
-        )  # fmt: skip
-        nominal = _pick(signal, signal.predicted_deviation[0])
-        panels.append(
-            _panel(
-                words, "verify-plot-difference", unit,
-                [("verify-line-difference", own, measured - nominal, 3)],
-            )
-        )  # fmt: skip
+                borders=(band, -band) if signal.is_position else (),
+            ),
+            _panel(words, "difference", unit, [line("difference", measured - rows[0], 3)]),
+        ]
     return LinePlot(
         key=key,
-        caption=say("verify-plot-caption", file=one.trace.file, begin=motion.begin),
-        alt=say("verify-plot-alt", verdict=words.say(found.headline)),
-        x_label=say("verify-plot-time", unit=form.with_unit("", "ms").strip()),
+        caption=words.text("verify-plot-caption", file=one.trace.file, begin=motion.begin),
+        alt=words.text("verify-plot-alt", verdict=words.say(found.headline)),
+        x_label=words.text("verify-plot-time", unit=words.format.with_unit("", "ms").strip()),
         x_is_log=False,
         link="moves",
         panels=tuple(panels),
@@ -270,44 +191,17 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
 
 
 def _panel(
-    words: Catalogue,
-    kind: str,
-    unit: str,
-    rows: list[tuple[str, Array, Array, int]],
-    *,
-    borders: tuple[float, ...] = (),
+    words: Catalogue, kind: str, unit: str, lines: Iterable[Line], *, borders: Sequence[float] = ()
 ) -> Panel:
-    scale = words.format.scale_for([y for _, _, y, _ in rows], unit)
+    """Curves in SI, labelled by the names of texts, in the unit that fits them."""
+    lines = list(lines)
+    scale = words.format.scale_for([line.y for line in lines], unit)
     return Panel(
-        y_label=words.text(kind, unit=scale.unit),
+        y_label=words.text(f"verify-plot-{kind}", unit=scale.unit),
         lines=tuple(
-            Line(label=words.text(label), x=x, y=y / scale.size, style=style)
-            for label, x, y, style in rows
+            replace(line, label=words.text(line.label), y=line.y / scale.size) for line in lines
         ),
         borders=tuple(
-            Border(label=words.text("verify-line-band"), y=sign * value / scale.size)
-            for value in borders
-            for sign in (1.0, -1.0)
+            Border(label=words.text("verify-line-band"), y=value / scale.size) for value in borders
         ),
-    )
-
-
-def _stride(signal: Beside) -> int:
-    return max(signal.t.size // MOST_POINTS, 1)
-
-
-def _points(signal: Beside) -> Array:
-    return signal.t[:: _stride(signal)]
-
-
-def _pick(signal: Beside, values: Array) -> Array:
-    return values[:: _stride(signal)]
-
-
-def _thinned(signal: Beside) -> tuple[Array, Array, Array]:
-    rows = signal.predicted_deviation
-    return (
-        _pick(signal, signal.deviation),
-        _pick(signal, np.asarray(rows.min(axis=0))),
-        _pick(signal, np.asarray(rows.max(axis=0))),
     )

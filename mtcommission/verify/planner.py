@@ -60,12 +60,11 @@ def _alike(one: float, other: float) -> bool:
 
 def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoint | None:
     """Return what the control should have sent; None where that cannot be planned."""
-    if move is None:
-        if motion.coasts:
-            move = VelocityStep(velocity_step=abs(motion.final_velocity))
-        else:
-            velocity = motion.velocity.value + motion.velocity.uncertainty
-            move = Positioning(distance=abs(motion.travel), max_velocity=velocity)
+    if move is None and motion.coasts:
+        move = VelocityStep(velocity_step=abs(motion.final_velocity))
+    elif move is None:
+        velocity = motion.velocity.value + motion.velocity.uncertainty
+        move = Positioning(distance=abs(motion.travel), max_velocity=velocity)
     try:
         return plan_setpoint(move, entered)
     except MtcommissionError:
@@ -83,43 +82,39 @@ def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
 
 def check_planner(
     motion: Motion, setpoint: Setpoint | None, entered: MotionLimits, units: AxisUnits
-) -> tuple[Check, ...]:
+) -> list[Check]:
     """Return velocity, acceleration and jerk of a recorded move against what was entered."""
     top = inf
     if setpoint is not None:
         move = setpoint.move
         top = move.max_velocity if isinstance(move, Positioning) else move.velocity_step
     rows = (
-        ("setpoint velocity", 1, motion.velocity, top, units.velocity.si),
-        ("setpoint acceleration", 2, motion.acceleration, entered.acceleration,
-         units.acceleration.si),
-        ("setpoint jerk", 3, motion.jerk, entered.jerk, units.jerk.si),
-    )  # fmt: skip
-    return tuple(
-        _check(key, reached, limit, unit, _peaks(setpoint, order, reached) if setpoint else None)
-        for key, order, reached, limit, unit in rows
+        ("velocity", motion.velocity, top, units.velocity.si),
+        ("acceleration", motion.acceleration, entered.acceleration, units.acceleration.si),
+        ("jerk", motion.jerk, entered.jerk, units.jerk.si),
     )
+    return [
+        _check(key, reached, limit, unit, _peaks(setpoint, order, reached) if setpoint else None)
+        for order, (key, reached, limit, unit) in enumerate(rows, start=1)
+    ]
 
 
 def _check(key: str, reached: Reached, limit: float, unit: str, plan: Array | None) -> Check:
     """What was measured against the plan's means over the same width; without one, the limit."""
     value, error = reached.value, reached.uncertainty
-    low = high = predicted = None
-    verdict, kind = Verdict.UNKNOWN, "verify-setpoint-coarse"
-    if plan is None:
-        verdict = Verdict.FAILS if value - error > ABOVE * limit else Verdict.UNKNOWN
-        kind = "verify-setpoint-above" if verdict is Verdict.FAILS else "verify-setpoint-no-plan"
-    else:
+    predicted = low = high = None
+    verdict, kind = Verdict.UNKNOWN, "coarse" if plan is not None else "no-plan"
+    above, below = ABOVE * limit, -inf
+    if plan is not None:
         # The samples of the record lie at one phase, which nobody knows.
-        low, high, predicted = BELOW * plan.min(), ABOVE * plan.max(), float(plan.max())
-        if value - error > high:
-            verdict, kind = Verdict.FAILS, "verify-setpoint-above"
-        elif value + error < low:
-            verdict, kind = Verdict.FAILS, "verify-setpoint-below"
-        elif error <= TELLING * predicted:
-            verdict, kind = Verdict.HOLDS, "verify-setpoint-obeyed"
+        predicted = float(plan.max())
+        low, high = below, above = BELOW * float(plan.min()), ABOVE * predicted
+    if value - error > above or value + error < below:
+        verdict, kind = Verdict.FAILS, "above" if value > above else "below"
+    elif predicted is not None and error <= TELLING * predicted:
+        verdict, kind = Verdict.HOLDS, "obeyed"
     return Check(
-        key=key,
+        key=f"setpoint {key}",
         unit=unit,
         predicted=predicted,
         low=low,
@@ -128,6 +123,6 @@ def _check(key: str, reached: Reached, limit: float, unit: str, plan: Array | No
         measured=value,
         uncertainty=error,
         verdict=verdict,
-        reason=Message(kind, width=reached.width, entered=limit, unit=unit),
-        decides=key != "setpoint jerk",
+        reason=Message(f"verify-setpoint-{kind}", width=reached.width, entered=limit, unit=unit),
+        decides=key != "jerk",
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import hypot, isfinite, pi, sqrt
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from mtcommission.errors import MtcommissionError
 from mtcommission.machine.identified import Estimate
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import build_plant
-from mtcommission.verify.motions import Recorded
-from mtcommission.verify.prediction import Rebuilt, on_machine, predict
+from mtcommission.verify.beside import Recorded, unexplained
+from mtcommission.verify.prediction import Rebuilt, on_machine
 from mtcommission.verify.rigid import fit_rigid_body
-from mtcommission.verify.trace import Role
+from mtcommission.verify.trace import Trace
 from mtcommission.verify.verify import Verification
 
 SYSTEMATIC = 0.005
@@ -39,14 +39,11 @@ SIGNIFICANT = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parameter:
-    """One parameter, old and new."""
+    """One parameter, old and new [SI]."""
 
-    # As JSON and messages spell it: mass, coulomb_friction, viscous_friction, delay, frequency,
-    # damping_ratio.
-    key: str
-    mode: str = ""  # Its mode; "" for none
-    unit: str  # SI
-    # old, new: [SI]; ``new`` with its standard error.
+    key: str  # as JSON and messages spell it, e.g. "mass", "coulomb_friction", "damping_ratio"
+    mode: str = ""
+    unit: str
     old: float
     new: Estimate
 
@@ -65,16 +62,12 @@ class Parameter:
 class Refined:
     """What the traces say of the machine."""
 
-    machine: Machine  # With the new parameters
-    parameters: tuple[Parameter, ...]  # Those that the traces show
-    # unexplained_before, unexplained_after: Share of the deviation, by RMS, that the old and the
-    # new machine leave of ``tested`` moves.
-    unexplained_before: float | None
-    unexplained_after: float | None
-    tested: int  # How many moves were held back; 0: one move alone, and both shares are of it
-    # Share of the force that mass and friction leave, on the part held back if there is one; None:
-    # no force.
-    force_unexplained: float | None
+    machine: Machine  # with the new parameters
+    parameters: tuple[Parameter, ...]  # those that the traces show
+    unexplained_before: float | None  # share of the deviation that the old machine leaves, by RMS
+    unexplained_after: float | None  # and the new one: both of ``tested`` moves
+    tested: int  # moves that were held back; 0: one move alone, and both shares are of it
+    force_unexplained: float | None  # share that mass and friction leave; None: no force
 
 
 def refine(found: Verification) -> Refined:
@@ -83,23 +76,19 @@ def refine(found: Verification) -> Refined:
     Mass and friction from force and motion, frequency and damping from the dwells; the second half
     of the moves tests what the first half says.
     """
-    machine, parameters, force = _estimate(found, found.recorded)
+    machine, parameters, force = _estimate(found.rebuilt, found.recorded)
     half = len(found.recorded) // 2
-    before = after = None
+    learnt, tested = machine, found.recorded
     if half:
-        learnt, _, _ = _estimate(found, found.recorded[:half])
-        tested = found.recorded[half:]
-    else:
-        learnt, tested = machine, found.recorded
-    before = _unexplained(found.rebuilt, tested)
+        learnt, tested = _estimate(found.rebuilt, tested[:half])[0], tested[half:]
     try:
-        after = _unexplained(on_machine(found.rebuilt, learnt), tested)
+        after = unexplained(tested, on_machine(found.rebuilt, learnt))
     except MtcommissionError:
         after = None
     return Refined(
         machine=machine,
         parameters=parameters,
-        unexplained_before=before,
+        unexplained_before=unexplained(tested),
         unexplained_after=after,
         tested=len(tested) if half else 0,
         force_unexplained=force,
@@ -107,33 +96,11 @@ def refine(found: Verification) -> Refined:
 
 
 def _estimate(
-    found: Verification, recorded: Sequence[Recorded]
+    rebuilt: Rebuilt, recorded: Sequence[Recorded]
 ) -> tuple[Machine, tuple[Parameter, ...], float | None]:
-    rebuilt, machine = found.rebuilt, found.rebuilt.machine
-    units, drive = machine.axis_units, machine.drive
+    machine = rebuilt.machine
     modes = _modes(rebuilt, recorded, rebuilt)
-    plant = build_plant(_with(machine, modes))
-    traces = [
-        trace.before(max(one.motion.until for one in own))
-        for trace in found.traces
-        if (own := [one for one in recorded if one.trace is trace])
-    ]
-    rigid = fit_rigid_body(traces, plant) if traces else None
-    force_left: float | None = None
-    bodies: tuple[Parameter, ...] = ()
-    if rigid is not None:
-        force_left = rigid.unexplained_apart or rigid.unexplained
-        step = max(trace.setpoint.step for trace in traces)
-        coarse = step > rebuilt.controller.position_cycle
-        doubt = (COARSE if coarse else SYSTEMATIC) * rigid.mass.value
-        mass = Estimate(value=rigid.mass.value, sigma=float(np.hypot(rigid.mass.sigma, doubt)))
-        bodies = (
-            Parameter(key="mass", unit=units.mass.si, old=plant.moving_mass, new=mass),
-            Parameter(key="coulomb_friction", unit=units.force.si, old=drive.coulomb_friction,
-                      new=_at_least_none(rigid.coulomb)),
-            Parameter(key="viscous_friction", unit=units.damping.si, old=drive.viscous_friction,
-                      new=_at_least_none(rigid.viscous)),
-        )  # fmt: skip
+    bodies, force_left = _bodies(rebuilt, recorded, _with(machine, modes))
     for _ in range(ROUNDS):
         try:
             closer = on_machine(rebuilt, _with(machine, (*bodies, *modes)))
@@ -144,14 +111,44 @@ def _estimate(
     return _with(machine, parameters), parameters, force_left
 
 
+def _bodies(
+    rebuilt: Rebuilt, recorded: Sequence[Recorded], machine: Machine
+) -> tuple[tuple[Parameter, ...], float | None]:
+    """Mass and friction, and the share of the force that they leave."""
+    ends: dict[Trace, float] = {}
+    for one in recorded:
+        ends[one.trace] = max(ends.get(one.trace, 0.0), one.motion.until)
+    plant, units, drive = build_plant(machine), machine.axis_units, machine.drive
+    rigid = fit_rigid_body([trace.before(end) for trace, end in ends.items()], plant)
+    if rigid is None:
+        return (), None
+    step = max(trace.setpoint.step for trace in ends)
+    coarse = step > rebuilt.controller.position_cycle
+    doubt = (COARSE if coarse else SYSTEMATIC) * rigid.mass.value
+    mass = Estimate(value=rigid.mass.value, sigma=hypot(rigid.mass.sigma, doubt))
+    rows = (
+        ("mass", units.mass.si, plant.moving_mass, mass),
+        ("coulomb_friction", units.force.si, drive.coulomb_friction, _friction(rigid.coulomb)),
+        ("viscous_friction", units.damping.si, drive.viscous_friction, _friction(rigid.viscous)),
+    )
+    bodies = tuple(Parameter(key=key, unit=unit, old=old, new=new) for key, unit, old, new in rows)
+    return bodies, rigid.unexplained
+
+
+def _friction(one: Estimate) -> Estimate:
+    """It is not negative, and none where it does not stand out."""
+    stands_out = one.value > SIGNIFICANT * one.sigma
+    return one if stands_out else Estimate(value=0.0, sigma=max(one.sigma, abs(one.value)))
+
+
 def _delay(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> tuple[Parameter, ...]:
-    known = [one for one in recorded if np.isfinite(one.shift_error) and not one.trace.is_delayed]
+    known = [one for one in recorded if isfinite(one.shift_error) and not one.trace.is_delayed]
     if not known:
         return ()
     shifts = [one.shift for one in known]
     step = max(one.trace.setpoint.step for one in known)
-    errors = [float(np.std(shifts)), 0.5 * float(np.median([one.shift_error for one in known]))]
-    sigma = max(*errors, CLOCK * step)
+    error = 0.5 * float(np.median([one.shift_error for one in known]))
+    sigma = max(float(np.std(shifts)), error, CLOCK * step)
     tau = rebuilt.controller.reference_delay
     new = Estimate(value=tau + float(np.median(shifts)), sigma=sigma)
     return (Parameter(key="delay", unit="s", old=tau, new=new),)
@@ -161,54 +158,51 @@ def _modes(rebuilt: Rebuilt, recorded: Sequence[Recorded], near: Rebuilt) -> tup
     """Frequency and damping of the plant; a loop near it tells how far the pole is moved."""
     parameters = []
     for number, (known, mode) in enumerate(zip(rebuilt.plant.modes, near.plant.modes, strict=True)):
-        pole = near.poles[0, number]
         seen = [own for one in recorded if (own := one.modes[number]) is not None]
         if not seen:
             continue
-        hertz = _mean([(own.frequency_hz, own.frequency_sigma_hz) for own in seen])
-        zeta = _mean([(own.damping_ratio, own.damping_sigma) for own in seen])
+        pole = near.poles[0, number]
         stiffer = mode.natural_frequency / abs(pole)
         damped = mode.damping_ratio / (-pole.real / abs(pole))
-        parameters += [
-            Parameter(key="frequency", mode=mode.name, unit="Hz", old=known.frequency_hz,
-                      new=_scaled(hertz, stiffer, floor=FREQUENCY_FLOOR)),
-            Parameter(key="damping_ratio", mode=mode.name, unit="", old=known.damping_ratio,
-                      new=_scaled(zeta, damped, floor=DAMPING_FLOOR)),
-        ]  # fmt: skip
+        hertz = _mean([(one.frequency_hz, one.frequency_sigma_hz) for one in seen])
+        zeta = _mean([(one.damping_ratio, one.damping_sigma) for one in seen])
+        for key, unit, old, new in (
+            ("frequency", "Hz", known.frequency_hz, _scaled(hertz, stiffer, FREQUENCY_FLOOR)),
+            ("damping_ratio", "", known.damping_ratio, _scaled(zeta, damped, DAMPING_FLOOR)),
+        ):
+            parameters.append(Parameter(key=key, mode=mode.name, unit=unit, old=old, new=new))
     return tuple(parameters)
 
 
-def _scaled(one: Estimate, factor: float, *, floor: float) -> Estimate:
+def _scaled(one: Estimate, factor: float, floor: float) -> Estimate:
     value = float(factor * one.value)
-    return Estimate(value=value, sigma=float(np.hypot(factor * one.sigma, floor * value)))
-
-
-def _at_least_none(one: Estimate) -> Estimate:
-    """Friction, which is not negative, and none where it does not stand out."""
-    stands_out = one.value > SIGNIFICANT * one.sigma
-    return one if stands_out else Estimate(value=0.0, sigma=max(one.sigma, abs(one.value)))
+    return Estimate(value=value, sigma=float(hypot(factor * one.sigma, floor * value)))
 
 
 def _mean(rows: Sequence[tuple[float, float]]) -> Estimate:
     """Weighted mean; its error covers the scatter of the repetitions."""
-    values, sigmas = (np.array(column) for column in zip(*rows, strict=True))
+    values, sigmas = np.array(rows).T
     weights = 1.0 / np.maximum(sigmas, 1e-12) ** 2
-    mean = float(weights @ values / weights.sum())
-    scatter = float(np.std(values)) / sqrt(len(rows)) if len(rows) > 1 else 0.0
-    return Estimate(value=mean, sigma=max(float(weights.sum()) ** -0.5, scatter))
+    scatter = float(np.std(values)) / sqrt(len(rows))
+    return Estimate(
+        value=float(np.average(values, weights=weights)),
+        sigma=max(float(weights.sum()) ** -0.5, scatter),
+    )
 
 
 def _with(machine: Machine, parameters: tuple[Parameter, ...]) -> Machine:
     """The machine with the new values of what has changed."""
     new = {one.name: one.new.value for one in parameters if one.has_changed}
     drive, mechanics = machine.drive, machine.mechanics
+
+    def of(mode: str, key: str, old: float) -> float:
+        return new.get(f"{mode}.{key}", old)
+
     modes = [
         replace(
             mode,
-            natural_frequency=2.0 * np.pi * new[f"{mode.name}.frequency"]
-            if f"{mode.name}.frequency" in new
-            else mode.natural_frequency,
-            damping_ratio=new.get(f"{mode.name}.damping_ratio", mode.damping_ratio),
+            natural_frequency=2.0 * pi * of(mode.name, "frequency", mode.frequency_hz),
+            damping_ratio=of(mode.name, "damping_ratio", mode.damping_ratio),
         )
         for mode in mechanics.modes
     ]
@@ -221,21 +215,3 @@ def _with(machine: Machine, parameters: tuple[Parameter, ...]) -> Machine:
         ),
         mechanics=mechanics.renew(mass=new.get("mass", mechanics.moving_mass), modes=modes),
     )
-
-
-def _unexplained(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> float | None:
-    """Share of the deviation that a machine leaves of some moves, by RMS."""
-    missed = total = 0.0
-    tau = rebuilt.controller.reference_delay
-    for one in recorded:
-        prediction = predict(rebuilt, one.motion)
-        for signal in one.beside:
-            if not signal.is_position:
-                continue
-            moving = signal.after(one.motion.begin)
-            column = 0 if signal.role is Role.TOOL else 1
-            late = one.motion.sample(signal.t - tau - one.applied_shift)[:, 0]
-            own = prediction.at(signal.t - one.applied_shift, column)[0] - late
-            missed += float(np.sum((signal.deviation - own)[moving] ** 2))
-            total += float(np.sum(signal.deviation[moving] ** 2))
-    return sqrt(missed / total) if total > 0.0 else None

@@ -13,16 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, pi, sqrt
+from math import ceil, pi
 
 import numpy as np
-from scipy.linalg import expm
-from scipy.signal import lfilter
+from scipy.linalg import expm, solve_banded
 
-from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.machine.identified import Estimate
 from mtcommission.plant.plant import Plant
-from mtcommission.verify.trace import Array, Role, Trace
+from mtcommission.verify.columns import Role
+from mtcommission.verify.regression import Array, Regression, regress
+from mtcommission.verify.setpoint import runs
+from mtcommission.verify.trace import Trace
 
 REACH = 4.0
 """Half width of the weights in their standard deviations."""
@@ -47,14 +48,12 @@ UNSURE = 0.2
 class RigidBody:
     """What force and motion say."""
 
-    # mass, coulomb, viscous: [kg], [N], [N s/m].
-    mass: Estimate
-    coulomb: Estimate
-    viscous: Estimate
-    # unexplained, unexplained_apart: Share of the force, by RMS, that is left: in all moves, and in
-    # the second half of them by a fit to the first half; None: one move alone was recorded.
+    mass: Estimate  # [kg]
+    coulomb: Estimate  # [N]
+    viscous: Estimate  # [N s/m]
+    # Share of the force, by RMS, that is left: of the second half of the moves by a fit to the
+    # first; of all where they are few.
     unexplained: float
-    unexplained_apart: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,47 +72,34 @@ def fit_rigid_body(traces: Sequence[Trace], plant: Plant) -> RigidBody | None:
     rows = [stretch for trace in traces for stretch in _rows(trace, plant)]
     if not rows or sum(own.force.size for own in rows) < FEWEST:
         return None
-    found, sigma, rest = _solve(rows)
-    sigma = UNTESTED * sigma if len(rows) < FEWEST_STRETCHES else sigma
-    half = len(rows) // 2
-    apart = None
+    found = _solve(rows)
+    sigma = found.sigma if len(rows) >= FEWEST_STRETCHES else UNTESTED * found.sigma
+    tested, missed = rows, found.rest
     if len(rows) >= FEWEST_STRETCHES:
-        first, _, _ = _solve(rows[:half])
-        second, _, _ = _solve(rows[half:])
+        half = len(rows) // 2
+        first, second, tested = _solve(rows[:half]), _solve(rows[half:]), rows[half:]
         # What differs between the halves is part of the doubt, whatever the residuals say.
-        sigma = np.maximum(sigma, 0.5 * np.abs(second - first))
-        force = np.concatenate([own.force for own in rows[half:]])
-        missed = force - np.vstack([own.columns for own in rows[half:]]) @ first
-        apart = sqrt(float(missed @ missed) / float(force @ force))
-    total = np.concatenate([own.force for own in rows])
+        sigma = np.maximum(sigma, 0.5 * np.abs(second.values - first.values))
+        missed = _stacked(tested).force - _stacked(tested).columns @ first.values
     mass, coulomb, viscous = (
-        Estimate(value=float(found[k]), sigma=float(sigma[k])) for k in (0, 2, 3)
+        Estimate(value=float(found.values[k]), sigma=float(sigma[k])) for k in (0, 2, 3)
     )
     if mass.value <= 0.0 or mass.sigma > UNSURE * mass.value:
         return None
-    return RigidBody(
-        mass=mass,
-        coulomb=coulomb,
-        viscous=viscous,
-        unexplained=sqrt(float(rest @ rest) / float(total @ total)),
-        unexplained_apart=apart,
-    )
+    unexplained = float(np.linalg.norm(missed) / np.linalg.norm(_stacked(tested).force))
+    return RigidBody(mass=mass, coulomb=coulomb, viscous=viscous, unexplained=unexplained)
 
 
-def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array, Array]:
-    """Parameters, their standard errors, and what is left."""
-    columns = np.vstack([own.columns for own in rows])
+def _stacked(rows: Sequence[_Rows]) -> _Rows:
+    columns, forces = zip(*((one.columns, one.force) for one in rows), strict=True)
+    return _Rows(np.vstack(columns), np.concatenate(forces))
+
+
+def _solve(rows: Sequence[_Rows]) -> Regression:
+    columns = _stacked(rows).columns
     if abs(columns[:, 2].sum()) == len(columns):
         columns[:, 4] = 0.0  # one direction alone: a weight and friction look the same
-    force = np.concatenate([own.force for own in rows])
-    scale = np.linalg.norm(columns, axis=0)
-    scale[scale == 0.0] = 1.0
-    found, *_ = np.linalg.lstsq(columns / scale, force, rcond=None)
-    rest = force - columns / scale @ found
-    length = correlation_length(rest)
-    variance = length * float(rest @ rest) / max(rest.size - columns.shape[1], 1)
-    inverse = np.linalg.pinv((columns / scale).T @ (columns / scale))
-    return found / scale, np.sqrt(variance * np.diag(inverse)) / scale, rest
+    return regress(columns, _stacked(rows).force)
 
 
 def _rows(trace: Trace, plant: Plant) -> list[_Rows]:
@@ -142,10 +128,9 @@ def _rows(trace: Trace, plant: Plant) -> list[_Rows]:
     sums = np.convolve(way, np.ones(2 * reach + 1), "same")
     one_way = np.abs(sums) >= 2 * reach + 0.5
     columns = np.column_stack([acceleration, jerk, way, rate, np.ones_like(rate)])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], one_way, [False]]).astype(np.int8)))
     return [
         _Rows(columns[first:last], smooth[first:last])
-        for first, last in zip(edges[::2], edges[1::2], strict=True)
+        for first, last in runs(one_way)
         if last - first >= FEWEST_OF_STRETCH
     ]
 
@@ -166,6 +151,8 @@ def _mode_motion(plant: Plant, number: int, force: Array, h: float) -> Array:
     joint[1, :2] = -(omega**2), -2.0 * zeta * omega
     step = expm(h * joint)
     A, B = step[:2, :2], step[:2, 2]
-    denominator = np.array([1.0, -np.trace(A), np.linalg.det(A)])
-    numerator = np.array([0.0, B[0], A[0, 1] * B[1] - A[1, 1] * B[0]])
-    return np.asarray(lfilter(numerator, denominator, force), dtype=np.float64)
+    # q[n] - tr(A) q[n-1] + det(A) q[n-2] = B_0 F[n-1] + (A_01 B_1 - A_11 B_0) F[n-2]
+    driven = B[0] * np.append(0.0, force[:-1])
+    driven[2:] += (A[0, 1] * B[1] - A[1, 1] * B[0]) * force[:-2]
+    bands = np.outer([1.0, -np.trace(A), np.linalg.det(A)], np.ones(force.size))
+    return np.asarray(solve_banded((2, 0), bands, driven), dtype=np.float64)

@@ -1,44 +1,62 @@
-"""What was recorded during a move, in SI."""
+"""What was recorded during a move: files, by the readers of ``identify``, to traces in SI."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
+from hashlib import sha256
 from math import ceil
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
+from mtcommission.files import read_bytes
+from mtcommission.identify.formats.contents import TimeContents, refuse
+from mtcommission.identify.formats.plain import SAMPLE_TIME
+from mtcommission.identify.formats.recognise import read_contents
+from mtcommission.identify.formats.text import LARGEST_FILE
+from mtcommission.identify.meaning.clock import LEAST_SAMPLES, LONGEST_STEP, SHORTEST_STEP
 from mtcommission.messages.message import Message
+from mtcommission.units.quantities import TIME, parse_quantity
+from mtcommission.verify.columns import Axis, Role, read_meanings
 
 Array = NDArray[np.float64]
 
+ROUNDING = 0.02
+"""Distance from an even clock, as share of the step, that printed times may have."""
 
-class Role(StrEnum):
-    """What a column of a trace holds; the value is our name of it."""
+GAP = 4.0
+"""Steps without a sample from which on something is missing."""
 
-    SETPOINT = "x_ref"
-    SETPOINT_VELOCITY = "v_ref"
-    ENCODER = "encoder"
-    VELOCITY = "velocity"
-    FOLLOWING_ERROR = "following_error"
-    TOOL = "tcp"
-    ACCELERATION = "acceleration"
-    FORCE = "force"
+SIGMAS = 3.0
+"""Standard errors that the largest error of an interpolation is taken for."""
+
+SAME_TRAVEL = 0.5
+"""Relative difference between what setpoint and encoder travel that no following error explains:
+a wrong unit."""
+
+FINEST = 1e-11
+"""Share of the range below which a step of the values is rounding."""
+
+WHOLE = 0.05
+"""Distance from a whole multiple of the step, as share of it, that rounding may have."""
+
+_MEASURED = (Role.ENCODER, Role.FOLLOWING_ERROR, Role.TOOL, Role.ACCELERATION)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channel:
     """One column, evenly sampled."""
 
-    # role, name: What it holds, and what the file calls it.
     role: Role
-    name: str
-    # start, step: Time of the first sample and step of the clock [s].
-    start: float
-    step: float
-    values: Array  # Shape (n,) [SI]
-    error: float = 0.0  # What interpolation to an even clock may have added [SI]
+    name: str  # what the file calls it
+    start: float  # time of the first sample [s]
+    step: float  # of the clock [s]
+    values: Array  # shape (n,) [SI]
+    error: float = 0.0  # what interpolation to an even clock may have added [SI]
 
     @property
     def t(self) -> Array:
@@ -47,26 +65,23 @@ class Channel:
 
     def between(self, begin: float, end: float) -> tuple[Array, Array]:
         """Return times and values from a time up to another one."""
-        first = int(np.clip(np.ceil((begin - self.start) / self.step - 1e-6), 0, self.values.size))
-        last = int(
-            np.clip(np.floor((end - self.start) / self.step + 1e-6) + 1, 0, self.values.size)
+        t = self.t
+        inside = slice(
+            *np.searchsorted(t, [begin - 1e-6 * self.step, end + 1e-6 * self.step]).tolist()
         )
-        return self.t[first:last], self.values[first:last]
+        return t[inside], self.values[inside]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
-    """A recorded file."""
+    """A recorded file: of each role at most one channel, a setpoint and something measured."""
 
-    # file, sha256: Name as it was given, and hash of the bytes, 64 hexadecimal digits.
-    file: str
-    sha256: str
-    # Of each role at most one; a setpoint, and something that was measured.
+    file: str  # name as it was given
+    sha256: str  # of its bytes
     channels: tuple[Channel, ...]
-    gaps: tuple[tuple[float, float], ...] = ()  # Begin and end of stretches without samples [s]
-    # Whether the setpoint is the one that is compared with the position, recorded behind τ.
-    is_delayed: bool = False
-    remarks: tuple[Message, ...] = ()  # What was done to it, what was assumed and what is doubtful
+    gaps: tuple[tuple[float, float], ...] = ()  # begin and end of stretches without samples [s]
+    is_delayed: bool = False  # whether the setpoint was recorded behind τ, as the loop compares it
+    remarks: tuple[Message, ...] = ()  # what was done to it, assumed, and what is doubtful
 
     def find(self, role: Role) -> Channel | None:
         """Return the channel of a role; None if it was not recorded."""
@@ -86,11 +101,161 @@ class Trace:
         return next(one for one in self.channels if one.role is Role.SETPOINT)
 
 
-FINEST = 1e-11
-"""Share of the range below which a step of the values is rounding."""
+def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
+    """Return what a file holds.
 
-WHOLE = 0.05
-"""Distance from a whole multiple of the step, as share of it, that rounding may have."""
+    Raises
+    ------
+    InputError
+        It is no record over time, has no setpoint, nothing measured, or contradicts itself.
+    """
+    if name == "-":
+        data = sys.stdin.buffer.read(LARGEST_FILE + 1)
+    else:
+        folder = Message("identify-file-is-folder")
+        data = read_bytes(Path(name), folder=folder, most=LARGEST_FILE + 1)
+    contents = read_contents(data, said, where=name)
+    items = [item for item in contents.items if isinstance(item, TimeContents) and item.columns]
+    if not items:
+        raise refuse(name, "verify-no-time-record")
+    columns = [column for item in items for column in item.columns]
+    names = tuple(column.name for column in columns)
+    meanings = read_meanings(columns, said, axis, where=name)
+    remarks = [*contents.remarks, *(m.remark for m in meanings if m and m.remark)]
+    channels: list[Channel] = []
+    gaps: list[tuple[float, float]] = []
+    for item in items:
+        own, meanings = meanings[: len(item.columns)], meanings[len(item.columns) :]
+        if not any(own):
+            continue
+        times, step = _times_of(item, said, where=name)
+        even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
+        own_gaps = [(times[i], times[i + 1]) for i in np.flatnonzero(np.diff(times) > GAP * step)]
+        remarks += [Message("verify-gap", begin=a, end=b) for a, b in own_gaps]
+        gaps += own_gaps
+        is_even = even.size == times.size and np.abs(times - even).max() <= ROUNDING * step
+        if not is_even and not own_gaps:
+            spread = float(np.ptp(np.diff(times))) / step
+            remarks.append(Message("identify-resampled", spread=spread, step=step))
+        for meaning, column in zip(own, item.columns, strict=True):
+            if meaning:
+                values, error = column.values, 0.0
+                if not is_even:
+                    values, error = _resampled(times, values, even)
+                channels.append(
+                    Channel(
+                        role=meaning.role,
+                        name=column.name,
+                        start=float(times[0]),
+                        step=step,
+                        values=meaning.scale * values,
+                        error=abs(meaning.scale) * error,
+                    )
+                )
+    used = {one.name for one in channels}
+    if unused := tuple(one for one in names if one not in used):
+        remarks.append(Message("identify-ignored", names=unused))
+    if all(one.role is not Role.SETPOINT for one in channels):
+        setpoint, remark = _other_setpoint(channels, names, where=name)
+        channels.insert(0, setpoint)
+        remarks.append(remark)
+    if not any(one.role in _MEASURED for one in channels):
+        raise refuse(name, "verify-missing-measured", found=names)
+    channels, turned = _check_travel(channels, where=name)
+    return Trace(
+        file=name,
+        sha256=sha256(data).hexdigest(),
+        channels=tuple(channels),
+        gaps=tuple(gaps),
+        is_delayed=any(one.kind == "verify-setpoint-from-error" for one in remarks),
+        remarks=tuple(dict.fromkeys([*remarks, *turned])),
+    )
+
+
+def _times_of(item: TimeContents, said: Mapping[str, str], *, where: str) -> tuple[Array, float]:
+    """Times of the samples and their usual step [s]."""
+    size = item.columns[0].values.size
+    if size < LEAST_SAMPLES:
+        raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)
+    if item.clock is None:
+        step = item.sample_time or parse_quantity(said.get(SAMPLE_TIME, "0 s"), TIME)
+        if step <= 0.0:
+            raise refuse(where, "identify-no-sample-time")
+        times = step * np.arange(size, dtype=np.float64)
+    else:
+        times = _rising(item.clock, item.lines, where=where)
+        steps = np.diff(times)
+        step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
+    if not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise refuse(where, "identify-step-out-of-range", step=step)
+    return times, step
+
+
+def _rising(clock: Array, lines: Sequence[int] | NDArray[np.int64], *, where: str) -> Array:
+    """Times that rise; those printed with too few digits are spread evenly between."""
+    steps = np.diff(clock)
+    if (steps > 0.0).all():
+        return clock
+    even = np.linspace(clock[0], clock[-1], clock.size)
+    grain = float(steps.max())
+    if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
+        at = int(np.argmax(steps <= 0.0))
+        raise refuse(
+            where,
+            "identify-time-does-not-rise",
+            line=int(lines[at + 1]) if len(lines) else 0,
+            before=clock[at],
+            after=clock[at + 1],
+        )
+    return even
+
+
+def _resampled(times: Array, values: Array, even: Array) -> tuple[Array, float]:
+    """Values at even times, and a standard error of the interpolation."""
+    # Every other sample from its neighbours errs more than the sample between them.
+    half = CubicSpline(times[::2], values[::2])(times[1:-1:2])
+    error = float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
+    return np.asarray(CubicSpline(times, values)(even), dtype=np.float64), error
+
+
+def _other_setpoint(
+    channels: Iterable[Channel], names: tuple[str, ...], *, where: str
+) -> tuple[Channel, Message]:
+    """A setpoint's position from its velocity, or from position and following error."""
+    by_role = {one.role: one for one in channels}
+    if rate := by_role.get(Role.SETPOINT_VELOCITY):
+        sums = np.concatenate([[0.0], np.cumsum(rate.values[1:] + rate.values[:-1])])
+        position = replace(rate, role=Role.SETPOINT, values=0.5 * rate.step * sums)
+        return position, Message("verify-setpoint-from-velocity", name=rate.name)
+    place, error = by_role.get(Role.ENCODER), by_role.get(Role.FOLLOWING_ERROR)
+    if place and error and place.values.size == error.values.size:
+        position = replace(place, role=Role.SETPOINT, values=place.values + error.values)
+        return position, Message("verify-setpoint-from-error", name=place.name, error=error.name)
+    raise refuse(where, "verify-missing-setpoint", found=names)
+
+
+def _check_travel(
+    channels: Sequence[Channel], *, where: str
+) -> tuple[list[Channel], list[Message]]:
+    """Positions that travel as far as the setpoint; a reversed sensor is turned, and said."""
+    setpoint = next(one for one in channels if one.role is Role.SETPOINT)
+    if float(np.ptp(setpoint.values)) == 0.0:
+        raise refuse(where, "verify-no-motion", name=setpoint.name)
+    found, remarks = [], []
+    for one in channels:
+        if one.role in (Role.ENCODER, Role.TOOL):
+            at = np.interp(one.t, setpoint.t, setpoint.values)
+            slope = float(np.polyfit(at - at.mean(), one.values, 1)[0]) if np.ptp(at) else 1.0
+            if abs(abs(slope) - 1.0) > SAME_TRAVEL:
+                reference = setpoint.name
+                raise refuse(
+                    where, "verify-other-travel", name=one.name, reference=reference, ratio=slope
+                )
+            if slope < 0.0:
+                remarks.append(Message("verify-reversed", name=one.name))
+                one = replace(one, values=-one.values)
+        found.append(one)
+    return found, remarks
 
 
 def resolution(values: Array) -> float:
@@ -103,13 +268,10 @@ def resolution(values: Array) -> float:
     >>> round(resolution(np.array([0.0, 0.002, 0.003, 0.003, 0.007])), 9)
     0.001
     """
-    levels = np.unique(values)
-    steps = np.diff(levels)
+    steps = np.diff(np.unique(values))
     least = FINEST * float(np.ptp(values))
     steps = np.sort(steps[steps > least])[:2000]
-    if not steps.size:
-        return 0.0
-    grain = float(steps[0])
+    grain = float(steps[0]) if steps.size else 0.0
     while grain > least:
         rest = np.abs(steps - grain * np.rint(steps / grain))
         off = rest[rest > max(WHOLE * grain, least)]

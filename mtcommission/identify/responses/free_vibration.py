@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import decimate
 
-from mtcommission.identify.measurement import Array, FreeMode
+from mtcommission.identify.measurement import Array, FreeMode, correlation_length
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6
@@ -223,14 +223,3 @@ def _refine(y: Array, t: Array, start: list[tuple[float, float]]) -> _Fit | None
         certainty = amplitude / max(float(np.hypot(*error)), 1e-300)
         rows.append((omega, zeta, float(s[0]), float(s[1]), amplitude, certainty))
     return _Fit(rows, float(criterion), 1.0 - power / total)
-
-
-def correlation_length(rest: Array) -> float:
-    """Return how many samples are worth one independent sample, at least 1."""
-    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
-    lags = np.fft.irfft(power)[: rest.size // 4]
-    if lags.size < 2 or lags[0] <= 0.0:
-        return 1.0
-    rho = lags / lags[0]
-    end = int(np.argmax(rho < 0.05)) or rho.size
-    return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))
