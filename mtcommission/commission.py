@@ -118,9 +118,9 @@ class Commissioning:
     def _repr_html_(self) -> str:
         """What a notebook shows: verdict, limits, requirements and the plot."""
         rules = [(item.name, item) for item in (*self.alternatives, *self.rules) if item.name]
-        named = [(Message("terminal-recommended"), self.recommended), *rules]
+        named = [(Message("recommended"), self.recommended), *rules]
         if self.today and self.today.judged:
-            named.insert(1, (Message("terminal-today"), self.today.judged))
+            named.insert(1, (Message("today"), self.today.judged))
         return show_html(self.machine, named, self.plot())
 
 

@@ -55,8 +55,7 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
     spoken, best = _words(machine), limits[0][1]
     length = machine.axis_units.length.si
     f, text = spoken.format, spoken.text
-    heads = [text(f"terminal-head-{key}") for key in ("limits", "a", "j")]
-    heads.append(text("setpoint-filter"))
+    heads = [text("limits-name"), "a", "j", text("setpoint-filter")]
     heads += [text(f"terminal-head-{key}") for key in ("settling", "residual", "peak", "met")]
     rows = [
         [
@@ -80,7 +79,7 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
         ]
         for check in best.assessment.checks
     ]
-    columns = [text("check"), text("terminal-head-value"), text("permitted")]
+    columns = [text("check"), text("value"), text("permitted")]
     parts = [
         f"<p><b>{escape(machine.name)}, {text('axis')} {escape(machine.axis)}</b><br>"
         f"{escape(text(_verdict(best)))}</p>",

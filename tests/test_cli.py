@@ -158,7 +158,7 @@ def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
     texts = copy / "messages" / "texts"
     shutil.copytree(texts / "de", texts / "fr")
     for name, german, french in (
-        ("terminal.ftl", "head-mode = Eigenform", "head-mode = Mode propre"),
+        ("sheet.ftl", "\nmode = Eigenform", "\nmode = Mode propre"),
         ("help.ftl", "help-usage = Aufruf", "help-usage = Utilisation"),
     ):
         file = texts / "fr" / name

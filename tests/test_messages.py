@@ -195,7 +195,7 @@ def test_a_value_of_any_length_can_be_said(language: str) -> None:
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_no_text_about_an_open_loop_axis_has_a_force(language: str) -> None:
     """Its motor follows; what stands for a force there is the acceleration, by a placeable."""
-    assert Catalogue(language, follows=True).text("terminal-head-set-force") == "a_set"
+    assert Catalogue(language, follows=True).text("word-f-set") == "a_set"
     word = {"en": "[Ff]orce", "de": "Kraft"}[language]
     force = re.compile(rf"(?<![\w$.-])(?<!input ){word}(?![\w-])|(?<=[a-zäöü])kraft\b|F_max|F_set")
     for path in (SOURCE / "messages" / "texts" / language).glob("*.ftl"):

@@ -85,7 +85,7 @@ def test_a_notebook_shows_verdict_limits_requirements_and_plot(found: Commission
     assert len(html) < 200_000
     for words in (
         "All requirements met",
-        "recommended",
+        "Recommended",
         "residual deviation",
         "data:image/png;base64,",
     ):

@@ -368,7 +368,7 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
         machine = read_shipped(name).machine
         words = Catalogue(rotary=name == "rotary-table")
         shown[name] = "\n".join(fold(describe_simulation(machine, part, words)))
-    assert "set torque   21.7\u202fN·m" in shown["rotary-table"]
+    assert "set torque             21.7\u202fN·m" in shown["rotary-table"]
     assert "payload 0.2\u202fkg·m², frequencies × 0.97" in shown["rotary-table"]
     assert "not a torque every velocity cycle" in shown["rotary-table"]
     assert "set force" in shown["milling-manipulator"]

@@ -237,7 +237,7 @@ def test_what_is_settled_can_be_changed_by_number_and_by_any_key(tmp_path: Path)
     path = tmp_path / "p.toml"
     begin = SERVO.removesuffix("\n")
     _, said = talk(path, f"{begin}no such key\n4\n3 ms\ncontrol.minimum_bandwidth\n15\n<\n\n\n")
-    assert "  4  Time constant of the force loop: 2 ms (assumed)" in said
+    assert "  4  Time constant of the force loop T: 2 ms (assumed)" in said
     assert 'got "no such key"' in said
     machine = read_profile(path)
     assert machine.control.minimum_bandwidth_hz == 15.0

@@ -52,19 +52,17 @@ def describe_limits(
     """
     text, said, best, verdict = spoken.text, spoken.say, answer.recommended, answer.assessment
     shown = [
-        heading(text("terminal-machine", name=machine.name, axis_name=machine.axis)),
-        (text("verdict-met"), "bold green") if verdict.met else
-        (text("verdict-not-met"), "bold red"),
-        *_obstacle(verdict, spoken),
+        *_verdict(machine, verdict, spoken),
         *_limits_table(machine, answer, spoken),
         _filter(machine, best, spoken),
         text("terminal-bound-by", what=said(best.bound_by)),
-        *_checks(verdict, spoken),
+        *_checks(machine, verdict, spoken),
     ]  # fmt: skip
     notes = [
         _assumed(machine, spoken),
         *warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)]),
         *(said(one) for one in answer.warnings if _is_of_loop(one)),
+        *(_loop_today(machine, spoken) if answer.today else []),
         *([said(answer.today.basis)] if answer.today else []),
         *map(said, further),
     ]
@@ -88,7 +86,8 @@ def _as_many(notes: Sequence[Line], room: int, spoken: Catalogue) -> Iterator[Li
 
 def _filter(machine: Machine, best: RecommendedEntry, spoken: Catalogue) -> str:
     """The setpoint filter that belongs to the limits, and the jerk as a time where there is one."""
-    said = f"{spoken.text('setpoint-filter')}: {say_filter(best.setpoint_filter, spoken)}"
+    kind = "terminal-filter-with-limits" if best.setpoint_filter else "setpoint-filter"
+    said = f"{spoken.text(kind)}: {say_filter(best.setpoint_filter, spoken)}"
     if not machine.control.kind.has_jerk_limit:
         return said
     return f"{said}; {spoken.text('jerk-time')}: {show(best.jerk_time, spoken, 's')}"
@@ -98,10 +97,25 @@ def _is_of_loop(note: Message | str) -> bool:
     return isinstance(note, Message) and note.kind in OF_LOOP
 
 
-def _obstacle(verdict: AssessmentPart, spoken: Catalogue) -> list[str]:
-    if not verdict.obstacle:
-        return []
-    return [spoken.text("obstacle", obstacle=say_requirement(verdict.obstacle, spoken))]
+def _verdict(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> Iterator[Line]:
+    """Yield the axis, whether it meets its requirements, and what stands in the way."""
+    yield heading(spoken.text("terminal-machine", name=machine.name, axis_name=machine.axis))
+    kind, style = ("verdict-met", "green") if verdict.met else ("verdict-not-met", "red")
+    yield spoken.text(kind), f"bold {style}"
+    if verdict.obstacle:
+        yield spoken.text("obstacle", obstacle=say_requirement(verdict.obstacle, spoken))
+
+
+def _loop_today(machine: Machine, spoken: Catalogue) -> Iterator[str]:
+    """Yield today's gains, as far as the profile states them."""
+    today, form = machine.today, spoken.format
+    gains = (
+        ("Kv", today and today.position_gain, "1/s"),
+        ("Kp", today and today.velocity_gain, "N s/m"),
+        ("Tn", today and today.integral_time, "s"),
+    )
+    if stated := [f"{name} {form.axis(gain, unit)}" for name, gain, unit in gains if gain]:
+        yield spoken.text("terminal-loop-today", gains=", ".join(stated))
 
 
 Entry = RecommendedEntry | TodayEntry | RuleResult
@@ -111,15 +125,18 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     """Today's limits, the recommended ones, the rule by hand, and the best rule of thumb."""
     text, today, rules = spoken.text, answer.today, answer.rules
     rows: list[tuple[str, Entry, bool]] = [
-        (text("terminal-recommended"), answer.recommended, answer.assessment.met)
+        (text("recommended"), answer.recommended, answer.assessment.met)
     ]
     if today:
-        rows.insert(0, (text("terminal-today"), today, today.meets_requirements))
+        rows.insert(0, (text("today"), today, today.meets_requirements))
     kept = [one for one in rules[1:] if one.meets_requirements]
     best = sorted(kept, key=lambda one: inf if one.settling_time is None else one.settling_time)
     others = (*rules[:1], *best[:1])
     rows += [(spoken.say(one.name), one, one.meets_requirements) for one in others]
-    names = heads(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
+    of_answer = heads(spoken, "settling", "residual", "peak", "met")
+    every = machine.requirements.every_size
+    first = text("terminal-limits-listed" if every else "limits-name")
+    names = [first, "a", "j", *of_answer]
     cells = ([name, *_row(machine, one, met, spoken)] for name, one, met in rows)
     shown = table(names, cells, ["bold" if one is answer.recommended else "" for _, one, _ in rows])
     if more := rules[len(others) :]:
@@ -160,7 +177,7 @@ def _assumed(machine: Machine, spoken: Catalogue) -> str:
         named, more = named[:-1], more + 1
 
 
-def _checks(verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
+def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
     """Each requirement: what was found, what is permitted, and how much of that is used."""
     rows = [
         [
@@ -173,16 +190,19 @@ def _checks(verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
         for check in verdict.checks
     ]
     styles = ["green" if check.met else "red" for check in verdict.checks]
-    names = heads(spoken, "requirement", "largest", "permitted", "used", "verdict")
+    first = "terminal-check-any-size" if machine.requirements.every_size else "check"
+    names = heads(spoken, first, "largest", "permitted", "share-used", "verdict")
     return table(names, rows, styles)
 
 
 def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogue) -> list[Line]:
     """Return the response of each move in each corner, and the verdict."""
-    states = ["state"] if any(one.state for move in part.moves for one in move.corners) else []
+    states = (
+        ["machine-state"] if any(one.state for move in part.moves for one in move.corners) else []
+    )
     names = heads(
         spoken, "move", *states, "payload", "frequencies", "dampings", "settling", "residual",
-        "peak", "set-force",
+        "peak", "word-f-set",
     )  # fmt: skip
     rows = list[list[str]]()
     for number, move in enumerate(part.moves, start=1):
@@ -197,9 +217,10 @@ def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogu
         for check in part.assessment.checks
     ]
     return [
+        *_verdict(machine, part.assessment, spoken),
         heading(spoken.text("terminal-response")),
         *table(names, rows),
-        *_checks(part.assessment, spoken),
+        *_checks(machine, part.assessment, spoken),
         spoken.text("terminal-worst", places="; ".join(worst)),
         _assumed(machine, spoken),
         *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),

@@ -12,6 +12,7 @@ from mtcommission.machine.basis import (
     list_assumed,
     list_neglected,
     mark_assumed,
+    name_control,
     say_loop,
 )
 from mtcommission.machine.machine import Machine
@@ -67,10 +68,10 @@ def _limits(machine: Machine, plant: Plant, spoken: Catalogue) -> Iterator[list[
         mass=printed.quantity(plant.moving_mass, axis.mass.si),
     )
     acceleration = printed.quantity(a, f"{axis.length.si}/s^2")
-    yield [text("terminal-acceleration"), acceleration, of_motor if drive.follows else on_mass]
+    yield [text("acceleration"), acceleration, of_motor if drive.follows else on_mass]
     if isfinite(drive.max_velocity):
         velocity = printed.quantity(drive.max_velocity, axis.velocity.si)
-        yield [text("terminal-velocity"), velocity, of_motor]
+        yield [text("velocity"), velocity, of_motor]
     for number, move in enumerate(machine.moves, start=1):
         least = printed.quantity(least_motion_time(move, a), "s")
         reason = text("terminal-rigid-time") if number == 1 else ""
@@ -80,7 +81,7 @@ def _limits(machine: Machine, plant: Plant, spoken: Catalogue) -> Iterator[list[
 def _basis(machine: Machine, spoken: Catalogue) -> Iterator[list[str]]:
     """The control with its loop, what is assumed, and what is neglected."""
     control = machine.control
-    name = spoken.text(f"control-kind-{control.kind.key}")
+    name = name_control(control.kind.key, spoken)
     where = "" if machine.drive.follows else control.position_loop.value
     loop = say_loop(where, control.position_cycle, control.velocity_cycle, spoken)
     keys = OF_LOOP[1:2] if machine.drive.follows else OF_LOOP
@@ -88,9 +89,9 @@ def _basis(machine: Machine, spoken: Catalogue) -> Iterator[list[str]]:
     has = spoken.say(describe_kind(control.kind, follows=machine.drive.follows))
     for label, sentences in (
         ("control", [f"{name}: {has}"]),
-        ("loop", [loop]),
-        ("assumed", map(spoken.say, list_assumed(machine))),
-        ("neglected", map(spoken.say, list_neglected(machine))),
+        ("terminal-basis-loop", [loop]),
+        ("basis-assumed", map(spoken.say, list_assumed(machine))),
+        ("terminal-basis-neglected", map(spoken.say, list_neglected(machine))),
     ):
         for place, sentence in enumerate(sentences):
-            yield ["" if place else spoken.text(f"terminal-basis-{label}"), sentence]
+            yield ["" if place else spoken.text(label), sentence]

@@ -76,8 +76,8 @@ def describe_optimum(
     return [
         heading(spoken.text(f"terminal-{kind}-optimal")),
         *map(spoken.say, lines),
-        *table(heads(spoken, "arc", "from", "to", "set-force"), arcs),
-        *table(heads(spoken, "signal", "peak", "terminal-error"), peaks),
+        *table(heads(spoken, "arc", "from", "to", "word-f-set"), arcs),
+        *table(heads(spoken, "signal-head", "peak", "terminal-error"), peaks),
     ]
 
 

@@ -92,14 +92,14 @@ def list_assumed(machine: Machine) -> Iterator[Message]:
         )
     others = [key for key in machine.assumed if key not in (*SAID, *dwells)]
     if others and not machine.illustrative:
-        yield Message("assumed-keys", keys=", ".join(others))
+        yield Message("assumed-keys", keys=tuple(Message("name", key=key) for key in others))
 
 
 def _assumed_of_loop(machine: Machine) -> Iterator[Message]:
     """Yield where the position loop closes and the cycles, as far as nobody stated them."""
     control = machine.control
     if machine.is_assumed("control.position_loop"):
-        yield Message("assumed-loop", place=Message(f"loop-at-{control.position_loop.value}"))
+        yield Message("assumed-loop", place=Message(f"choice-{control.position_loop.value}"))
     if machine.is_assumed("control.position_cycle"):
         yield Message("assumed-position-cycle", cycle=control.position_cycle)
     if machine.is_assumed("control.velocity_cycle"):
@@ -122,6 +122,11 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
     if not machine.drive.encoder_resolution and not machine.drive.follows:
         yield Message("neglected-encoder")
     yield Message("neglected-travel")
+
+
+def name_control(kind: str, words: Catalogue) -> str:
+    """Return the name of a kind of control."""
+    return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
 
 
 def say_loop(place: str, position_cycle: float, velocity_cycle: float, words: Catalogue) -> str:

@@ -313,7 +313,7 @@ def read_path(key: str) -> KeyPath:
 def one_of(words: Sequence[str]) -> Message | str:
     """Return words in quotes as alternatives: "a", "b" or "c"."""
     *first, last = (f'"{word}"' for word in words)
-    return Message("one-or-other", first=", ".join(first), last=last) if first else last
+    return Message("either", first=", ".join(first), last=last) if first else last
 
 
 def describe(value: object) -> Message | str:

@@ -25,9 +25,18 @@ from mtcommission.messages.quantities import Formatter
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=[ ]*(.*(?:\n(?:[ }].*|(?=\n)))*)", re.MULTILINE)
 """A text begins at the margin; its further lines are indented, the last may close a bracket."""
 
+_ELEMENT = re.compile(r"(.*)\[(\d+)\](\..*)")
+"""Table, number and key of an element of an array."""
+
+_SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
+"""Keys of the profile that are named by the symbols of the gains."""
+
 _NO_WORD = re.compile(r"[^a-zA-Z0-9]+")
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
+
+NAME = "name"
+"""Kind of the message that is the name of a ``key`` of the profile."""
 
 LONGEST = 2000
 """Letters of a part of a text; Fluent refuses 2500."""
@@ -77,6 +86,8 @@ class Catalogue:
         """
         if isinstance(message, str):
             return message
+        if message.kind == NAME:
+            return self.name(str(message.values["key"]))
         return self.text(message.kind, **message.values)
 
     def text(self, kind: str, /, **values: Value) -> str:
@@ -106,18 +117,27 @@ class Catalogue:
         return self.text(kind) if self.has(kind) else otherwise
 
     def name(self, key: str) -> str:
-        """Return the name of a state, an output or a dotted key of the profile.
+        """Return the name of a state, an output or a key of the profile as messages spell it.
 
         Examples
         --------
         >>> words = Catalogue()
-        >>> words.name("plant.base_mass"), words.name("v_phi"), words.name("q_column")
-        ('Base mass', 'Tower rotation rate v_φ', 'Deflection of mode column')
+        >>> words.name("plant.modes[2].damping_ratio"), words.name("control.position_gain")
+        ('Damping ratio of mode 2', 'Position gain Kv')
+        >>> words.name("v_phi"), words.name("q_column")
+        ('Tower rotation rate v_φ', 'Deflection of mode column')
         """
+        element = _ELEMENT.search(key)
+        if element:
+            name = self.name(f"{element[1]}{element[3]}")
+            if element[1].endswith("modes"):
+                return self.text("of-mode", name=name, mode=element[2])
+            return f"{self.text('move', number=element[2])}: {name}"
         whole = f"name-{_NO_WORD.sub('-', key).strip('-')}"
         if "." in key and self.has(whole):
             return self.text(whole)
         last = key.rpartition(".")[2]
+        last = _SYMBOLS.get(last, last)
         kind = f"name-{_NO_WORD.sub('-', last).strip('-')}"
         coordinate, _, mode = last.partition("_")
         form = {"q": "mode-deflection", "v": "mode-rate"}.get(coordinate)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mtcommission.machine.basis import OF_LOOP, mark_assumed, say_loop
+from mtcommission.machine.basis import OF_LOOP, mark_assumed, name_control, say_loop
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.machine import Datum
@@ -64,17 +64,12 @@ def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
     """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
     key, value = item.key, item.value
     if isinstance(value, str):
-        return words.known(f"loop-at-{value}", value)
+        return words.known(f"choice-{value}", value)
     if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
         return words.format.percent(value)
     if key.startswith("requirements.peaks."):
         return words.format.quantity(value, units.get(key.rpartition(".")[2], item.unit))
     return words.format.quantity(value, item.unit)
-
-
-def control_name(kind: str, words: Catalogue) -> str:
-    """Return the name of a kind of control."""
-    return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
 
 
 def holds_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
@@ -151,7 +146,7 @@ def kept_sentence(record: Record, words: Catalogue) -> str:
 
 def _control(record: Record, words: Catalogue) -> str:
     loop = record.loop
-    name = _marked(record, "control.kind", control_name(loop.kind, words), words)
+    name = _marked(record, "control.kind", name_control(loop.kind, words), words)
     keys = [item.key for item in record.data if item.key in OF_LOOP]
     assumed = [key for key in keys if is_assumed(record, key)]
     place = "" if record.machine.follows else loop.position_loop

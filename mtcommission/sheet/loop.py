@@ -12,6 +12,7 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.machine.basis import name_control
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import symbol
@@ -24,7 +25,6 @@ from mtcommission.record.loop import (
 )
 from mtcommission.record.record import Record
 from mtcommission.sheet.appendix import held_range
-from mtcommission.sheet.basis import control_name
 from mtcommission.sheet.diagram import structure
 from mtcommission.sheet.document import (
     Block,
@@ -442,7 +442,7 @@ def _control_has(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("source", lambda it: " ".join(cited[one] for one in sources_of(it)), width=0.6),
     )
     if named:
-        control = control_name(record.loop.kind, words)
+        control = name_control(record.loop.kind, words)
         yield table(words, "control-caption", columns, named, control=control)
     if cited:
         listed = "; ".join(f"{number} {source}" for source, number in cited.items())

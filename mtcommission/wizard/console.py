@@ -161,8 +161,8 @@ def hint(question: Question, default: str, words: Catalogue) -> str:
     if default in question.choices:
         return f" [{title(default, words)}]"
     if default:
-        return f" [{default}]"
-    example = words.text("wizard-example-behind", example=question.example)
+        return f" [{question.as_shown(default, words)}]"
+    example = words.text("wizard-example-behind", example=question.shown_example(words))
     return f" ({example})" if question.example else ""
 
 
@@ -172,7 +172,9 @@ def explain(question: Question, words: Catalogue) -> str:
     lines = [
         question.where(words),
         words.text("wizard-expected", what=allowed.dimension.described) if allowed else "",
-        words.text("wizard-example", example=question.example) if question.example else "",
+        words.text("wizard-example", example=question.shown_example(words))
+        if question.example
+        else "",
         words.text("wizard-leave-out") if question.is_optional else "",
     ]
     return " ".join(line for line in lines if line)

@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Refused
-from mtcommission.machine.readers import Range
+from mtcommission.machine.basis import name_control
+from mtcommission.machine.readers import Range, read_path
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
+from mtcommission.profile.lines import show_key
 from mtcommission.units.quantities import (
     DIGITS,
     FORCE,
@@ -25,6 +27,8 @@ from mtcommission.units.quantities import (
 )
 
 LONGEST_TEXT = 400
+
+_POINT = re.compile(r"(?<=[0-9])\.(?=[0-9])")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,53 +50,55 @@ class Question:
 
     def say(self, words: Catalogue) -> str:
         """Return the question, with what an empty reply means where it may be left out."""
-        kind = self._kind
-        text = words.text(kind, **self._values) if words.has(kind) else self._name(words)
+        text = self._find("", words, most=1) or words.name(show_key(read_path(self.key)))
         if not self.is_optional or self.choices or self.meant is not None:
             return text
-        empty = f"{self._kind}-empty"
-        meaning = words.known(empty, words.text("ask-left-out"))
-        return words.text("ask-or-leave-empty", text=text, meaning=meaning)
+        return words.text("ask-or-leave-empty", text=text, meaning=self._left_out(words))
 
     def where(self, words: Catalogue) -> str:
         """Return where to find the value; "" where its name says it."""
-        kinds = (f"{self._kind}-{self.variant}-where", f"{self._kind}-where")
-        return next((words.text(kind) for kind in kinds if words.has(kind)), "")
+        own = self.variant and self._find(f"-{self.variant}-where", words, most=1)
+        return own or self._find("-where", words)
 
     def shown_default(self, words: Catalogue) -> str:
         """Return what is taken where nobody says otherwise."""
-        empty = f"{self._kind}-empty"
         if self.default:
             return self.default
-        if self.meant is None or words.has(empty):
-            return words.known(empty, words.text("ask-left-out"))
+        if self.meant is None or self._find("-empty", words):
+            return self._left_out(words)
         if isinstance(self.meant, str | bool) or self.allowed is None:
             return title(str(self.meant), words)
         if self.key.endswith("_spread"):
             return words.format.percent(self.meant)
         return words.format.quantity(self.meant, self.allowed.dimension.si)
 
-    @property
-    def _kind(self) -> str:
-        names = [part for part in self.key.split(".") if not part.isdigit()]
-        return "ask-" + "-".join(names).replace("_", "-")
+    def as_shown(self, text: str, words: Catalogue) -> str:
+        """Return a quantity with the decimal mark of the language; the profile has a point."""
+        return _POINT.sub(words.format.decimal_mark, text) if self.allowed else text
 
-    @property
-    def _values(self) -> dict[str, int]:
-        numbers = [int(part) + 1 for part in self.key.split(".") if part.isdigit()]
-        return {"number": numbers[0] if numbers else 0}
+    def shown_example(self, words: Catalogue) -> str:
+        """Return the example likewise."""
+        return self.as_shown(self.example, words)
 
-    def _name(self, words: Catalogue) -> str:
-        name = words.name(re.sub(r"\.\d+(?=\.|$)", "", self.key))
-        if self.key.startswith("plant.modes."):
-            return words.text("ask-of-mode", name=name, number=self._values["number"])
-        return name
+    def _left_out(self, words: Catalogue) -> str:
+        table = f"ask-{self.key.partition('.')[0]}-empty"
+        own = self._find("-empty", words)
+        return own or words.known(table, words.text("ask-left-out"))
+
+    def _find(self, ending: str, words: Catalogue, *, most: int = 9) -> str:
+        """The text for the key, or for its last words: ask-gain-empty is that of any gain."""
+        parts = re.findall(r"[a-z]+", self.key)
+        kinds = [f"ask-{'-'.join(parts[i:])}{ending}" for i in range(len(parts))]
+        number = next((int(part) + 1 for part in self.key.split(".") if part.isdigit()), 0)
+        return next((words.text(one, number=number) for one in kinds[:most] if words.has(one)), "")
 
 
 def title(choice: str, words: Catalogue) -> str:
     """Return how a choice is shown; what is kept is the choice itself."""
+    if choice in KINDS:
+        return name_control(choice, words)
     slug = re.sub(r"[^a-z]+", "-", choice.lower()).strip("-")
-    return words.known(f"control-kind-{choice}" if choice in KINDS else f"choice-{slug}", choice)
+    return words.known(f"choice-{slug}", words.known(choice, choice))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +128,7 @@ def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) ->
     if not text.isprintable():
         raise Refused(Message("reply-unprintable"))
     if len(text) > LONGEST_TEXT:
-        raise Refused(Message("reply-too-long", length=len(text), most=LONGEST_TEXT))
+        raise Refused(Message("text-too-long", length=len(text), most=LONGEST_TEXT))
     if question.allowed is None:
         return Reply(key=question.key, text=text)
     return _quantity(question, question.allowed, text)

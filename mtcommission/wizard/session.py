@@ -235,7 +235,8 @@ class _Interview:
         if typed:
             self.answers = note_stated(self.answers, reply.key)
         if typed and reply.taken_as:
-            self.tell(Message("wizard-taken-as", what=reply.taken_as))
+            taken = question.as_shown(reply.taken_as, self.words)
+            self.tell(Message("wizard-taken-as", what=taken))
         if question.key == MEASURED:
             return self._measure()
         self._tell_insights()
@@ -251,7 +252,7 @@ class _Interview:
             stated = self.answers.get(question.key, "")
             mark = words.text("wizard-assumed-mark") if question.key in defaults else ""
             name = replace(question, is_optional=False).say(words)
-            value = stated or question.shown_default(words)
+            value = question.as_shown(stated or question.shown_default(words), words)
             self.console.tell(f"{number:>3}  {name}: {value}{mark}")
         while True:
             typed = self._typed(CHANGE)
@@ -304,7 +305,7 @@ class _Interview:
             self.answers["wizard.way"] = MODAL
         self.tell(Message("wizard-identified", count=len(measured.axis.found.modes)))
         for doubt in measured.doubts:
-            self.tell(Message("wizard-warning", what=doubt))
+            self.tell(Message("warning", warning=doubt))
 
     def _measure(self) -> bool:
         """Identify the files that were just named; where that fails, they are asked for again."""
@@ -334,10 +335,10 @@ class _Interview:
         self.said.clear()
         self._tell_insights()
         if machine.assumed:
-            named = (self.words.name(read_key(key)) for key in machine.assumed)
+            named = (self.words.name(key) for key in machine.assumed)
             self.tell(Message("wizard-assumed", keys=", ".join(dict.fromkeys(named))))
         for remark in check_plausibility(machine):
-            self.tell(Message("wizard-warning", what=remark.with_key()))
+            self.tell(Message("warning", warning=remark.with_key()))
 
     def offer_run(self) -> bool:
         question = Question(key="wizard.run", choices=(YES, NO), default=YES)

@@ -270,9 +270,7 @@ def _name_cure(family: LoopFamily) -> Message:
             cures[kind] = Message(kind, value=found)
     if not cures:
         return Message("loop-no-cure")
-    gains = reduce(
-        lambda one, other: Message("loop-one-or-other", first=one, second=other), cures.values()
-    )
+    gains = reduce(lambda one, other: Message("either", first=one, last=other), cures.values())
     return Message("loop-cure", gains=gains)
 
 

@@ -56,18 +56,6 @@ feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
 kind-has-all = hat { $has }
 kind-has = hat { $has }; ohne { $lacks }
-control-kind-sinumerik = { control-sinumerik }
-control-kind-heidenhain = { control-heidenhain }
-control-kind-fanuc = { control-fanuc }
-control-kind-isg = { control-isg }
-control-kind-twincat = { control-twincat }
-control-kind-plcopen = { control-plcopen }
-control-kind-linuxcnc = { control-linuxcnc }
-control-kind-klipper = { control-klipper }
-control-kind-grblhal = { control-grblhal }
-control-kind-fluidnc = { control-fluidnc }
-control-kind-marlin = { control-marlin }
-control-kind-ros2 = { control-ros2 }
 control-kind-generic = allgemeine Kaskade
 control-kind-state-space = freier Regler (Zustandsraum)
 assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
@@ -76,12 +64,9 @@ assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force)
     [rotary] des Moments
    *[linear] der { word-force }
 }
-assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt drive.acceleration_curve bis { QUANTITY($velocity, $velocity_unit) }
-assumed-kind = die Art der Steuerung (control.kind)
+assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt die Kennlinie bis { QUANTITY($velocity, $velocity_unit) }
+assumed-kind = die Art der Steuerung
 assumed-loop = Lageregelung { $place }
-loop-at-control = in der Steuerung
-loop-at-interpolated = in der Steuerung, Vorsteuerung interpoliert
-loop-at-drive = im Antrieb (DSC)
 assumed-position-cycle = Lagereglertakt { TIME($cycle) }
 assumed-velocity-cycle = Geschwindigkeitsreglertakt { TIME($cycle) }
 assumed-static-load = Gewichts- oder Prozess{ $axis ->
@@ -95,13 +80,16 @@ neglected-force-over-speed = { $axis ->
     [rotary] mit der Drehzahl fallendes Moment ({ word-max-force } gilt für die höchste)
    *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
 }
-neglected-heat = Erwärmung des Motors (drive.continuous_force angeben)
+neglected-heat = Erwärmung des Motors ({ $axis ->
+    [rotary] Dauermoment
+   *[linear] Dauer{ word-force-behind }
+} angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
-neglected-encoder = Geberstufen (drive.encoder_resolution angeben)
-neglected-travel = Eigenformen über den Verfahrweg (frequency_spread weiten)
+neglected-encoder = Geberstufen (Auflösung des Gebers angeben)
+neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen weiten)
 
 # Motor folgt dem Sollwert
 motor-follows-assumed = der Motor folgt dem Sollwert genau: kein Schritt geht verloren, und die Struktur zieht ihn nicht zurück
 drive-kind-steps = diese Steuerung gibt ungeregelte Schritte aus; folgt der Motor ihnen einfach, drive.kind = "position_source" angeben, mit den Frequenzen der Eigenformen bei festgehaltenem Motor: sie sind andere als die der freien Achse
 neglected-lost-steps = verlorene Schritte, und dass der Motor der Last nachgibt
-neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (drive.acceleration_curve angeben)
+neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (Beschleunigung über der Geschwindigkeit angeben)

@@ -1,5 +1,6 @@
 # Names of states, outputs and keys of the profile.
 
+name = { $key }
 name-F-set = { $axis ->
     [rotary] Sollmoment { word-f-set }
    *[linear] Soll{ word-force-behind } { word-f-set }
@@ -35,13 +36,12 @@ name-force-lag = { $axis ->
    *[linear] Zeitkonstante des { word-force-before }regelkreises T
 }
 name-Kv = Lagereglerverstärkung Kv
-name-Kp = Geschwindigkeitsreglerverstärkung Kp
+name-Kp = Geschwindigkeitsverstärkung Kp
 name-Tn = Nachstellzeit Tn
 name-encoder = Lagegeber
 name-kind = Art der Steuerung
 name-position-loop = Ort der Lageregelung
 name-lead = Weg je Umdrehung der Spindel
-name-gear = Motorumdrehungen je Umdrehung der Spindel
 name-encoder-resolution = Auflösung des Gebers
 name-contour-deviation = Zulässige Konturabweichung
 name-contour-feed = Größter Vorschub dafür

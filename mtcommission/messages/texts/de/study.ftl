@@ -42,7 +42,7 @@ control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bie
 # small changes
 
 # robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
-frequency-spread-not-stated = Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, solange die Eigenfrequenzen um { $low } bis { $high } abweichen. Außerhalb davon verletzt: { $lost }. requirements.frequency_spread angeben, mindestens { SHARE($least) }, und neu rechnen.
+frequency-spread-not-stated = Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, solange die Eigenfrequenzen um { $low } bis { $high } abweichen. Außerhalb davon verletzt: { $lost }. Eine Streuung der Frequenzen von mindestens { SHARE($least) } angeben und neu rechnen.
 frequency-end = { CHANGE($error) }
 frequency-end-at-least = mindestens { CHANGE($error) }
 missed-where-lower = { $requirement } (wo sie tiefer liegen)

@@ -10,7 +10,6 @@ ask-machine-source = Woher die Zahlen stammen
 ask-machine-source-where = Z. B. Datenblatt und Datum, oder an der Maschine gemessen; steht auf dem Blatt.
 ask-drive-kind = Servo oder gesteuerte Achse (Schrittmotor)
 ask-drive-kind-where = Gesteuert: ein Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei gehaltenem Motor, wie ein Beschleunigungsaufnehmer sie zeigt.
-ask-drive-max-acceleration = Größte Beschleunigung, der der Motor folgt
 ask-drive-max-acceleration-where = Was er bei größter Geschwindigkeit ohne Schrittverlust schafft; nach Datenblatt: Moment dort / (r x bewegte Masse).
 ask-drive-max-velocity = Größte Geschwindigkeit des Motors
 ask-drive-max-velocity-where = Schritte je Sekunde der Steuerung x Weg je Schritt, oder wo das Moment endet.
@@ -25,96 +24,58 @@ ask-drive-max-force-where = { $axis ->
     [rotary] Datenblatt des Motors: Spitzenmoment x Übersetzung.
    *[linear] Datenblatt des Motors: Spitzenkraft, oder Spitzenmoment x 2 pi / Steigung x Übersetzung.
 }
-ask-drive-force-lag = { $axis ->
-    [rotary] Zeitkonstante des Drehmomentregelkreises
-   *[linear] Zeitkonstante des Kraftregelkreises
-}
 ask-drive-force-lag-where = Stromregler des Antriebs: Anstiegszeit auf 63 %; Servoantriebe haben 0,5 bis 5 ms.
-ask-drive-continuous-force = { $axis ->
-    [rotary] Dauerdrehmoment
-   *[linear] Dauerkraft
-}
 ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
 ask-drive-max-force-shaft-where = Motordatenblatt: Spitzenkraft, oder das Spitzenmoment an der Welle in N m, das in eine Kraft umgerechnet wird.
 ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Moment an der Welle in N m wird in eine Kraft umgerechnet.
 ask-drive-continuous-force-empty = keine thermische Grenze
-ask-drive-static-load = { $axis ->
-    [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält
-   *[linear] Gewicht oder Prozesskraft, die der Antrieb hält
-}
 ask-drive-static-load-where = { $axis ->
-    [rotary] Schwenkachse außer Gleichgewicht: Masse x 9.81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
-   *[linear] Senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9.81 m/s^2; sonst 0.
+    [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält; Schwenkachse außer Gleichgewicht: Masse x 9,81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
+   *[linear] Gewicht oder Prozesskraft, die der Antrieb hält; senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9,81 m/s^2; sonst 0.
 }
 ask-wizard-way = Von der Mechanik bekannt
 ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder, dazu weitere gemessene Resonanzen. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
-ask-plant-base-mass-where = Gewichte der Stückliste oder CAD.
-ask-plant-slider-mass-where = Gewichte der Stückliste oder CAD.
-ask-plant-rotary-inertia = Trägheitsmoment des Turms um sein Gelenk
+ask-mass-where = Gewichte der Stückliste oder CAD.
 ask-plant-rotary-inertia-where = CAD; oder aus gemessener Kippfrequenz und Drehsteifigkeit.
-ask-plant-lever-arm = Höhe vom Gelenk zur Antriebskraft
 ask-plant-lever-arm-where = Zeichnung: Linie des Motors oder der Spindel gegen die Führungen.
-ask-plant-tcp-height = Höhe des Werkzeugs über dem Gelenk, mit Vorzeichen
 ask-plant-tcp-height-where = Zeichnung; negativ, wenn der Turm rückwärts kippt, wenn er vorwärts geschoben wird.
-ask-plant-base-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = m (2 pi f)^2.
-ask-plant-base-damping-where = d = 2 x Dämpfungsgrad x sqrt(k m); üblich sind 0,02 bis 0,05.
-ask-plant-rotary-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = J (2 pi f)^2.
-ask-plant-rotary-damping-where = d = 2 x Dämpfungsgrad x sqrt(k J); üblich sind 0,02 bis 0,05.
+ask-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = m (2 pi f)^2, bei Drehung mit dem Trägheitsmoment statt m.
+ask-damping-where = d = 2 x Dämpfungsgrad x sqrt(k m), bei Drehung mit dem Trägheitsmoment statt m; üblich sind 0,02 bis 0,05.
 ask-moves-distance = Bewegung { $number }: Weg oder Endgeschwindigkeit
 ask-moves-distance-empty = keine mehr
 ask-moves-distance-where = Die Grenzwerte gelten für alle Bewegungen der Liste: die typische und die schwerste, z. B. eine kurze und eine lange.
 ask-moves-max-velocity-where = Eilgang der Achse, aus der Steuerung oder ihrem Datenblatt.
-ask-moves-max-velocity-empty = keine
-ask-moves-dwell = Ruhezeit nach Bewegung { $number }
 ask-moves-dwell-where = Kühlt den Motor: mit 0 s fährt die Achse ohne Pause, und { $axis ->
     [rotary] das Dauermoment
    *[linear] die Dauerkraft
 } kann Beschleunigung kosten. Enter allein gilt als angenommen.
 ask-moves-velocity-step = Bewegung { $number }: Geschwindigkeit am Ende
 ask-moves-velocity-step-where = Vorschub oder Eilgang, der erreicht wird; die Endlage ist frei.
-ask-requirements-tcp-deviation = Erlaubte Abweichung des Werkzeugs danach
 ask-requirements-tcp-deviation-where = Die halbe Toleranz, die der Schwingung bleibt, nicht die ganze Toleranz des Teils.
-ask-requirements-max-settling-time = Längste Einschwingzeit
 ask-requirements-max-settling-time-where = Taktzeitrechnung: vom Beginn der Bewegung, bis das Werkzeug ruht.
-ask-requirements-max-settling-time-empty = keine
-ask-requirements-frequency-spread = Unsicherheit der Eigenfrequenzen
 ask-requirements-frequency-spread-where = 5 % für gemessene Werte, 10 bis 20 % für gerechnete; kostet etwas Tempo. Mit 0 % passen die Grenzwerte genau zu diesen Frequenzen.
-ask-requirements-damping-spread = Unsicherheit der Dämpfungsgrade
 ask-requirements-damping-spread-where = Dämpfung ist selten besser als auf 30 % bekannt, aber es macht wenig aus.
 ask-requirements-payload = Größte Zuladung
-ask-requirements-payload-empty = keine
 ask-requirements-payload-where = Werkstück, Palette oder Werkzeug; die Grenzwerte gelten dann von leer bis zu dieser.
-ask-requirements-contour-deviation = Erlaubte Abweichung auf der Bahn
 ask-requirements-contour-deviation-where = Während der Bewegung. Nur für ein Werkzeug, das unterwegs arbeitet (Kontur); wer am Ende stillstehen muss, braucht keine.
 ask-requirements-contour-deviation-empty = am Ende still
-ask-control-kind = Steuerung
 ask-control-kind-where = Was sie nicht hat, wird weder benutzt noch versprochen; fehlt die eigene, die allgemeine Kaskade nehmen. mtcommission export druckt Grenzwerte und Verstärkungen in ihren Namen.
-ask-control-position-loop = Wo der Lageregelkreis schließt
-ask-control-position-loop-empty = wie in der Steuerung
 ask-control-position-loop-where = Im Antrieb heißt DSC (SINUMERIK: MD32640 = 1); damit darf Kv höher sein. Unbekannt nimmt, was die Steuerung ohne Vorgabe tut, die nächste Zeile, und kennzeichnet es als angenommen.
-ask-control-position-cycle = Takt des Lagereglers
-ask-control-position-cycle-empty = wie in der Steuerung
+ask-control-empty = wie in der Steuerung
 ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
-ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
-ask-control-velocity-cycle-empty = wie in der Steuerung
 ask-control-velocity-cycle-where = Antrieb: Takt des Drehzahlreglers; der Lagereglertakt ist ein ganzes Vielfaches.
-ask-control-position-gain = Lageverstärkung Kv
 ask-control-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.
-ask-control-position-gain-empty = wird eingestellt
-ask-control-velocity-gain = Verstärkung Kp an der Achse
+ask-gain-empty = wird eingestellt
 ask-control-velocity-gain-where = { $axis ->
     [rotary] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x Übersetzung^2.
    *[linear] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (2 pi / Steigung)^2.
 }
-ask-control-velocity-gain-empty = wird eingestellt
-ask-control-integral-time = Nachstellzeit Tn
 ask-control-state-feedback = Zustandsrückführung
 ask-control-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
 ask-control-integral-time-empty = wird eingestellt
-ask-drive-lead = Weg je Umdrehung von Spindel oder Ritzel
 ask-drive-lead-where = Spindel: Steigung; Ritzel: Teilkreis x pi. Rechnet Moment, Trägheit und Verstärkung an der Motorwelle auf die Achse um, und zurück.
 ask-drive-lead-empty = Linearmotor
-ask-drive-gear = { $axis ->
+name-gear = { $axis ->
     [rotary] Motorumdrehungen je Umdrehung der Achse
    *[linear] Motorumdrehungen je Umdrehung von Spindel oder Ritzel
 }
@@ -122,23 +83,16 @@ ask-drive-gear-where = { $axis ->
     [rotary] Getriebe; 1 bei einem Torquemotor.
    *[linear] Getriebe oder Riemen; 1, wenn der Motor direkt daran sitzt.
 }
-ask-drive-encoder-resolution = Kleinster Schritt der gemessenen Lage
 ask-drive-encoder-resolution-where = Geber und Antrieb: Signalperiode / Interpolation, oder Weg je Umdrehung / Striche.
-ask-drive-encoder-resolution-empty = unbekannt
 ask-today-acceleration = Beschleunigung in der Steuerung heute
 ask-today-acceleration-where = Das Blatt zeigt dann, was die heutigen Werte neben den empfohlenen bringen.
-ask-today-acceleration-empty = unbekannt
 ask-today-jerk = Ruck in der Steuerung heute
 ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
-ask-today-jerk-empty = unbekannt
+ask-today-empty = unbekannt
 ask-measured-base-frequency = Eigenfrequenz des Gestells
-ask-measured-base-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-measured-base-damping-ratio = Dämpfungsgrad des Gestells
-ask-measured-base-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-measured-rotary-frequency = Eigenfrequenz des Turms
-ask-measured-rotary-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-measured-rotary-damping-ratio = Dämpfungsgrad des Turms
-ask-measured-rotary-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-pair-motor-mass = { $axis ->
     [rotary] Trägheitsmoment auf der Motorseite, an der Achse
    *[linear] Masse auf der Motorseite, an der Achse gesehen
@@ -162,13 +116,10 @@ ask-pair-stiffness-where = { $axis ->
    *[linear] Spindel, Mutter und Lager in Reihe, Riemen, Zahnstange, Kupplung: Datenblätter.
 }
 ask-pair-damping-ratio = Dämpfungsgrad der Last gegen den gehaltenen Motor
-ask-pair-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
 ask-pair-modes-frequency = Frequenz der weiteren gemessenen Resonanz { $number }
-ask-pair-modes-frequency-empty = keine mehr
 ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen, ebenso dann, was Motor und Last tun: beides gilt als angenommen und kann doppelt so groß herauskommen.
-ask-pair-modes-damping-ratio-where = Halbe relative 3-dB-Breite der Spitze; Maschinenstrukturen zeigen 0,01 bis 0,1.
 ask-plant-moving-mass = { $axis ->
     [rotary] Ganzes starres Trägheitsmoment
    *[linear] Ganze starre Masse
@@ -179,25 +130,21 @@ ask-plant-moving-mass-where = { $axis ->
 }
 ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
 ask-plant-modes-frequency = Eigenfrequenz der Eigenform { $number }
-ask-plant-modes-frequency-empty = keine mehr
-ask-plant-modes-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-modes-frequency-empty = keine mehr
+ask-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.
-ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
+ask-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist. Enter nimmt den ungünstigsten Fall eines Werkzeugs jenseits davon, als angenommen gekennzeichnet.
 
 ask-or-leave-empty = { $text } (leer: { $meaning })
 ask-left-out = weggelassen
-ask-of-mode = Eigenform { $number }: { $name }
 ask-wizard-change = Nummer oder Schlüssel dessen, was zu ändern ist
 ask-wizard-change-empty = Profil schreiben
 ask-wizard-change-where = Eine Nummer der Liste oder ein Schlüssel des Profils, z. B. drive.max_force; < geht zu den Fragen zurück.
 ask-wizard-run = Die Grenzwerte jetzt berechnen
 ask-wizard-run-where = Dasselbe wie mtcommission run mit diesem Profil; einige Sekunden bis eine Minute.
 
-choice-linear = linear
 choice-rotary = drehend
-choice-yes = ja
-choice-no = nein
 choice-off = aus
 choice-control = in der Steuerung
 choice-interpolated = in der Steuerung, Vorsteuerung interpoliert
@@ -228,7 +175,6 @@ wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe B
 wizard-left-by-user = beendet
 wizard-input-ended = Eingabe zu Ende
 wizard-interrupted = unterbrochen
-wizard-warning = Warnung: { $what }
 wizard-taken-as = gelesen als { $what }
 wizard-follows = = { $what }
 wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
@@ -242,7 +188,6 @@ wizard-leave-out = Die Eingabetaste allein lässt es weg; - entfernt einen früh
 reply-missing = hier ist eine Antwort nötig, z. B. { $example }
 reply-no-choice = „{ $got }“ angegeben; eines wählen: { $choices }
 reply-unprintable = Steuerzeichen oder Bytes einer anderen Kodierung angegeben; einfachen Text eingeben
-reply-too-long = { $length } Zeichen angegeben, höchstens { $most } sind erlaubt
 
 wizard-several-axes = an mehreren Achsen gemessen ({ $axes }), von denen jede ihr eigenes Profil hat: die Dateien von einer angeben, oder alle Profile auf einmal schreiben: mtcommission identify DATEI... -o NEU.toml
 

@@ -73,7 +73,7 @@ stage-response = response
 simulated-ramp-of-a-cycle = The ramp a/j = { TIME($ramp, digits: 3) } is shorter than the position cycle, in which a control sends its setpoint: simulated with a ramp of one cycle, { TIME($cycle, digits: 3) }.
 option-jerk-needed = the control limits the jerk, so the limit to be tried is needed, e.g. --jerk 100m/s^3
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
-simulated-with-loop = Loop: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }; what the profile leaves out is tuned for these moves.
+simulated-with-loop = Loop, tuned where left open: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
 simulated-with-filters = Filters of the set { $axis ->
     [rotary] torque
    *[linear] { word-force }

@@ -2,7 +2,6 @@
 
 # One remark of two sentences; $first and $second are messages.
 loop-two-sentences = { $first } { $second }
-loop-one-or-other = { $first } or { $second }
 
 # By which rule a gain was chosen
 loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).

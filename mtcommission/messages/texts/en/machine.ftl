@@ -63,18 +63,6 @@ feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
 kind-has-all = has { $has }
 kind-has = has { $has }; lacks { $lacks }
-control-kind-sinumerik = { control-sinumerik }
-control-kind-heidenhain = { control-heidenhain }
-control-kind-fanuc = { control-fanuc }
-control-kind-isg = { control-isg }
-control-kind-twincat = { control-twincat }
-control-kind-plcopen = { control-plcopen }
-control-kind-linuxcnc = { control-linuxcnc }
-control-kind-klipper = { control-klipper }
-control-kind-grblhal = { control-grblhal }
-control-kind-fluidnc = { control-fluidnc }
-control-kind-marlin = { control-marlin }
-control-kind-ros2 = { control-ros2 }
 control-kind-generic = generic cascade
 control-kind-state-space = free controller (state space)
 assumed-frequency-spread = frequencies off by up to ±{ SHARE($spread) }
@@ -83,12 +71,9 @@ assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) }
     [rotary] torque
    *[linear] { word-force }
 }
-assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what drive.acceleration_curve leaves up to { QUANTITY($velocity, $velocity_unit) }
-assumed-kind = the kind of control (control.kind)
+assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what its curve leaves up to { QUANTITY($velocity, $velocity_unit) }
+assumed-kind = the kind of control
 assumed-loop = position loop { $place }
-loop-at-control = in the control
-loop-at-interpolated = in the control, feed-forward interpolated
-loop-at-drive = in the drive (DSC)
 assumed-position-cycle = position cycle { TIME($cycle) }
 assumed-velocity-cycle = velocity cycle { TIME($cycle) }
 assumed-static-load = weight or process { $axis ->
@@ -102,13 +87,16 @@ neglected-force-over-speed = { $axis ->
     [rotary] torque falling with speed ({ word-max-force } holds at the fastest)
    *[linear] { word-force } falling with speed ({ word-max-force } holds at the fastest)
 }
-neglected-heat = heating of the motor (state drive.continuous_force)
+neglected-heat = heating of the motor (state its continuous { $axis ->
+    [rotary] torque
+   *[linear] { word-force }
+})
 neglected-friction = friction and backlash (errors at standstill of their own)
-neglected-encoder = encoder steps (state drive.encoder_resolution)
-neglected-travel = modes changing over the travel (widen frequency_spread)
+neglected-encoder = encoder steps (state the encoder's resolution)
+neglected-travel = modes changing over the travel (widen the spread of frequencies)
 
 # A motor that follows its setpoint
 motor-follows-assumed = the motor follows its setpoint exactly: no step is lost, and the structure does not pull it back
 drive-kind-steps = this control sends steps open loop; if the motor simply follows them, state drive.kind = "position_source", with the frequencies that the modes have while the motor is held: they differ from those of a free axis
 neglected-lost-steps = steps lost, and the motor yielding to the load
-neglected-acceleration-over-speed = torque falling with speed (state drive.acceleration_curve)
+neglected-acceleration-over-speed = torque falling with speed (state the acceleration over the velocity)

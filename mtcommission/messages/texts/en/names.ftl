@@ -1,5 +1,8 @@
 # Names of states, outputs and keys of the profile.
 
+# The name of a key of the profile: the catalogue finds it below.
+name = { $key }
+
 name-F-set = { $axis ->
     [rotary] Set torque { word-f-set }
    *[linear] Set { word-force } { word-f-set }
@@ -41,7 +44,6 @@ name-encoder = Encoder
 name-kind = Kind of control
 name-position-loop = Place of the position loop
 name-lead = Travel per turn of the screw
-name-gear = Turns of the motor per turn of the screw
 name-encoder-resolution = Resolution of the encoder
 name-contour-deviation = Permitted contour deviation
 name-contour-feed = Largest feed for that

@@ -46,7 +46,7 @@ control-needs-state-feedback = The control must offer state feedback; if yours d
 # small changes
 
 # robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
-frequency-spread-not-stated = The profile states no spread of the frequencies; all requirements are kept only while the eigenfrequencies are off by { $low } to { $high }. Missed outside this range: { $lost }. State requirements.frequency_spread, at least { SHARE($least) }, and run again.
+frequency-spread-not-stated = The profile states no spread of the frequencies; all requirements are kept only while the eigenfrequencies are off by { $low } to { $high }. Missed outside this range: { $lost }. State a frequency spread of at least { SHARE($least) }, and run again.
 frequency-end = { CHANGE($error) }
 frequency-end-at-least = at least { CHANGE($error) }
 missed-where-lower = { $requirement } (where they are lower)

@@ -1,48 +1,35 @@
 # What the terminal prints of a machine, an optimal control, limits and a response.
 
-terminal-head-mode = Mode
-terminal-head-frequency = Frequency
-terminal-head-damping-ratio = Damping ratio
 terminal-head-seen = Seen by encoder
 terminal-head-tool-at-full-force = Tool at { word-f-max }
-terminal-head-state = State
-terminal-head-payload = Payload
 terminal-head-frequencies = Freq.
 terminal-head-dampings = Damping
-terminal-head-requirement = Requirement
 terminal-head-largest = Largest
-terminal-head-permitted = Permitted
-terminal-head-used = Used
-terminal-head-verdict = Verdict
+terminal-limits-listed = Limits, listed moves
+terminal-check-any-size = Requirement, any size
+terminal-filter-with-limits = Setpoint filter, entered with a and j
+terminal-loop-today = Loop today: { $gains }.
 terminal-head-rigid-body-limit = Rigid-body limit
-terminal-head-value = Value
 terminal-head-reason = Reason
 terminal-head-arc = Arc
 terminal-head-from = From
 terminal-head-to = To
-terminal-head-set-force = { word-f-set }
 terminal-head-signal = State or output
 terminal-head-peak = Peak
 terminal-head-terminal-error = Terminal error
-terminal-head-limits = Limits
-terminal-head-a = a
-terminal-head-j = j
 terminal-head-settling = Settling
 terminal-head-residual = Residual
 terminal-head-met = Met
 terminal-head-move = Move
 terminal-head-basis = What it rests on
-terminal-basis-control = control
-terminal-basis-loop = its loop
-terminal-basis-assumed = assumed
-terminal-basis-neglected = neglected
+terminal-basis-loop = Its loop
+terminal-basis-neglected = Neglected
 terminal-machine = { $name }, axis { $axis_name }
 terminal-source = Source of the data: { $source }
 terminal-controllable = Controllable: Kalman rank { $rank } of { $order } states.
 terminal-no-warnings = No warnings.
-terminal-acceleration = acceleration
 terminal-force-on-mass = { $force } on { $mass }
-terminal-time-of-move = time of move { $number }
+terminal-time-of-move = Time of move { $number }
 terminal-rigid-time = at this acceleration, no jerk limit, no vibration: no control is faster
 terminal-time-optimal = Time-optimal control
 terminal-damping-optimal = Damping-optimal control
@@ -70,8 +57,6 @@ terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
-terminal-today = today
-terminal-recommended = recommended
 terminal-not-settled = not settled
 terminal-bound-by = Bound by: { $what }.
 # $places: each requirement with its worst corner
@@ -101,5 +86,4 @@ terminal-weights = { $chosen ->
    *[balanced] Weights, balanced
 }: { $weights }
 # $sizes: steps or distances
-terminal-velocity = velocity
 terminal-of-motor = what the motor follows, as stated

@@ -13,7 +13,6 @@ ask-machine-source = Where the numbers come from
 ask-machine-source-where = E.g. data sheet and date, or measured on the machine; printed on the sheet.
 ask-drive-kind = Servo, or an open-loop axis (stepper)
 ask-drive-kind-where = Open loop: a stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
-ask-drive-max-acceleration = Largest acceleration that the motor follows
 ask-drive-max-acceleration-where = What it does without losing steps at the top speed; by data sheet: torque there / (r x moved mass).
 ask-drive-max-velocity = Largest velocity of the motor
 ask-drive-max-velocity-where = The steps per second of the control x the travel per step, or where the torque ends.
@@ -28,96 +27,58 @@ ask-drive-max-force-where = { $axis ->
     [rotary] Motor data sheet: peak torque x gear ratio.
    *[linear] Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.
 }
-ask-drive-force-lag = { $axis ->
-    [rotary] Time constant of the torque loop
-   *[linear] Time constant of the force loop
-}
 ask-drive-force-lag-where = Drive's current loop: rise time to 63 %; servo drives have 0.5 to 5 ms.
-ask-drive-continuous-force = { $axis ->
-    [rotary] Continuous torque
-   *[linear] Continuous force
-}
 ask-drive-continuous-force-where = Motor data sheet: rated or stall value, the thermal (RMS) limit.
 ask-drive-max-force-shaft-where = Motor data sheet: peak force, or the peak torque at the shaft in N m, which is turned into a force.
 ask-drive-continuous-force-shaft-where = Motor data sheet: rated or stall value, the thermal (RMS) limit; a torque at the shaft in N m is turned into a force.
 ask-drive-continuous-force-empty = no thermal limit
-ask-drive-static-load = { $axis ->
-    [rotary] Weight or process torque that the drive holds
-   *[linear] Weight or process force that the drive holds
-}
 ask-drive-static-load-where = { $axis ->
-    [rotary] Swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0.
-   *[linear] Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.
+    [rotary] Weight or process torque that the drive holds; swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0.
+   *[linear] Weight or process force that the drive holds; vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.
 }
 ask-wizard-way = Known of the mechanics
 ask-wizard-way-where = Motor and load: two masses with a spring, further measured resonances where there are any. Bode plot: mode by mode, with its share at the tool. Tower: slider with a tool column on a base that gives way (the paper's machine).
-ask-plant-base-mass-where = Weights of the parts list or CAD.
-ask-plant-slider-mass-where = Weights of the parts list or CAD.
-ask-plant-rotary-inertia = Inertia of the tower about its joint
+ask-mass-where = Weights of the parts list or CAD.
 ask-plant-rotary-inertia-where = CAD; or from the measured tilting frequency and the rotary stiffness.
-ask-plant-lever-arm = Height from the joint to the drive force
 ask-plant-lever-arm-where = Drawing: line of motor or ball screw against the guideways.
-ask-plant-tcp-height = Height of the tool above the joint, signed
 ask-plant-tcp-height-where = Drawing; negative if the tower tilts backwards when it is pushed forwards.
-ask-plant-base-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = m (2 pi f)^2.
-ask-plant-base-damping-where = d = 2 x damping ratio x sqrt(k m); ratios of 0.02 to 0.05 are common.
-ask-plant-rotary-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = J (2 pi f)^2.
-ask-plant-rotary-damping-where = d = 2 x damping ratio x sqrt(k J); ratios of 0.02 to 0.05 are common.
+ask-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = m (2 pi f)^2, with the inertia for m where it turns.
+ask-damping-where = d = 2 x damping ratio x sqrt(k m), with the inertia for m where it turns; ratios of 0.02 to 0.05 are common.
 ask-moves-distance = Move { $number }: distance, or velocity at its end
 ask-moves-distance-empty = no more
 ask-moves-distance-where = The limits serve all moves that you list: take the typical and the hardest, e.g. a short and a long one.
 ask-moves-max-velocity-where = Rapid traverse of the axis, from the control or its data sheet.
-ask-moves-max-velocity-empty = none
-ask-moves-dwell = Rest after move { $number }
 ask-moves-dwell-where = Cools the motor: with 0 s the axis never pauses, and the continuous { $axis ->
     [rotary] torque
    *[linear] force
 } may cost acceleration. Enter alone marks it as assumed.
 ask-moves-velocity-step = Move { $number }: velocity at the end
 ask-moves-velocity-step-where = Feed or rapid traverse that is reached; the end position is free.
-ask-requirements-tcp-deviation = Allowed deviation of the tool after a move
 ask-requirements-tcp-deviation-where = Half the tolerance that you leave to vibration, not the whole tolerance of the part.
-ask-requirements-max-settling-time = Longest time to settle
 ask-requirements-max-settling-time-where = Cycle time calculation: from the start of the move until the tool is quiet.
-ask-requirements-max-settling-time-empty = none
-ask-requirements-frequency-spread = Uncertainty of the eigenfrequencies
 ask-requirements-frequency-spread-where = 5 % for measured values, 10 to 20 % for calculated ones; costs some speed. With 0 % the limits fit exactly these frequencies.
-ask-requirements-damping-spread = Uncertainty of the damping ratios
 ask-requirements-damping-spread-where = Damping is rarely known to better than 30 %, but it matters little.
 ask-requirements-payload = Largest payload
-ask-requirements-payload-empty = none
 ask-requirements-payload-where = Workpiece, pallet or tool; the limits then hold from empty to this.
-ask-requirements-contour-deviation = Allowed deviation along a path
 ask-requirements-contour-deviation-where = While the tool moves. Only for a tool that works on its way (contours); one that must be still at the end needs none.
 ask-requirements-contour-deviation-empty = quiet at the end
-ask-control-kind = Control
 ask-control-kind-where = What it lacks is neither used nor promised; where yours is not listed, take the generic cascade. Limits and gains are printed in its own names by mtcommission export.
-ask-control-position-loop = Where the position loop closes
-ask-control-position-loop-empty = as the control has it
 ask-control-position-loop-where = In the drive is DSC (SINUMERIK: MD32640 = 1); it lets Kv rise. Not known takes what the control does unless told otherwise, the next line, and marks it as assumed.
-ask-control-position-cycle = Cycle of the position controller
-ask-control-position-cycle-empty = as the control has it
+ask-control-empty = as the control has it
 ask-control-position-cycle-where = Control: interpolation or position cycle, 0.5 to 4 ms.
-ask-control-velocity-cycle = Cycle of the velocity controller
-ask-control-velocity-cycle-empty = as the control has it
 ask-control-velocity-cycle-where = Drive: speed controller cycle; the position cycle is a whole multiple.
-ask-control-position-gain = Position gain Kv
 ask-control-position-gain-where = Control: Kv factor, servo gain; (m/min)/mm or 1/s.
-ask-control-position-gain-empty = tune it
-ask-control-velocity-gain = Velocity gain Kp at the axis
+ask-gain-empty = tune it
 ask-control-velocity-gain-where = { $axis ->
     [rotary] Drive: speed controller gain, turned to the axis: x (gear ratio)^2.
    *[linear] Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.
 }
-ask-control-velocity-gain-empty = tune it
-ask-control-integral-time = Integral time Tn
 ask-control-state-feedback = State feedback
 ask-control-integral-time-where = Drive: reset time of the speed controller.
 ask-control-integral-time-empty = tune it
-ask-drive-lead = Travel per turn of screw or pinion
 ask-drive-lead-where = Screw: lead; pinion: pitch circle x pi. Turns torque, inertia and gains at the motor shaft into values at the axis, and back.
 ask-drive-lead-empty = linear motor
-ask-drive-gear = { $axis ->
+name-gear = { $axis ->
     [rotary] Turns of the motor per turn of the axis
    *[linear] Turns of the motor per turn of screw or pinion
 }
@@ -125,23 +86,16 @@ ask-drive-gear-where = { $axis ->
     [rotary] Gearbox; 1 for a torque motor.
    *[linear] Gearbox or belt; 1 where the motor sits on it.
 }
-ask-drive-encoder-resolution = Smallest step of the measured position
 ask-drive-encoder-resolution-where = Encoder and drive: signal period / interpolation, or travel per turn / counts.
-ask-drive-encoder-resolution-empty = not known
 ask-today-acceleration = Acceleration limit in the control now
 ask-today-acceleration-where = The sheet then shows what today's values give beside the recommended ones.
-ask-today-acceleration-empty = not known
 ask-today-jerk = Jerk limit in the control now
 ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
-ask-today-jerk-empty = not known
+ask-today-empty = not known
 ask-measured-base-frequency = Eigenfrequency of the base
-ask-measured-base-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-measured-base-damping-ratio = Damping ratio of the base
-ask-measured-base-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-measured-rotary-frequency = Eigenfrequency of the tower
-ask-measured-rotary-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-measured-rotary-damping-ratio = Damping ratio of the tower
-ask-measured-rotary-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-pair-motor-mass = { $axis ->
     [rotary] Inertia on the motor's side, seen at the axis
    *[linear] Mass on the motor's side, seen at the axis
@@ -165,13 +119,10 @@ ask-pair-stiffness-where = { $axis ->
    *[linear] Screw, nut and bearings in series, belt, rack, coupling: data sheets.
 }
 ask-pair-damping-ratio = Damping ratio of the load against the held motor
-ask-pair-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
 ask-pair-modes-frequency = Frequency of measured resonance { $number } besides
-ask-pair-modes-frequency-empty = no more
 ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and so is what motor and load then do: both are marked as assumed, and may come out twice as large.
-ask-pair-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-plant-moving-mass = { $axis ->
     [rotary] Whole rigid inertia
    *[linear] Whole rigid mass
@@ -182,17 +133,16 @@ ask-plant-moving-mass-where = { $axis ->
 }
 ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
 ask-plant-modes-frequency = Eigenfrequency of mode { $number }
-ask-plant-modes-frequency-empty = no more modes
-ask-plant-modes-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
+ask-modes-frequency-empty = no more
+ask-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-plant-modes-frequency-held-where = With the motor held: the peak of an accelerometer at the tool (resonances_x.csv), or after a tap.
-ask-plant-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool. Enter takes the worst case of a tool on its far side, marked as assumed.
 
 # $text: a question; $meaning: its -empty
 ask-or-leave-empty = { $text } (empty: { $meaning })
 ask-left-out = left out
 # $name: of the quantity, $number: of the mode
-ask-of-mode = Mode { $number }: { $name }
 ask-wizard-change = Number or key of what is to be changed
 ask-wizard-change-empty = write the profile
 ask-wizard-change-where = A number of the list, or any key of a profile, e.g. drive.max_force; < goes back to the questions.
@@ -200,10 +150,7 @@ ask-wizard-run = Compute the limits now
 ask-wizard-run-where = The same as mtcommission run with this profile; some seconds to a minute.
 
 # Choices, as shown; what is kept is the English one.
-choice-linear = linear
 choice-rotary = rotary
-choice-yes = yes
-choice-no = no
 choice-off = off
 choice-control = in the control
 choice-interpolated = in the control, feed-forward interpolated
@@ -238,7 +185,6 @@ wizard-kept = { $how } at { $where }; answers kept in { $file }, the same comman
 wizard-left-by-user = quit
 wizard-input-ended = input ended
 wizard-interrupted = interrupted
-wizard-warning = Warning: { $what }
 wizard-taken-as = taken as { $what }
 wizard-follows = = { $what }
 wizard-written = Written: { $file }: { $name }, axis { $letter }
@@ -253,7 +199,6 @@ wizard-leave-out = Enter alone leaves it out; - removes a value given before.
 reply-missing = an answer is needed here, e.g. { $example }
 reply-no-choice = got "{ $got }"; choose one of: { $choices }
 reply-unprintable = got control characters or bytes of another encoding; type plain text
-reply-too-long = got { $length } characters, at most { $most } are allowed
 # $unit: with a blank before it, or empty
 # $common: span
 
