@@ -508,7 +508,7 @@ def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path)
 @pytest.mark.parametrize(
     ("head", "kind"),
     [
-        ("t [s],x_ref [m],force [N],tcp [N]", "verify-unit-contradicts"),
+        ("t [s],x_ref [m],force [N],tcp [N]", "identify-column-contradicts"),
         ("t [s],a,encoder [m],b", "verify-missing-setpoint"),
         ("t [s],x_ref [m],force [N],current [A]", "verify-constant-missing"),
         ("t [s],x_ref [m],encoder [m],motor position [m]", "verify-two-columns"),

@@ -10,7 +10,7 @@ from scipy.signal.windows import tukey
 
 from mtcommission.identify.fit.fitted import FittedResponse
 from mtcommission.identify.identified import Identified
-from mtcommission.identify.measurement import Channel, Signal, TimeRecord
+from mtcommission.identify.measurement import FORCES, Channel, Signal, TimeRecord
 from mtcommission.identify.states import identify
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ def check_records(
 
 
 def _check(found: Identified, record: TimeRecord, scale: float, *, is_apart: bool) -> list[Checked]:
-    force = next((one for one in record.channels if one.signal in _FORCES), None)
+    force = next((one for one in record.channels if one.signal in FORCES), None)
     if force is None:
         return []
     factor = scale if force.signal is Signal.CURRENT else 1.0
@@ -78,9 +78,6 @@ def _check(found: Identified, record: TimeRecord, scale: float, *, is_apart: boo
                 )
             )
     return checked
-
-
-_FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
 
 
 def _models(

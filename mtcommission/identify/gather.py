@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from hashlib import sha256
@@ -11,7 +10,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.files import read_bytes
 from mtcommission.identify.formats.contents import (
     NO_LINES,
     FileContents,
@@ -20,9 +18,9 @@ from mtcommission.identify.formats.contents import (
     refuse,
 )
 from mtcommission.identify.formats.recognise import read_contents
-from mtcommission.identify.formats.text import LARGEST_FILE
+from mtcommission.identify.formats.text import read_measured
 from mtcommission.identify.given import INPUTS, Given
-from mtcommission.identify.meaning.columns import read_record
+from mtcommission.identify.meaning.record import read_record
 from mtcommission.identify.meaning.responses import (
     check_response,
     on_axis,
@@ -40,9 +38,6 @@ from mtcommission.identify.measurement import (
     TimeRecord,
 )
 from mtcommission.identify.responses.estimate import Finding, estimate
-from mtcommission.messages.message import Message
-
-STANDARD_INPUT = "-"
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:
@@ -57,7 +52,7 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     for text in files:
         name, response, sensor = split_name(text)
         try:
-            data = _bytes_of(name)
+            data = read_measured(name)
             # As two measurements it would halve every interval.
             if (first := names.setdefault(sha256(data).digest(), text)) is not text:
                 raise refuse(name, "identify-file-twice", other=first)
@@ -105,12 +100,6 @@ def split_name(text: str) -> FileName:
 
 _NAMED = re.compile(r"(.*\.\w+)@([\w\[\]-]+)$", re.DOTALL)
 """A file's name with its ending, and a name without one."""
-
-
-def _bytes_of(name: str) -> bytes:
-    if name == STANDARD_INPUT:
-        return sys.stdin.buffer.read(LARGEST_FILE + 1)
-    return read_bytes(Path(name), folder=Message("identify-file-is-folder"), most=LARGEST_FILE + 1)
 
 
 def read_file(

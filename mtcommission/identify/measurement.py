@@ -168,6 +168,10 @@ class Signal(StrEnum):
     ACCELERATION = "acceleration"
 
 
+FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
+MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channel:
     """One column of a time record."""

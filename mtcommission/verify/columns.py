@@ -9,11 +9,9 @@ from math import pi
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.identify.formats.contents import Column
-from mtcommission.identify.formats.heads import words_of
-from mtcommission.identify.formats.plain import find_columns
-from mtcommission.identify.meaning.columns import place_in, says_setpoint, signals_in
-from mtcommission.identify.meaning.units import SignalUnit, read_signal_unit
-from mtcommission.identify.measurement import Sensor, Signal
+from mtcommission.identify.meaning import columns as identify
+from mtcommission.identify.meaning.columns import Course, read_columns
+from mtcommission.identify.measurement import FORCES, Sensor, Signal
 from mtcommission.machine.drive import Drive
 from mtcommission.messages.message import Message
 
@@ -31,24 +29,11 @@ class Role(StrEnum):
     FORCE = "force"
 
 
-NAMES = {**{role.value: role for role in Role}, "torque": Role.FORCE, "current": Role.FORCE}
-"""Names of ``--columns``; see docs/verification.md."""
-
-_FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
-_SIGNALS = {
-    Role.SETPOINT: (Signal.POSITION,),
-    Role.SETPOINT_VELOCITY: (Signal.VELOCITY,),
-    Role.ENCODER: (Signal.POSITION,),
-    Role.VELOCITY: (Signal.VELOCITY,),
-    Role.FOLLOWING_ERROR: (Signal.POSITION,),
-    Role.TOOL: (Signal.POSITION,),
-    Role.ACCELERATION: (Signal.ACCELERATION,),
-    Role.FORCE: _FORCES,
+_ACTUAL = {
+    Signal.VELOCITY: Role.VELOCITY,
+    Signal.ACCELERATION: Role.ACCELERATION,
+    **dict.fromkeys(FORCES, Role.FORCE),
 }
-_ERRORS = ({"following", "error"}, {"position", "error"}, {"pos", "error"}, {"lag", "error"},
-           {"pos", "err"}, {"position", "diff"}, {"tracking", "error"}, {"ferror"}, {"f", "error"},
-           {"schleppabstand"}, {"schleppfehler"}, {"lagedifferenz"}, {"regeldifferenz"},
-           {"nachlauffehler"})  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,69 +72,43 @@ def read_meanings(
     InputError
         A name that is none of ours, a unit that does not fit, or two columns for one role.
     """
-    given = {
-        place: (NAMES[name], unit or columns[place].unit)
-        for place, (name, unit) in find_columns(
-            [column.name for column in columns], said, NAMES
-        ).items()
-    }
-    taken = {role for role, _ in given.values()}
-    found: list[Meaning | None] = []
-    for place, column in enumerate(columns):
-        if place in given:
-            found.append(_meaning(column, *given[place], axis, where=where))
-            continue
-        role = _role(column)
-        if role is None or role in taken:
-            found.append(None)
-        else:
-            found.append(_meaning(column, role, column.unit, axis, where=where))
-    _require_one_each(columns, found, where=where)
-    return found
+    found = read_columns(columns, said, where=where)
+    roles = [_role(one) if one else None for one in found]
+    taken = {role for role, one in zip(roles, found, strict=True) if one and one.is_said}
+    meanings = [
+        _meaning(column, role, one, axis, where=where)
+        if one and role and (one.is_said or role not in taken)
+        else None
+        for column, role, one in zip(columns, roles, found, strict=True)
+    ]
+    _require_one_each(columns, meanings, where=where)
+    return meanings
 
 
-def _role(column: Column) -> Role | None:
-    """By name and unit; None where they leave it open."""
-    own = column.name.casefold().replace(" ", "_")
-    if own in NAMES:
-        return NAMES[own]
-    words = words_of(column.name)
-    unit = read_signal_unit(column.unit) if column.unit else None
-    by_name = signals_in(words)
-    signal = unit.signal if unit else by_name[0] if len(by_name) == 1 else None
-    if signal is None:
-        return None
-    if signal is Signal.POSITION:
-        if any(error <= set(words) for error in _ERRORS):
-            return Role.FOLLOWING_ERROR
-        if says_setpoint(words):
-            return Role.SETPOINT
-        sensor = column.sensor or place_in(words)
-        return Role.TOOL if sensor is Sensor.TCP else Role.ENCODER
-    if says_setpoint(words):
-        return Role.SETPOINT_VELOCITY if signal is Signal.VELOCITY else None
-    if signal is Signal.VELOCITY:
-        return Role.VELOCITY
-    if signal is Signal.ACCELERATION:
-        return Role.ACCELERATION
-    return Role.FORCE
+def _role(one: identify.Meaning) -> Role | None:
+    """What a column is to a trace; None where it is of no use."""
+    if one.signal is Signal.POSITION:
+        by_course = {Course.SETPOINT: Role.SETPOINT, Course.ERROR: Role.FOLLOWING_ERROR}
+        actual = Role.TOOL if one.sensor is Sensor.TCP else Role.ENCODER
+        return actual if one.course is Course.ACTUAL else by_course.get(one.course)
+    if one.course is Course.SETPOINT and one.signal is Signal.VELOCITY:
+        return Role.SETPOINT_VELOCITY
+    return _ACTUAL[one.signal] if one.course is Course.ACTUAL else None
 
 
-def _meaning(column: Column, role: Role, unit: str, axis: Axis, *, where: str) -> Meaning:
-    if not unit:
+def _meaning(
+    column: Column, role: Role, one: identify.Meaning, axis: Axis, *, where: str
+) -> Meaning:
+    if one.is_assumed:
         assumed = Message("verify-si-assumed", name=column.name)
         scale = axis.constant if role is Role.FORCE and axis.constant else 1.0
         return Meaning(role=role, scale=scale, remark=assumed)
-    measured = read_signal_unit(unit)
-    if measured is None or measured.signal not in _SIGNALS[role]:
-        message = Message("verify-unit-contradicts", name=column.name, unit=unit, role=role.value)
-        raise InputError([Fault(where=where, message=message)])
-    scale, remark = _at_axis(column, measured, axis, where=where)
+    scale, remark = _at_axis(column, one, axis, where=where)
     return Meaning(role=role, scale=scale, remark=remark)
 
 
 def _at_axis(
-    column: Column, measured: SignalUnit, axis: Axis, *, where: str
+    column: Column, measured: identify.Meaning, axis: Axis, *, where: str
 ) -> tuple[float, Message | None]:
     """SI value at the axis per unit, and what was taken for it."""
     if measured.signal is Signal.CURRENT:
@@ -163,7 +122,7 @@ def _at_axis(
     if axis.rotary or turn == 0.0:
         message = Message("verify-other-motion", name=column.name, unit=column.unit)
         raise InputError([Fault(where=where, message=message)])
-    factor = turn if measured.signal in _FORCES else 1.0 / turn
+    factor = turn if measured.signal in FORCES else 1.0 / turn
     remark = Message("verify-at-motor", name=column.name, unit=column.unit)
     return measured.scale * factor, remark
 

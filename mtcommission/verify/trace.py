@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import ceil
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from mtcommission.files import read_bytes
 from mtcommission.identify.formats.contents import TimeContents, refuse
-from mtcommission.identify.formats.plain import SAMPLE_TIME
 from mtcommission.identify.formats.recognise import read_contents
-from mtcommission.identify.formats.text import LARGEST_FILE
-from mtcommission.identify.meaning.clock import LEAST_SAMPLES, LONGEST_STEP, SHORTEST_STEP
+from mtcommission.identify.formats.text import read_measured
+from mtcommission.identify.meaning.clock import read_clock
 from mtcommission.messages.message import Message
-from mtcommission.units.quantities import TIME, parse_quantity
 from mtcommission.verify.columns import Axis, Role, read_meanings
 
 Array = NDArray[np.float64]
-
-ROUNDING = 0.02
-"""Distance from an even clock, as share of the step, that printed times may have."""
-
-GAP = 4.0
-"""Steps without a sample from which on something is missing."""
-
-SIGMAS = 3.0
-"""Standard errors that the largest error of an interpolation is taken for."""
 
 SAME_TRAVEL = 0.5
 """Relative difference between what setpoint and encoder travel that no following error explains:
@@ -109,11 +94,7 @@ def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
     InputError
         It is no record over time, has no setpoint, nothing measured, or contradicts itself.
     """
-    if name == "-":
-        data = sys.stdin.buffer.read(LARGEST_FILE + 1)
-    else:
-        folder = Message("identify-file-is-folder")
-        data = read_bytes(Path(name), folder=folder, most=LARGEST_FILE + 1)
+    data = read_measured(name)
     contents = read_contents(data, said, where=name)
     items = [item for item in contents.items if isinstance(item, TimeContents) and item.columns]
     if not items:
@@ -128,26 +109,19 @@ def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
         own, meanings = meanings[: len(item.columns)], meanings[len(item.columns) :]
         if not any(own):
             continue
-        times, step = _times_of(item, said, where=name)
-        even = times[0] + step * np.arange(int((times[-1] - times[0]) / step + 1e-6) + 1)
-        own_gaps = [(times[i], times[i + 1]) for i in np.flatnonzero(np.diff(times) > GAP * step)]
-        remarks += [Message("verify-gap", begin=a, end=b) for a, b in own_gaps]
-        gaps += own_gaps
-        is_even = even.size == times.size and np.abs(times - even).max() <= ROUNDING * step
-        if not is_even and not own_gaps:
-            spread = float(np.ptp(np.diff(times))) / step
-            remarks.append(Message("identify-resampled", spread=spread, step=step))
+        clock = read_clock(item, said, where=name)
+        remarks += [Message("verify-gap", begin=a, end=b) for a, b in clock.gaps]
+        remarks += clock.remarks
+        gaps += clock.gaps
         for meaning, column in zip(own, item.columns, strict=True):
             if meaning:
-                values, error = column.values, 0.0
-                if not is_even:
-                    values, error = _resampled(times, values, even)
+                values, error = clock.sample(column.values)
                 channels.append(
                     Channel(
                         role=meaning.role,
                         name=column.name,
-                        start=float(times[0]),
-                        step=step,
+                        start=float(clock.times[0]),
+                        step=clock.step,
                         values=meaning.scale * values,
                         error=abs(meaning.scale) * error,
                     )
@@ -170,52 +144,6 @@ def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
         is_delayed=any(one.kind == "verify-setpoint-from-error" for one in remarks),
         remarks=tuple(dict.fromkeys([*remarks, *turned])),
     )
-
-
-def _times_of(item: TimeContents, said: Mapping[str, str], *, where: str) -> tuple[Array, float]:
-    """Times of the samples and their usual step [s]."""
-    size = item.columns[0].values.size
-    if size < LEAST_SAMPLES:
-        raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)
-    if item.clock is None:
-        step = item.sample_time or parse_quantity(said.get(SAMPLE_TIME, "0 s"), TIME)
-        if step <= 0.0:
-            raise refuse(where, "identify-no-sample-time")
-        times = step * np.arange(size, dtype=np.float64)
-    else:
-        times = _rising(item.clock, item.lines, where=where)
-        steps = np.diff(times)
-        step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
-    if not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise refuse(where, "identify-step-out-of-range", step=step)
-    return times, step
-
-
-def _rising(clock: Array, lines: Sequence[int] | NDArray[np.int64], *, where: str) -> Array:
-    """Times that rise; those printed with too few digits are spread evenly between."""
-    steps = np.diff(clock)
-    if (steps > 0.0).all():
-        return clock
-    even = np.linspace(clock[0], clock[-1], clock.size)
-    grain = float(steps.max())
-    if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
-        at = int(np.argmax(steps <= 0.0))
-        raise refuse(
-            where,
-            "identify-time-does-not-rise",
-            line=int(lines[at + 1]) if len(lines) else 0,
-            before=clock[at],
-            after=clock[at + 1],
-        )
-    return even
-
-
-def _resampled(times: Array, values: Array, even: Array) -> tuple[Array, float]:
-    """Values at even times, and a standard error of the interpolation."""
-    # Every other sample from its neighbours errs more than the sample between them.
-    half = CubicSpline(times[::2], values[::2])(times[1:-1:2])
-    error = float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
-    return np.asarray(CubicSpline(times, values)(even), dtype=np.float64), error
 
 
 def _other_setpoint(

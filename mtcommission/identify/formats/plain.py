@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -21,14 +21,12 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.formats.heads import split_head, words_of
+from mtcommission.identify.formats.heads import CLOCK, find_column, split_head, words_of
 from mtcommission.identify.formats.table import Table, read_table
 from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.messages.message import Message
 
-CLOCK = "t"
 FREQUENCY = "frequency_hz"
-SAMPLE_TIME = "sample_time"
 
 _FREQUENCIES = frozenset({"f", "freq", "frequency", "frequenz", "omega", "ω"})
 _TIMES = frozenset({"t", "time", "zeit", "timestamp"})
@@ -105,48 +103,6 @@ def _positive(text: str) -> float | None:
     except ValueError:
         return None
     return value if 0.0 < value < np.inf else None
-
-
-def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
-    """Return the place of a column that ``--columns`` names, and the unit that it gives it.
-
-    Raises
-    ------
-    InputError
-        There is no such column.
-
-    Examples
-    --------
-    >>> find_column(["t", "pos"], "pos [mm]")
-    (1, 'mm')
-    """
-    if wanted in names:
-        return names.index(wanted), None
-    name, unit = split_head(wanted)
-    if name in names:
-        return names.index(name), unit or None
-    if name.isdigit() and 1 <= int(name) <= len(names):
-        return int(name) - 1, unit or None
-    found = tuple(f"{place}: {one or '?'}" for place, one in enumerate(names, start=1))
-    raise refuse("--columns", "identify-no-column", got=wanted, found=found)
-
-
-def find_columns(
-    names: Sequence[str], said: Mapping[str, str], known: Collection[str]
-) -> dict[int, tuple[str, str | None]]:
-    """Return our name and the unit given for each column that ``--columns`` names, by its place.
-
-    Raise InputError where a name is none of ours, or there is no such column.
-    """
-    found = {}
-    for own, wanted in said.items():
-        if own in (CLOCK, SAMPLE_TIME):
-            continue
-        if own not in known:
-            raise refuse("--columns", "identify-no-such-name", got=own, names=tuple(known))
-        place, unit = find_column(names, wanted)
-        found[place] = (own, unit)
-    return found
 
 
 def _find(

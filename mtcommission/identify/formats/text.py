@@ -1,8 +1,13 @@
-"""Bytes -> lines of text, whatever the control's encoding."""
+"""Files -> bytes -> lines of text, whatever the control's encoding."""
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
+from mtcommission.files import read_bytes
 from mtcommission.identify.formats.contents import refuse
+from mtcommission.messages.message import Message
 
 LARGEST_FILE = 64_000_000
 """Bytes; a minute of ten signals at 8 kHz has half of it."""
@@ -15,6 +20,13 @@ _MARKS = (
     (b"\xff\xfe", "utf-16"),
     (b"\xfe\xff", "utf-16"),
 )
+
+
+def read_measured(name: str) -> bytes:
+    """Return the bytes of a file, "-" for standard input; at most one more than is allowed."""
+    if name == "-":
+        return sys.stdin.buffer.read(LARGEST_FILE + 1)
+    return read_bytes(Path(name), folder=Message("identify-file-is-folder"), most=LARGEST_FILE + 1)
 
 
 def decode(data: bytes, *, where: str) -> str:

@@ -2,90 +2,143 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from mtcommission.errors import Fault
-from mtcommission.identify.formats.contents import Lines, TimeContents
+from mtcommission.errors import Fault, InputError, Refused
+from mtcommission.identify.formats.contents import Lines, TimeContents, refuse
+from mtcommission.identify.formats.heads import SAMPLE_TIME
 from mtcommission.identify.measurement import Array
 from mtcommission.messages.message import Message
+from mtcommission.units.quantities import TIME, parse_quantity
 
 LEAST_SAMPLES = 64
 ROUNDING = 0.02
-"""Spread of the steps that comes from times printed with few digits, as share of the step."""
+"""Distance from an even clock, as share of the step, that times printed with few digits have."""
+
+GAP = 4.0
+"""Steps without a sample from which on something is missing."""
 
 JITTER = 0.5
-"""Spread of the steps up to which values may be interpolated; beyond it samples are missing."""
+"""Spread of the steps up to which what nothing is missing from may be interpolated."""
 
 SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
 """Other steps are no sampling of an axis but a wrong unit [s]."""
 
+SIGMAS = 3.0
+"""Standard errors that the largest error of an interpolation is taken for."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EvenClock:
-    """Times at which all signals are wanted."""
+class Clock:
+    """Times at which samples were taken, and the even ones at which they are wanted."""
 
+    times: Array  # shape (n,) [s]
     step: float  # [s]
-    # times, even: Clock of the file and the even one, both None where they are the same.
-    times: Array | None = None
-    even: Array | None = None
-    remark: Message | None = None  # What was done, if anything
+    lines: Lines  # of each sample in the file, shape (n,) or empty
 
-    def sample(self, values: Array) -> Array:
-        """Return a signal at the even times, shape (n,)."""
-        if self.times is None or self.even is None:
-            return values
+    @property
+    def even(self) -> Array:
+        """Even times, shape (m,) [s]."""
+        count = int((self.times[-1] - self.times[0]) / self.step + 1e-6) + 1
+        found: Array = self.times[0] + self.step * np.arange(count, dtype=np.float64)
+        return found
+
+    @property
+    def is_even(self) -> bool:
+        """Whether samples stand at even times but for rounding."""
+        even = self.even
+        off = np.abs(self.times - even).max() if even.size == self.times.size else np.inf
+        return bool(off <= ROUNDING * self.step)
+
+    @property
+    def gaps(self) -> list[tuple[float, float]]:
+        """Begin and end of stretches without samples [s]."""
+        at = np.flatnonzero(np.diff(self.times) > GAP * self.step)
+        return [(float(self.times[i]), float(self.times[i + 1])) for i in at]
+
+    @property
+    def remarks(self) -> list[Message]:
+        """What is done to the signals, if anything."""
+        if self.is_even or self.gaps:
+            return []
+        spread = float(np.abs(np.diff(self.times) / self.step - 1.0).max())
+        return [Message("identify-resampled", spread=spread, step=self.step)]
+
+    def sample(self, values: Array) -> tuple[Array, float]:
+        """Return a signal at the even times, and the standard error of its interpolation."""
+        if self.is_even:
+            return values, 0.0
         sampled: Array = CubicSpline(self.times, values)(self.even)
-        return sampled
+        # Every other sample from its neighbours errs more than the sample between them.
+        half = CubicSpline(self.times[::2], values[::2])(self.times[1:-1:2])
+        return sampled, float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
+
+    def require_even(self, *, where: str) -> None:
+        """Raise InputError where samples are missing."""
+        steps = np.diff(self.times)
+        usual = float(np.median(steps))
+        worst = int(np.argmax(np.abs(steps - usual)))
+        if not self.is_even and abs(steps[worst] - usual) > JITTER * usual:
+            raise refuse(
+                where,
+                "identify-uneven",
+                line=_line(self.lines, worst + 1),
+                usual=usual,
+                got=float(steps[worst]),
+                at=float(self.times[worst]),
+            )
 
 
-def even_clock(contents: TimeContents, sample_time: float, *, where: str) -> EvenClock | Fault:
-    """Return the even clock of a record, or what is wrong with its own."""
+def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -> Clock:
+    """Return the clock of a record; ``said``: ``--columns``, which may state the sample time.
+
+    Raises
+    ------
+    InputError
+        There is none, it does not rise, or its step is none of an axis.
+    """
     size = contents.columns[0].values.size if contents.columns else 0
     if size < LEAST_SAMPLES:
-        return Fault(
-            where=where, message=Message("identify-too-few-samples", got=size, least=LEAST_SAMPLES)
-        )
+        raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)
     if contents.clock is None:
-        step = contents.sample_time or sample_time
+        step = contents.sample_time or _said_step(said)
         if step <= 0.0:
-            return Fault(where=where, message=Message("identify-no-sample-time"))
-        return _in_range(EvenClock(step=step), where=where)
-    return _of_times(contents.clock, contents.lines, where=where)
+            raise refuse(where, "identify-no-sample-time")
+        times: Array = step * np.arange(size, dtype=np.float64)
+    else:
+        times = _rising(contents.clock, contents.lines, where=where)
+        steps = np.diff(times)
+        step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
+    if not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise refuse(where, "identify-step-out-of-range", step=step)
+    return Clock(times=times, step=step, lines=contents.lines)
 
 
-def _in_range(clock: EvenClock, *, where: str) -> EvenClock | Fault:
-    if SHORTEST_STEP <= clock.step <= LONGEST_STEP:
-        return clock
-    return Fault(where=where, message=Message("identify-step-out-of-range", step=clock.step))
+def _said_step(said: Mapping[str, str]) -> float:
+    try:
+        return parse_quantity(said[SAMPLE_TIME], TIME) if SAMPLE_TIME in said else 0.0
+    except Refused as error:
+        fault = Fault(where=f"--columns {SAMPLE_TIME}", message=error.message)
+        raise InputError([fault]) from error
 
 
-def _of_times(clock: Array, lines: Lines, *, where: str) -> EvenClock | Fault:
+def _rising(clock: Array, lines: Lines, *, where: str) -> Array:
+    """Times that rise; those printed with too few digits are spread evenly between."""
     steps = np.diff(clock)
-    at = int(np.argmax(steps <= 0.0))
-    if steps[at] <= 0.0:
-        message = Message("identify-time-does-not-rise", before=clock[at], after=clock[at + 1])
-        return Fault(where=where, line=_line(lines, at + 1), message=message)
-    step = float(clock[-1] - clock[0]) / steps.size
-    found = _in_range(EvenClock(step=step), where=where)
-    if isinstance(found, Fault):
-        return found
-    middle = float(np.median(steps))
-    worst = int(np.argmax(np.abs(steps - middle)))
-    spread = abs(float(steps[worst]) - middle) / middle
-    even = clock[0] + step * np.arange(clock.size)
-    off = float(np.abs(clock - even).max()) / step
-    if spread <= ROUNDING or off <= ROUNDING:
-        return found
-    if spread > JITTER:
-        message = Message(
-            "identify-uneven", usual=middle, got=float(steps[worst]), at=float(clock[worst])
-        )
-        return Fault(where=where, line=_line(lines, worst + 1), message=message)
-    remark = Message("identify-resampled", spread=spread, step=step)
-    return EvenClock(step=step, times=clock, even=even, remark=remark)
+    if (steps > 0.0).all():
+        return clock
+    even: NDArray[np.float64] = np.linspace(clock[0], clock[-1], clock.size)
+    grain = float(steps.max())
+    if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
+        at = int(np.argmax(steps <= 0.0))
+        kind, before, after = "identify-time-does-not-rise", clock[at], clock[at + 1]
+        raise refuse(where, kind, line=_line(lines, at + 1), before=before, after=after)
+    return even
 
 
 def _line(lines: Lines, row: int) -> int:

@@ -10,6 +10,8 @@ import numpy as np
 from mtcommission.errors import Fault, InputError
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
+    FORCES,
+    MOTIONS,
     Array,
     Channel,
     FreeVibration,
@@ -33,9 +35,6 @@ from mtcommission.identify.responses.excitation import find_blows, find_period
 from mtcommission.identify.responses.free_vibration import begins, find_start, fit_ringing, is_decay
 from mtcommission.identify.responses.power import estimate_power, power_as_klipper
 from mtcommission.messages.message import Message
-
-_FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
-_MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
 
 _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
 """What is said of a force in a loop, and of one that is held between samples."""
@@ -63,7 +62,7 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     InputError
         The record has no signal of use, or says too little.
     """
-    motions = [c for c in record.channels if c.signal in _MOTIONS]
+    motions = [c for c in record.channels if c.signal in MOTIONS]
     force: Array | None
     if given.input == Input.ACCELERATION:
         force = _shaking(record)
@@ -90,14 +89,14 @@ def _refusal(record: TimeRecord, kind: str) -> InputError:
 
 def _force(record: TimeRecord, given: Given) -> Array | None:
     """The force or torque that acts [SI], None where none was recorded."""
-    channels = [c for c in record.channels if c.signal in _FORCES]
+    channels = [c for c in record.channels if c.signal in FORCES]
     if given.input in ("force", "torque", "current"):
         same = [c for c in channels if c.signal.value == given.input]
         channels = same or channels
     if not channels:
         return None
     if len(channels) > 1:
-        order = {signal: place for place, signal in enumerate(_FORCES)}
+        order = {signal: place for place, signal in enumerate(FORCES)}
         channels.sort(key=lambda channel: order[channel.signal])
     chosen = channels[0]
     if chosen.signal is Signal.CURRENT and given.constant is None:

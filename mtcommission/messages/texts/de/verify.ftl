@@ -78,7 +78,6 @@ verify-reversed = { $name } läuft gegen den Sollwert; das Vorzeichen wurde gedr
 verify-no-time-record = enthält keine Signale über der Zeit; eine Bewegung mit Soll- und Istlage aufzeichnen
 verify-missing-setpoint = kein Sollwert unter den Spalten { $found }; --columns x_ref=SPALTE angeben oder die Solllage aufzeichnen: ohne sie weiß niemand, was die Steuerung verlangt hat
 verify-missing-measured = nichts Gemessenes unter den Spalten { $found }; --columns encoder=SPALTE, tcp=SPALTE, following_error=SPALTE oder acceleration=SPALTE angeben
-verify-unit-contradicts = { $name } [{ $unit }] kann nicht { $role } sein; --columns { $role }=SPALTE mit der Einheit in Klammern angeben
 verify-two-columns = { $names } können jeweils { $role } sein; durch --columns { $role }=SPALTE sagen, welche
 verify-constant-missing = { $name } ist ein Strom; { $axis ->
     [rotary] --constant angeben, das Drehmoment je Ampere an der Achse, z. B. --constant 1.2

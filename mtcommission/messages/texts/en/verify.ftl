@@ -78,7 +78,6 @@ verify-reversed = { $name } runs against the setpoint; its sign was turned.
 verify-no-time-record = holds no signals over time; record a move with setpoint and actual position
 verify-missing-setpoint = no setpoint among the columns { $found }; give --columns x_ref=COLUMN, or record the position setpoint: without it nobody can tell what the control asked for
 verify-missing-measured = nothing measured among the columns { $found }; give --columns encoder=COLUMN, tcp=COLUMN, following_error=COLUMN or acceleration=COLUMN
-verify-unit-contradicts = { $name } [{ $unit }] cannot be { $role }; give --columns { $role }=COLUMN with its unit in brackets
 verify-two-columns = { $names } may each be { $role }; say which by --columns { $role }=COLUMN
 verify-constant-missing = { $name } is a current; give { $axis ->
     [rotary] --constant, the torque per ampere at the axis, e.g. --constant 1.2
