@@ -1,30 +1,41 @@
-"""Recommended limits in every corner, by a program that shares nothing with the package.
+"""Recommended limits in every corner and size, by a program that shares nothing with the package.
 
-    python -m benchmarks.second_program --count 40
+    python -m benchmarks.second_program --count 40 [--first 0]
 
-Every shipped profile, then as many random machines; names what the second program refutes.
+Every shipped profile, then random machines over all kinds of control with a feedback loop; names
+what the second program refutes.
 """
 
 from __future__ import annotations
 
 import argparse
 
-from benchmarks.population import random_machine
+import numpy as np
+
+from benchmarks.every_size import draw_profile
 from mtcommission.errors import ComputationError
-from mtcommission.profile.read import read_profile
+from mtcommission.profile.read import parse_profile, read_profile
 from tests.test_second_program import PROFILES, broken_requirements
+
+SHARES = (1.0, *np.geomspace(0.01, 0.8, 9).tolist())
+"""Sizes of a move that are looked at, by the listed one [-]."""
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=40)
-    count = parser.parse_args().count
+    parser.add_argument("--first", type=int, default=0, help="seed of the first of them")
+    options = parser.parse_args()
     machines = [(path.stem, read_profile(path)) for path in PROFILES]
-    machines += [(f"random {seed}", random_machine(seed)) for seed in range(count)]
+    for seed in range(options.first, options.first + options.count):
+        name = f"random {seed}"
+        machines.append((name, parse_profile(draw_profile(seed), where=name)))
     promised = refuted = 0
     for name, machine in machines:
+        if machine.drive.follows:  # no loop: nothing for the second program to step through
+            continue
         try:
-            broken = broken_requirements(machine)
+            broken = broken_requirements(machine, SHARES)
         except ComputationError as error:
             print(f"{name}: {error.outcome.name}")
             continue

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import product
 from math import ceil
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.study.loops import settle_on_loop
 from tests.independent_loop import behind, judge, profile_of, quiet_copy, run
 
@@ -31,8 +34,11 @@ EXACTLY = 1e-6
 """Room for rounding in the comparison with a requirement that is just kept."""
 
 
-def broken_requirements(machine: Machine) -> list[str] | None:
-    """What the second program finds broken; None where the product promises nothing."""
+def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> list[str] | None:
+    """What the second program finds broken; None where the product promises nothing.
+
+    ``shares``: sizes of the moves, by the listed one [-].
+    """
     plant = build_plant(machine)
     tuned = settle_on_loop(machine).tuned
     limits = choose_limits(machine, plant, tuned).limits
@@ -40,7 +46,8 @@ def broken_requirements(machine: Machine) -> list[str] | None:
         return None
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []
-    for number, move in enumerate(machine.moves, start=1):
+    for (number, listed), share in product(enumerate(machine.moves, start=1), shares):
+        move = resize(listed, share * size_of(listed))
         profile = behind(
             profile_of(move, limits.acceleration, limits.jerk),
             limits.setpoint_filter or machine.control.setpoint_filter,
@@ -72,13 +79,14 @@ def broken_requirements(machine: Machine) -> list[str] | None:
             ]
             for name, value, limit in (
                 ("residual", found.residual, needs.tcp_deviation),
-                ("settling", found.settling_time, needs.max_settling_time),
+                ("settling", found.settling_time if share == 1.0 else 0.0, needs.max_settling_time),
                 ("force", float(np.max(np.abs(motion.force))), drive.motion_force),
                 ("RMS force", float(rms), drive.continuous_force),
                 *peaks,
             ):
                 if value > limit * (1.0 + EXACTLY):
-                    broken.append(f"move {number}, {corner}: {name} {value:.6g} > {limit:.6g}")
+                    place = f"move {number} x {share:.3g}, {corner}"
+                    broken.append(f"{place}: {name} {value:.6g} > {limit:.6g}")
     return broken
 
 

@@ -337,7 +337,7 @@ class Use:
         return jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
 
 
-SIZES = (0.03, 0.2, 0.5, 1.0)
+SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Sizes of a move at which swings are looked at, beside where a is reached
 (empirical)."""
 

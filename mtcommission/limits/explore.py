@@ -68,7 +68,7 @@ SAFELY = 0.85
 """Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
 again [-] (empirical)."""
 
-REFINED, REACHES = 4, (0.35, 0.16, 0.06, 0.02, 0.01)
+REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
 
 NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)

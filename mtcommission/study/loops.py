@@ -224,7 +224,7 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
 
     look_at(proposals.loops)
     for best in sorted(found, key=lambda one: one.price)[: STUDY.centres]:
-        look_at(propose_near(proposals, best.shape))
+        look_at(propose_near(proposals, best.shape, {one.shape for one in found}))
     return sorted(found, key=lambda one: one.price)
 
 

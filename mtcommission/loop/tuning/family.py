@@ -8,7 +8,7 @@ forgets a lasting force much more slowly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from math import pi, radians, sin
@@ -321,15 +321,24 @@ def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ..
     return tuple(dict.fromkeys((near, CLASSIC, gentle)))
 
 
-def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
-    """Return loops half a step away from the good one of this shape among the proposals."""
-    steps, Kv, Tn = (1.0 / SEARCH.near, SEARCH.near), shape.position_ratio, shape.integral_ratio
-    least = min(proposals.family.settings.integral_ratios)
-    near = [replace(shape, position_ratio=step * Kv) for step in steps]
-    near += [replace(shape, integral_ratio=step * Tn) for step in steps if step * Tn >= least]
+def propose_near(
+    proposals: Proposals, shape: Shape, known: Collection[Shape]
+) -> tuple[Proposal, ...]:
+    """Return loops half a step away from the good one of a shape, but those known already."""
+    Kv, Tn = shape.position_ratio, shape.integral_ratio
+    steps, least = (1.0 / SEARCH.near, SEARCH.near), min(proposals.family.settings.integral_ratios)
+
+    def ratio(value: float) -> float:
+        return round(value, 9)  # two ways to one shape end at the same number
+
+    near = [replace(shape, position_ratio=ratio(step * Kv)) for step in steps]
+    near += [
+        replace(shape, integral_ratio=ratio(step * Tn)) for step in steps if step * Tn >= least
+    ]
     if shape.mode_weight:
-        near += [replace(shape, mode_weight=step**2 * shape.mode_weight) for step in steps]
-    found = _propose(proposals.family, proposals.classic, near)
+        near += [replace(shape, mode_weight=ratio(step**2 * shape.mode_weight)) for step in steps]
+    new = [item for item in near if item not in known]
+    found = _propose(proposals.family, proposals.classic, new)
     return tuple(item for item in found.loops if item.tuned is not proposals.classic)
 
 
