@@ -19,8 +19,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.requirements import Modes, Requirements
-from mtcommission.optimal.band.band_optimum import find_band_optimum
-from mtcommission.optimal.band.settings import BandSettings
+from mtcommission.optimal.band import find_band_optimum
 from mtcommission.optimal.free.curve import solve_curve
 from mtcommission.optimal.free.moments import moment_problem
 from mtcommission.optimal.solution import Arc, Bound, TimeOptimum, sample_evenly, sample_trajectory
@@ -236,11 +235,9 @@ def test_band_is_reached_before_exact_rest() -> None:
     machine, _, a = random_axis(2)
     moved, move = driven_at_once(build_plant(machine)), Positioning(distance=0.01)
     at_rest = find_time_optimum(build_plant(machine), move, force_limit=a, bounds=()).t_f
-    settings, times = BandSettings(), []
+    times = []
     for band in (2e-5, 1e-9):
-        found = find_band_optimum(
-            moved, move, force_limit=a, band=band, at_rest=at_rest, settings=settings
-        )
+        found = find_band_optimum(moved, move, force_limit=a, band=band, at_rest=at_rest)
         assert found.gap < 1e-4
         times.append(found.force.t_f)
     assert times[0] < times[1] < at_rest * (1.0 + 1e-4)

@@ -16,13 +16,19 @@ from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
-from mtcommission.optimal.band.force import BandForce
-from mtcommission.optimal.band.settings import BandSettings
-from mtcommission.optimal.band.tail import build_tail, find_tail_peaks
+from mtcommission.messages.message import Message
+from mtcommission.optimal.band import BandForce, BandOptimum, find_band_optimum
+from mtcommission.optimal.free_motion import (
+    free_gains,
+    free_moments,
+    free_peaks,
+    free_rates,
+    free_row,
+)
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.optimum import find_within_band
+from mtcommission.study.settings import BandSettings
 from tests.machines import paper_machine, random_modal_machine
 
 STANDARD = BandSettings()
@@ -32,9 +38,7 @@ def optimum_of(machine: Machine, move: Move, *, band: float) -> tuple[float, Ban
     """The optimum with exact rest, and that with the band."""
     plant, force = build_plant(machine), machine.drive.motion_force
     rest = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
-    return rest, find_band_optimum(
-        plant, move, force_limit=force, band=band, at_rest=rest, settings=STANDARD
-    )
+    return rest, find_band_optimum(plant, move, force_limit=force, band=band, at_rest=rest)
 
 
 def follow(machine: Machine, force: BandForce, *, after: float) -> tuple[float, float]:
@@ -162,28 +166,29 @@ def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest() -> Non
     assert all(later.lower_bound < earlier.force.t_f for earlier, later in pairwise(times))
 
 
-def test_a_peak_between_two_rows_is_seen() -> None:
-    """The exchange lives on this: what a row at 0 and one at half a period allow between them."""
-    machine = paper_machine()
-    tail = build_tail(build_plant(machine))
-    generator = np.random.default_rng(3)
-    moments = generator.normal(size=3) + 1j * generator.normal(size=3)
-    moments[2] = moments[2].real
-    s = np.linspace(0.0, 0.2, 400_001)
-    motion = np.abs((tail.responses(s) @ moments).real - 1e-9)
-    band = 0.3 * float(motion.max())
-    found = find_tail_peaks(tail, moments, offset=1e-9, level=band, settings=STANDARD)
-    assert found.peak == pytest.approx(float(motion.max()), rel=1e-6)
-    assert found.peak >= float(motion.max())
-    assert float(np.abs(found.places - s[int(np.argmax(motion))]).min()) < 1e-6
+def test_peaks_of_the_free_motion_are_seen_between_all_samples() -> None:
+    """The exchange lives on this: what rows at some instants allow between them."""
+    plant = build_plant(paper_machine())
+    row = free_row(plant, plant.row("tcp"))
+    state = np.random.default_rng(3).normal(size=plant.order)
+    dt, count = 1e-6, 200_000
+    flow, seen = expm(plant.A * dt), np.empty(count)
+    x = state
+    for i in range(count):
+        seen[i] = abs(float(row @ x) - 1e-9)
+        x = flow @ x
+    level = 0.3 * float(seen.max())
+    weights = free_gains(plant, row[np.newaxis]) * free_moments(plant, state) / level
+    rates = free_rates(plant)[np.newaxis]
+    _, s, heights = free_peaks(rates, weights, offset=1e-9 / level)
+    assert heights.max() * level == pytest.approx(float(seen.max()), rel=1e-7)
+    assert s[heights.argmax()] == pytest.approx(dt * float(seen.argmax()), abs=dt)
 
 
 def test_a_motion_that_rings_for_ever_is_a_named_outcome() -> None:
-    tail = build_tail(build_plant(paper_machine()))
-    still = replace(tail, rates=tail.rates - tail.rates.real + np.array([0.0, 0.0, -400.0]))
-    moments = np.ones(3, dtype=complex)
+    rates = np.array([[200j, 300j, -400.0]])
     with pytest.raises(ComputationError) as caught:
-        find_tail_peaks(still, moments, offset=0.0, level=1e-12, settings=STANDARD)
+        free_peaks(rates, np.ones((1, 3), dtype=complex), offset=0.0)
     assert caught.value.outcome is Outcome.NO_CONVERGENCE
 
 
@@ -253,11 +258,16 @@ def test_a_band_wider_than_the_move_has_no_optimum() -> None:
     assert [remark.kind for remark in found.remarks] == ["band-wider-than-move"]
 
 
-def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number() -> None:
+def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def gives_up(*_: object, **__: object) -> None:
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-program-gave-up"))
+
+    monkeypatch.setattr("mtcommission.study.optimum.find_band_optimum", gives_up)
     machine = paper_machine()
-    plant = build_plant(machine)
-    optima = find_optima(machine, plant, machine.moves[0])
-    found = find_within_band(machine, optima, replace(STANDARD, exchanges=1, first_contacts=1))
+    optima = find_optima(machine, build_plant(machine), machine.moves[0])
+    found = find_within_band(machine, optima, STANDARD)
     assert found.optimum is None
     assert [remark.kind for remark in found.remarks] == ["band-optimum-failed"]
 

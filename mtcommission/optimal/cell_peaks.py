@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.closed_form import step_response, transition
+from mtcommission.optimal.free_motion import free_gains, free_moments, free_peaks, free_rates
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
-from mtcommission.optimal.program import Cells, Indices
+from mtcommission.optimal.program import Cells, Indices, follows_reach
 from mtcommission.optimal.proof import powers_of
 
 Array = NDArray[np.float64]
@@ -34,15 +35,26 @@ class Peaks:
 def find_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
     """Return the peaks of the motion under a solution, between the ends of cells too."""
     off = cells.interior < 0
-    found = [_cell_peaks(problem, cells, off)]
+    found = [_cell_peaks(problem, cells, off)] if problem.limits else []
     for i in np.flatnonzero(~off).tolist():
         one = cells.plan.interiors[cells.interior[i]]
         found.append(_interior_peaks(problem, one, cells.states[i]))
+    if len(problem.tails):
+        found.append(_tail_peaks(problem, cells))
     return Peaks(
         remaining=np.concatenate([peaks.remaining for peaks in found]),
         limit=np.concatenate([peaks.limit for peaks in found]),
         level=np.concatenate([peaks.level for peaks in found]),
     )
+
+
+def _tail_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
+    """Return the peaks of the free motions after the end."""
+    plant = problem.plant
+    weights = free_gains(plant, problem.tails) * free_moments(plant, cells.final)
+    rates = np.broadcast_to(free_rates(plant), weights.shape)
+    tail, s, level = free_peaks(rates, weights, offset=cells.offset)
+    return Peaks(remaining=-s, limit=len(problem.limits) + tail, level=level)
 
 
 def _interior_peaks(problem: BoundedProblem, one: ArcInterior, entered: Array) -> Peaks:
@@ -135,5 +147,5 @@ def _inside(problem: BoundedProblem, starts: Array, push: Array, since: Array) -
 
 def excess(problem: BoundedProblem, cells: Cells, peaks: Peaks) -> Array:
     """Return by what share of its bound each peak exceeds it."""
-    follows = np.array([limit.follows for limit in problem.limits])[peaks.limit]
+    follows = follows_reach(problem, peaks.limit)
     return np.asarray(peaks.level / np.where(follows, cells.reach, 1.0) - 1.0)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.cell_peaks import excess, find_peaks
+from mtcommission.optimal.free_motion import free_rates
 from mtcommission.optimal.linear_program import Basis
 from mtcommission.optimal.problem import BoundedProblem, describe_bounds
 from mtcommission.optimal.program import Cells, Plan, Points, at_ends, may_act, solve_cells
@@ -37,6 +38,8 @@ LEAST_SLOPE, LARGEST_CHANGE = 0.3, 0.02
 """Least dα/dlog t_f that is believed, and largest relative change of t_f in one step."""
 MOST_ENTRIES = 1.5e6
 """Cells times points of a program: some seconds."""
+CONTACT_RADIANS, CONTACTS = 6.3, 12
+"""Of the slowest mode, over which the free motion is asked at first, and at how many instants."""
 EXCHANGES = 20
 """Rounds at most in which peaks become points and t_f is corrected."""
 
@@ -117,27 +120,29 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     >>> round(first_cells(problem, t_free=0.0435).t_f, 3)
     0.052
     """
-    t_f, slower = 1.05 * t_free, None
+    t_f = 1.05 * t_free
     found = _evenly(problem, t_f)
-    faster, missing, spare, was_slow = found, 1.0, 1.0, False
+    faster: Cells | None = None
+    slower: Cells | None = None
+    missing, spare, was_slow = 1.0, 1.0, False
     for _ in range(TIME_STEPS):
         # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
         steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return found
         if found.reach < 1.0:
-            before, faster, missing = faster, found, 1.0 - found.reach
-            is_still = found.reach - before.reach < STANDSTILL * found.reach
-            if found.t_f > HORIZON * t_free or (found.t_f > LONGER * before.t_f and is_still):
+            if found.t_f > HORIZON * t_free or (faster is not None and _is_still(faster, found)):
                 raise _out_of_reach(problem, found, t_free)
+            faster, missing = found, 1.0 - found.reach
             # Illinois' rule: the chord moves on from an end that stays twice.
             spare, was_slow = spare * (1.0 if was_slow else 0.5), False
         else:
             slower, spare = found, found.reach - 1.0
             missing, was_slow = missing * (0.5 if was_slow else 1.0), True
-        if slower is None:
+        if slower is None or faster is None:
             step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
-            t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
+            low, high = (1.02, 2.0) if slower is None else (0.5, 0.98)
+            t_f = float(np.clip(t_f + step, low * t_f, high * t_f))
         elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
             return found
         else:
@@ -152,14 +157,35 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
 
 
+def _is_still(before: Cells, found: Cells) -> bool:
+    """Return whether the reach does not grow any more, over times some way apart."""
+    is_long = found.t_f > LONGER * before.t_f
+    return is_long and found.reach - before.reach < STANDSTILL * found.reach
+
+
 def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
     edges = first_edges(problem, t_f, radians=RADIANS_PER_CELL)
     start = near.basis if near is not None and near.force.size == edges.size - 1 else None
-    found = solve_cells(problem, Plan(edges=edges, points=at_ends(problem, edges)), start=start)
+    points = at_ends(problem, edges)
+    if near is not None:  # what the free motions of another time have asked for
+        after = near.plan.points.chosen(near.plan.points.limit >= near.limits)
+        points = points.joined(after.remaining, after.limit)
+    elif len(problem.tails):
+        points = points.joined(*_first_contacts(problem))
+    found = solve_cells(problem, Plan(edges=edges, points=points), start=start)
     if found is None:
         detail = Message("grid-program-unfinished", cells=edges.size - 1, t_f=t_f)
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return found
+
+
+def _first_contacts(problem: BoundedProblem) -> tuple[Array, NDArray[np.intp]]:
+    """Return instants after the end, as remaining times [s], at which each tail keeps the band."""
+    rates = np.abs(free_rates(problem.plant))
+    s = np.linspace(0.0, CONTACT_RADIANS / float(rates.min()), CONTACTS)
+    machines = len(problem.tails)
+    tails = len(problem.limits) + np.arange(machines)
+    return np.tile(-s, machines), np.repeat(tails, CONTACTS)
 
 
 def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> ComputationError:

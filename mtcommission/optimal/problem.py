@@ -98,7 +98,12 @@ class BoundedProblem:
     plant: Plant  # Plant with n states
     force_limit: float  # F [N]
     limits: tuple[Limit, ...]  # The bounds
-    fixed: NDArray[np.intp]  # Indices of the states fixed at the end
+    fixed: NDArray[np.intp]  # Indices of the states fixed at exact rest
+    ends: Array  # Rows E with E x(t_f) + offsets y = E target, shape (k, n)
+    offsets: Array  # What the offset y of the reference adds, shape (k,); 0 at exact rest
+    # Rows r with |r x - y| <= 1 for the free motion after t_f, one for each machine, shape
+    # (n_machines, n); none at exact rest.
+    tails: Array
     target: Array  # State at the end, shape (n,); 0 where free
     state_scale: Array  # Typical size of each state, shape (n,)
     rate: float  # Fastest rate of the plant [1/s]
@@ -106,7 +111,7 @@ class BoundedProblem:
     @property
     def has_high_order(self) -> bool:
         """Whether a bound has an order above 2, for which no finite sequence of arcs need exist."""
-        return max(limit.order for limit in self.limits) > 2
+        return bool(np.any(self.orders > 2))
 
     @property
     def vibration_rate(self) -> float:
@@ -128,7 +133,12 @@ class BoundedProblem:
     @property
     def rows(self) -> Array:
         """The rows c of all limits, shape (n_limits, n)."""
-        return np.array([limit.row for limit in self.limits])
+        return np.array([limit.row for limit in self.limits]).reshape(-1, self.plant.order)
+
+    @property
+    def orders(self) -> NDArray[np.intp]:
+        """Orders of all limits, shape (n_limits,)."""
+        return np.array([limit.order for limit in self.limits], dtype=np.intp)
 
 
 def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
@@ -208,6 +218,9 @@ def bounded_problem(
             _limit(plant, bound, rate=rate, target=target, scale=scale) for bound in bounds
         ),
         fixed=fixed,
+        ends=np.eye(plant.order)[fixed],
+        offsets=np.zeros(fixed.size),
+        tails=np.empty((0, plant.order)),
         target=target,
         state_scale=scale,
         rate=rate,

@@ -22,6 +22,8 @@ from mtcommission.optimal.proof import Atom, Measure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+LARGEST_OFFSET = 1.0 - 1e-5
+"""Of the reference, over the band: a little less, so that the free motion comes to rest in it."""
 TOLERANCE = 1e-9
 """Of the simplex method, against bounds of 1."""
 STEPS = 30
@@ -30,10 +32,10 @@ STEPS = 30
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Points:
-    """Where bounds are imposed."""
+    """Where bounds are imposed; those of the free motion after t_f at negative remaining times."""
 
     remaining: Array  # Shape (k,) [s]
-    limit: Indices  # Index of the bound, shape (k,)
+    limit: Indices  # Index of the bound, shape (k,); of the tail, behind those of all limits
 
     def joined(self, remaining: Array, limit: Indices) -> Points:
         """Return these and others."""
@@ -63,7 +65,10 @@ class Plan:
         """Return the plan over another time, every place at the same share of it."""
         return Plan(
             edges=self.edges * share,
-            points=replace(self.points, remaining=self.points.remaining * share),
+            points=replace(
+                self.points,
+                remaining=self.points.remaining * np.where(self.points.remaining > 0.0, share, 1.0),
+            ),
             interiors=tuple(
                 replace(one, start=one.start * share, end=one.end * share) for one in self.interiors
             ),
@@ -81,8 +86,8 @@ class Plan:
 class Segments:
     """Cells and interiors in order of time, their states as affine functions of the unknowns.
 
-    The unknowns are the forces of the cells, the jumps off the interiors and the reach; a last
-    column holds what is constant.
+    The unknowns are the forces of the cells, the jumps off the interiors, the offset of the
+    reference over the band, and the reach; a last column holds what is constant.
     """
 
     start: Array  # Remaining times start > end, shape (m,) [s]
@@ -108,8 +113,12 @@ class Cells:
     interior: Indices
     force: Array  # F_set / F in each; 0 in interiors
     states: Array  # Where they start, shape (m, n)
+    final: Array  # State at the end, shape (n,)
+    offset: float  # y
     weights: Array  # Signed multiplier of each point, shape (k,)
+    limits: int  # How many bounds there are before the end
     terminal: Array  # Λ, shape (n,)
+    spent: float  # What a band is worth
     reach: float  # α
     slope: float  # dα/dt_f [1/s]
     basis: Basis  # Where a program like it may start
@@ -132,8 +141,13 @@ class Cells:
         return Measure(
             t_f=self.t_f,
             terminal=self.terminal,
-            atoms=tuple(Atom(remaining=at, limit=k, weight=weight) for at, k, weight in atoms),
+            atoms=tuple(
+                Atom(remaining=at, limit=k, weight=weight)
+                for at, k, weight in atoms
+                if k < self.limits
+            ),
             interiors=self.plan.interiors,
+            spent=self.spent,
         )
 
 
@@ -149,7 +163,7 @@ def segments(problem: BoundedProblem, plan: Plan, *, relaxed: bool) -> Segments:
     orders = [problem.limits[one.limit].order for one in plan.interiors]
     cells = int((interior < 0).sum())
     jump = cells
-    width = cells + (sum(orders) if relaxed else 0) + 2
+    width = cells + (sum(orders) if relaxed else 0) + 3
     flows, pushes = transition(plant, lengths), step_response(plant, lengths) * problem.force_limit
     column = np.where(interior < 0, np.cumsum(interior < 0) - 1, -1)
     first, last = np.zeros((2, lengths.size, plant.order, width))
@@ -185,6 +199,17 @@ def entry(problem: BoundedProblem, interior: ArcInterior, states: Array) -> Arra
 
 def point_rows(problem: BoundedProblem, points: Points, maps: Segments, plan: Plan) -> Array:
     """Return c x at the points over the unknowns and the constant."""
+    plant, rows = problem.plant, np.empty((points.limit.size, maps.first.shape[2]))
+    after = points.limit >= len(problem.limits)
+    signal = problem.tails[points.limit[after] - len(problem.limits)]
+    flow = transition(plant, -points.remaining[after])
+    rows[after] = np.einsum("ki,kij->kj", signal, flow) @ maps.last[-1]
+    rows[after, -3] -= 1.0
+    rows[~after] = _limit_rows(problem, points.chosen(~after), maps, plan)
+    return rows
+
+
+def _limit_rows(problem: BoundedProblem, points: Points, maps: Segments, plan: Plan) -> Array:
     plant = problem.plant
     index = np.searchsorted(-maps.start, -points.remaining, side="left") - 1
     since = maps.start[index] - points.remaining
@@ -216,11 +241,12 @@ def solve_cells(
     plan = replace(plan, points=plan.points.chosen(may_act(problem, plan)))
     maps = segments(problem, plan, relaxed=relaxed)
     n, size = maps.cells, maps.first.shape[2] - 2
-    points, fixed, target = plan.points, problem.fixed, problem.target[problem.fixed]
+    points, goal = plan.points, problem.ends @ problem.target
     rows = point_rows(problem, points, maps, plan)
-    final = maps.last[-1, fixed].copy()
-    scale = 1.0 / np.maximum(np.abs(final[:, :n]).sum(axis=1), np.abs(target))
-    final[:, -2] -= target
+    final = problem.ends @ maps.last[-1]
+    scale = 1.0 / np.maximum(np.abs(final[:, :n]).sum(axis=1), np.abs(goal))
+    final[:, -3] += problem.offsets
+    final[:, -2] -= goal
     equal = [final * scale[:, np.newaxis]]
     held = [np.empty((0, size + 2))]
     for i in np.flatnonzero(maps.interior >= 0).tolist() if not relaxed else ():
@@ -232,7 +258,7 @@ def solve_cells(
         equal.append(entry(problem, one, maps.last[i - 1]) * np.array(growth)[:, np.newaxis])
         held += [gain @ maps.first[i : i + 1], gain @ maps.last[i : i + 1]]
     # A bound that follows the reach has two rows, the others one with a floor and a ceiling.
-    follows = np.array([limit.follows for limit in problem.limits])[points.limit]
+    follows = follows_reach(problem, points.limit)
     index = np.repeat(np.arange(follows.size), 1 + follows)
     sign = np.where(np.diff(index, prepend=-1) == 0, -1.0, 1.0)
     first = sum(map(len, held))
@@ -240,6 +266,7 @@ def solve_cells(
     every = np.vstack([*held, rows[index] * sign[:, np.newaxis]])
     every[:, -2] -= follows
     equations = np.vstack(equal)
+    beside = LARGEST_OFFSET if len(problem.tails) else 0.0
     solution = solve_program(
         Program(
             cost=np.append(np.zeros(size), -1.0),
@@ -248,8 +275,8 @@ def solve_cells(
             floors=np.where(follows, -inf, -1.0 - every[:, -1]),
             equal=equations[:, :-1],
             right=-equations[:, -1],
-            lower=np.concatenate([-np.ones(n), np.full(size - n, -inf), [0.0]]),
-            upper=np.append(np.ones(n), np.full(size - n + 1, inf)),
+            lower=np.concatenate([-np.ones(n), np.full(size - n - 1, -inf), [-beside, 0.0]]),
+            upper=np.concatenate([np.ones(n), np.full(size - n - 1, inf), [beside, inf]]),
         ),
         steps=STEPS * (n + points.limit.size),
         tolerance=TOLERANCE,
@@ -258,23 +285,32 @@ def solve_cells(
     )
     if solution is None:
         return None
-    terminal = np.zeros(problem.plant.order)
-    terminal[fixed] = solution.equal[: target.size] * scale
     # F |σ| at the start, extrapolated from its means over the first two cells.
     lengths = (maps.start - maps.end)[:2]
     early, second = np.abs(solution.bounds[:2]) / lengths
     slope = early + (early - second) * lengths[0] / sum(lengths)
     force = np.append(np.clip(solution.unknowns[:n], -1.0, 1.0), 0.0)
-    weights = -solution.rows[first:] * sign
+    signed = -solution.rows[first:] * sign
+    weights = np.bincount(index, signed, points.limit.size).astype(np.float64)
+    # Bounds after the end are worth what they allow, and the adjoint starts behind them.
+    after, prices = points.limit >= len(problem.limits), solution.equal[: goal.size] * scale
+    tail = problem.tails[points.limit[after] - len(problem.limits)]
+    flow = transition(problem.plant, -points.remaining[after])
+    unbalanced = float(prices @ problem.offsets + weights[after].sum())
+    unknowns = np.append(solution.unknowns, 1.0)
     return Cells(
         plan=plan,
         start=maps.start,
         end=maps.end,
         interior=maps.interior,
         force=force[maps.column],
-        states=maps.first @ np.append(solution.unknowns, 1.0),
-        weights=np.bincount(index, weights, points.limit.size).astype(np.float64),
-        terminal=terminal,
+        states=maps.first @ unknowns,
+        final=maps.last[-1] @ unknowns,
+        offset=float(solution.unknowns[size - 1]),
+        weights=weights,
+        limits=len(problem.limits),
+        terminal=prices @ problem.ends - np.einsum("k,ki,kij->j", weights[after], tail, flow),
+        spent=float(np.abs(weights[after]).sum()) + abs(unbalanced),
         reach=float(solution.unknowns[size]),
         slope=float(max(slope, 0.5 * early)),
         basis=solution.basis,
@@ -287,9 +323,15 @@ def may_act(problem: BoundedProblem, plan: Plan) -> NDArray[np.bool_]:
     An atom inside an interior jumps Λ by a multiple of c. With order r that leaves σ = 0 if
     c B = ... = c A^(r-1) B = 0; on others it would end the interior.
     """
-    orders = np.array([limit.order for limit in problem.limits])
+    orders = np.append(problem.orders, np.ones(len(problem.tails), dtype=np.intp))
     held = np.array([orders[one.limit] for one in plan.interiors] + [0])
     return np.asarray(orders[plan.points.limit] > held[plan.inside(plan.points.remaining)])
+
+
+def follows_reach(problem: BoundedProblem, limit: Indices) -> NDArray[np.bool_]:
+    """Return which bounds, or tails, are scaled with the reach."""
+    every = [*(limit.follows for limit in problem.limits), *(False for _ in problem.tails)]
+    return np.array(every, dtype=np.bool_)[limit]
 
 
 def at_ends(problem: BoundedProblem, edges: Array) -> Points:

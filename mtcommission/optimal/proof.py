@@ -81,6 +81,8 @@ class Measure:
     terminal: Array  # Λ, shape (n,)
     atoms: tuple[Atom, ...]
     interiors: tuple[ArcInterior, ...]  # Where the measure has the density that keeps σ = 0
+    # What the end may be worth at most, beside Λ x_f: that of a band; 0 at exact rest.
+    spent: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -399,19 +401,12 @@ def _sign_changes(problem: BoundedProblem, adjoints: Array, cells: _Cells) -> tu
 
 
 def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
-    """Return a time before which no admissible control reaches the target [s].
+    """Return a time before which no admissible control reaches the target [s]; 0 if none is proved.
 
     The measure is cut off at the start until the dual value falls below Λ x_f; since waiting
     at rest is always possible, every shorter time is excluded as well.
     """
-    return excluded_time(problem, measure, claim=float(measure.terminal @ problem.target))
-
-
-def excluded_time(problem: BoundedProblem, measure: Measure, *, claim: float) -> float:
-    """Return a time [s] by which Λ x of no admissible motion reaches a value; 0 if none is proved.
-
-    ``claim`` is what Λ x(t_f) is at least, wherever the motion may end.
-    """
+    claim = float(measure.terminal @ problem.target) - measure.spent
     claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
     parts = stretches(problem, measure)
     values = dual_value(problem, parts).values

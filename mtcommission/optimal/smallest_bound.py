@@ -63,8 +63,8 @@ def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
     edges = np.linspace(0.0, t_f, cells + 1)
     plan = Plan(edges=edges, points=at_ends(problem, edges))
     maps = segments(problem, plan, relaxed=True)
-    rows = point_rows(problem, plan.points, maps, plan)[:, :-2]
-    final, target = maps.last[-1, problem.fixed, :-2], problem.target[problem.fixed]
+    rows = point_rows(problem, plan.points, maps, plan)[:, :-3]
+    final, target = maps.last[-1, problem.fixed, :-3], problem.target[problem.fixed]
     scale = 1.0 / np.maximum(np.abs(final).sum(axis=1), np.abs(target))
     column = -np.ones((len(rows), 1))
     solution = solve_program(

@@ -31,7 +31,7 @@ from mtcommission.record.values import (
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
     from mtcommission.limits.optima import Optima
-    from mtcommission.optimal.band.force import BandForce
+    from mtcommission.optimal.band import BandForce
     from mtcommission.study.optimum import MoveComparison, WithinBand
 
 PLOT_SAMPLES = 800

@@ -31,10 +31,13 @@ from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.messages.message import Message
-from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
-from mtcommission.optimal.band.force import BandForce
-from mtcommission.optimal.band.robust import RobustForce, find_robust_force
-from mtcommission.optimal.band.settings import BandSettings
+from mtcommission.optimal.band import (
+    BandForce,
+    BandOptimum,
+    RobustForce,
+    find_band_optimum,
+    find_robust_force,
+)
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
@@ -45,7 +48,7 @@ from mtcommission.plant.plant import Plant, build_plant, driven_at_once, longest
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.settings import STUDY
+from mtcommission.study.settings import STUDY, BandSettings
 
 Array = NDArray[np.float64]
 
@@ -90,20 +93,16 @@ def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -
             force_limit=force,
             band=band,
             at_rest=optima.time.t_f,
-            settings=settings,
         )
         failed = "robust-force-failed"
         if needs.frequency_spread or needs.damping_spread:
             places = _over_spread(machine, settings)
-            apart = max((len(places) - 1) // (settings.frequencies - 1), 1)
             robust = find_robust_force(
                 [driven_at_once(build_plant(vary(machine, place))) for place in places],
                 move,
                 force_limit=force,
                 band=band,
-                first=range(0, len(places), apart),
                 guess=optimum.force.t_f,
-                settings=settings,
             )
     except ComputationError as error:
         remark = Message(failed, error=error.message)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mtcommission.loop.tuning.tuned import TuningSettings
-from mtcommission.optimal.band.settings import BandSettings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,6 +15,16 @@ class RobustnessSettings:
     seed: int = 0  # of the generator
     frequency_range: float = 0.1  # of the error, to either side; twice the spread if that is more
     frequency_points: int = 15  # to either side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandSettings:
+    """When it is asked what a band saves over exact rest, and on how many machines."""
+
+    many_periods: float = 60.0  # of the slowest mode, from which on a program takes minutes:
+    # there only if the optimum at rest exceeds the rigid axis's by a share worth while
+    worthwhile: float = 0.01
+    checked_frequencies: int = 81  # of the spread, on which a robust force keeps the band
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
