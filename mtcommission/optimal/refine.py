@@ -44,9 +44,9 @@ ROUNDS = 10
 """Programs on finer and finer cells."""
 MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
-LOST = 0.05
-"""Distance of the reach from 1 at which the first programs have not even found the time: their
-cells are too long for the bounds."""
+LOST, BLIND = 0.05, 2
+"""Distance of the reach from 1 at which a program has not even found the time, and how many of the
+first ones may end so: their cells are too long for the bounds then."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """What the programs of the rounds may miss of bounds and target; the last from there on."""
 LEAST_HIDDEN, LARGE_SHARE = 3e-10, 0.01
@@ -112,24 +112,27 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
         MOVE_TOO_LONG; BEYOND_HORIZON where first cells are too long for the bounds.
     """
     require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
-    best: Seen | None = None
-    room = 1.0
-    plan = _planned(problem, observe(problem, first), first.plan.edges, first.acting, room=room)
+    best, room, edges = observe(problem, first), 1.0, first.plan.edges
+    plan = _planned(problem, best, edges, first.acting, room=room)
     for i in range(ROUNDS):
         cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
-        if best is None and (cells is None or abs(cells.reach - 1.0) > LOST):
-            raise beyond_time(problem, first)
-        if cells is None:
-            return
-        seen = observe(problem, cells)
-        yield seen
-        if best is None or seen.gap < best.gap:
-            best = seen
+        if cells is None or abs(cells.reach - 1.0) > LOST:
+            if best.cells is first and i >= BLIND:
+                raise beyond_time(problem, first)
+            # The arcs that it holds are not those of the optimum: shorter cells show them.
+            edges = np.union1d(edges, 0.5 * (edges[1:] + edges[:-1]))
+            plan = Plan(edges=edges, points=best.cells.acting)
         else:
-            # Points that crowd towards an arc look like its end: an interior there is too long.
-            room *= WIDER
-        base = best if seen.gap > SETBACK * best.gap else seen
-        plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
+            seen = observe(problem, cells)
+            yield seen
+            if seen.gap < best.gap or best.cells is first:
+                best = seen
+            else:
+                # Points that crowd towards an arc look like its end: an interior there is too long.
+                room *= WIDER
+            base = best if seen.gap > SETBACK * best.gap else seen
+            plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
+            edges = plan.edges
         if plan.edges.size * plan.points.limit.size > MOST_ENTRIES:
             return
 
@@ -354,6 +357,8 @@ def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
                 boundary_arc(problem, index, float(begin[i]), float(end[j - 1]), state=state)
             )
             continue
+        if end[j - 1] <= begin[i]:
+            continue  # a cell that is shorter than the rounding of its time
         share = float(force[i:j] @ (end - begin)[i:j] / (end[j - 1] - begin[i]))
         control = Bang(1 if share > 0.0 else -1) if abs(share) > FULL else Interior()
         force_now = share * problem.force_limit / cells.reach

@@ -1,10 +1,7 @@
 """Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
 
 - A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
-- A bound exceeded inside a piece: a touch point is put in where it is exceeded most; one of order 1
-  exceeded where the force turns is held there for a while.
-- σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
-  that part holds a touch point, the touch point has grown into a boundary arc.
+- A bound of order 1 exceeded where the force turns: it is held there for a while.
 """
 
 from __future__ import annotations
@@ -17,26 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.polish.newton import RESIDUAL, Extremal, solve_sequence
-from mtcommission.optimal.polish.off_boundary import with_subarc
 from mtcommission.optimal.polish.sequence import (
     Piece,
     Sequence,
-    Touch,
-    peaks_above,
     piece_states,
     sequence_arcs,
     touch_points,
 )
 from mtcommission.optimal.polish.structure import place_touches
 from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
-from mtcommission.optimal.proof import EXCESS, Found, dual_value, prove, sigma_sign, stretches
+from mtcommission.optimal.proof import EXCESS, Found, prove
 
 Array = NDArray[np.float64]
 
 RADIANS_PER_SAMPLE = 0.05
 """Samples that look for excesses of a solved sequence."""
-APART = 1e-7
-"""Share of t_f that a zero of σ keeps from the ends of a bang arc if it calls for a switch."""
 EDITS, VISITS = 30, 2
 """Changes of a sequence in one go, and how often the same one is solved, from durations of its
 own each time."""
@@ -94,12 +86,7 @@ def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     edited = pruned(problem, extremal, least=VANISHED)
     if edited is not None or extremal.residual > RESIDUAL:
         return edited
-    # What the multipliers call for comes first: the motion is that of another sequence then.
-    for edit in (with_subarc, with_switches, with_short_arc, with_touch):
-        edited = edit(problem, extremal)
-        if edited is not None:
-            return edited
-    return None
+    return with_short_arc(problem, extremal)
 
 
 def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
@@ -188,25 +175,6 @@ def _at_arc(sequence: Sequence, point: ConstraintPoint, *, near: float) -> bool:
     )
 
 
-def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence with a touch point where it exceeds a bound most; None if nowhere.
-
-    The first of several excesses of a decaying oscillation is often the only one that is left.
-    """
-    sequence = extremal.sequence
-    levels_along = _levels(problem, sequence)
-    worst, most = None, 1.0 + EXCESS
-    for index, piece in enumerate(sequence.pieces):
-        tau, levels = levels_along[index]
-        for at, k in peaks_above(levels, most):
-            if k != piece.limit and abs(levels[at, k]) > most:
-                side, most = int(np.sign(levels[at, k])), float(abs(levels[at, k]))
-                worst = Touch(piece=index, offset=float(tau[at]), limit=k, side=side)
-    if worst is None:
-        return None
-    return Sequence(pieces=sequence.pieces, touches=(*sequence.touches, worst))
-
-
 def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     """Return the sequence with an arc where a bound of order 1 is exceeded most; None if nowhere.
 
@@ -248,36 +216,6 @@ def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Ar
         found.append((tau, states @ problem.rows.T))
         state = states[-1]
     return found
-
-
-def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence with the force turned wherever σ has the other sign; None if nowhere.
-
-    About a touch point where σ has the other sign the bound is held for a while.
-    """
-    measure, sequence = extremal.measure, extremal.sequence
-    parts = stretches(problem, measure)
-    zeros = dual_value(problem, parts).zeros
-    ends = measure.t_f - np.cumsum([piece.duration for piece in sequence.pieces])
-    touches = touch_points(sequence)
-    pieces: list[Piece] = []
-    for piece, end in zip(sequence.pieces, ends.tolist(), strict=True):
-        apart, start = APART * measure.t_f, end + piece.duration
-        inside = zeros[(zeros > end + apart) & (zeros < start - apart)][::-1]
-        if piece.limit >= 0 or not inside.size:
-            pieces.append(piece)
-            continue
-        for a, b in pairwise([start, *inside.tolist(), end]):
-            side = sigma_sign(problem, parts, 0.5 * (a + b))
-            held = next((at for at in touches if b < at.remaining < a and side != piece.side), None)
-            if held is None:
-                pieces.append(Piece(limit=-1, side=side, duration=a - b))
-            else:
-                pieces.append(Piece(limit=held.limit, side=held.side, duration=a - b))
-    if len(pieces) == len(sequence.pieces):
-        return None
-    joined = tuple(_joined(pieces))
-    return Sequence(pieces=joined, touches=place_touches(problem, joined, touches))
 
 
 def _joined(pieces: list[Piece]) -> list[Piece]:
