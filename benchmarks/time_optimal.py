@@ -77,7 +77,7 @@ def random_problems(n_modes: int, count: int) -> list[Problem]:
 
 
 def follower_problems(kind: str, count: int) -> list[Problem]:
-    """Axes whose motor follows, by the program's own door; a composed control is none."""
+    """Axes whose motor follows, by the program's own door."""
     problems = []
     for seed in range(count):
         axis = random_axis(seed)

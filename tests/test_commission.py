@@ -61,9 +61,7 @@ def test_every_shipped_profile_meets_its_requirements(found: Commissioning) -> N
 def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissioning) -> None:
     """Exact rest in the least time: no setpoint through a loop can be ahead of it by much."""
     for optima, result in zip(found.optima, found.moves, strict=True):
-        # A composed reference is no optimum: its proof leaves a gap, which the sheet states.
-        limit = 1e-6 if optima.time.method == "exact" else 0.1
-        assert optima.time.certificate.relative_gap < limit
+        assert optima.time.certificate.relative_gap < 1e-6
         assert optima.time.t_f < result.responses[0].settling_time
 
 

@@ -18,7 +18,6 @@ from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.cell_peaks import excess, find_peaks
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.polish.edits import pruned, solve_exactly
@@ -337,13 +336,11 @@ def test_bound_just_above_the_least_possible_is_named_as_such() -> None:
     assert caught.value.outcome is Outcome.BEYOND_HORIZON
 
 
-def test_long_cruise_is_solved_exactly_and_beats_the_composed_control() -> None:
+def test_long_cruise_is_solved_exactly() -> None:
     move = Positioning(distance=0.1, max_velocity=0.1)
     optimum = solve_bounded_time_optimal(paper_plant(), move, force_limit=600.0, bounds=())
     assert optimum.certificate.relative_gap < 1e-9
     check_motion(paper_plant(), optimum)
-    composed = compose_time_optimum(paper_plant(), move, force_limit=600.0)
-    assert optimum.t_f < composed.t_f
 
 
 def test_unknown_signal_is_refused() -> None:

@@ -85,8 +85,6 @@ def _proof_lines(solution: TimeOptimum, spoken: Catalogue) -> list[Message]:
     """Return what is proved of a control, and how."""
     proof = solution.certificate
     least, gap = proof.t_f_lower_bound, proof.relative_gap
-    if solution.method == "composed":
-        return [Message("optimum-composed", least=least, below=gap)]
     proves_nothing = Message("terminal-grid-proves-nothing")
     bound = Message("terminal-lower-bound", bound=_ms(spoken, least), gap=gap)
     lines = [proves_nothing if isnan(gap) else bound, _law_line(solution)]

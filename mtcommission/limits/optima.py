@@ -18,7 +18,6 @@ from mtcommission.optimal.at_once import (
     time_optimum_on,
 )
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
@@ -32,13 +31,6 @@ from mtcommission.optimal.solution import (
 )
 from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.setpoint.motion_limits import MotionLimits
-
-NOT_FOUND = (
-    Outcome.NO_CONVERGENCE,
-    Outcome.MOVE_TOO_LONG,
-    Outcome.BEYOND_HORIZON,
-)
-"""Ends of a search for which a composed control stands in."""
 
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
@@ -62,10 +54,10 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained = None
     remarks: list[Message] = []
-    if time.method == "composed":
+    if time.certificate.relative_gap > TIGHT_GAP:
         proof = time.certificate
         remarks.append(
-            Message("optimum-composed", least=proof.t_f_lower_bound, below=proof.relative_gap)
+            Message("reference-not-exact", least=proof.t_f_lower_bound, below=proof.relative_gap)
         )
     bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
     if bounds:
@@ -100,9 +92,6 @@ def find_time_optimum(
 ) -> TimeOptimum:
     """Return the time-optimal control, bounded or free, whichever the move and bounds ask for.
 
-    Where the exact search does not end, and no states are bounded, the composed control of
-    ``compose_time_optimum`` stands in: its method says so, and its gap is that of its proof.
-
     ``plant``: nominal; ``force_limit``: force left for motion [N or N m]; ``bounds``: on states and
     outputs, besides the move's own max_velocity.
 
@@ -112,26 +101,13 @@ def find_time_optimum(
         The solve ended with a named outcome.
     """
     limit, kept = least_limit(plant, force_limit, bounds), on_states(plant, bounds)
-    found = _search(driven_at_once(plant), move, force_limit=limit, bounds=kept)
+    moved = driven_at_once(plant)
+    if kept or (isinstance(move, Positioning) and isfinite(move.max_velocity)):
+        found = solve_bounded_time_optimal(moved, move, force_limit=limit, bounds=kept)
+    else:
+        found = solve_time_optimal(moved, move, force_limit=limit)
     others = tuple(bound for bound in bounds if bound not in kept)
     return time_optimum_on(plant, replace(found, bounds=(*found.bounds, *others)))
-
-
-def _search(
-    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
-) -> TimeOptimum:
-    """The optimum of a plant of ``driven_at_once``."""
-    if bounds:
-        return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
-    cruises = isinstance(move, Positioning) and isfinite(move.max_velocity)
-    try:
-        if cruises:
-            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
-        return solve_time_optimal(plant, move, force_limit=force_limit)
-    except ComputationError as error:
-        if error.outcome not in NOT_FOUND:
-            raise
-        return compose_time_optimum(plant, move, force_limit=force_limit)
 
 
 def find_damping_optimum(

@@ -247,8 +247,7 @@ class TimeOptimum:
     move: Move  # Velocity step or positioning move
     force_limit: float  # Force left for motion [N]
     bounds: tuple[Bound, ...]  # Bounds on states and outputs; empty for the free optimum
-    # ``"exact"``, ``"transcription"``, or ``"composed"``: not optimal, with a proved bound.
-    method: str
+    method: str  # ``"exact"`` or ``"transcription"``
     t_f: float  # Final time [s]
     arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
     touch_points: tuple[TouchPoint, ...]  # Where a bound is touched without a boundary arc

@@ -57,6 +57,9 @@ if TYPE_CHECKING:
 ROUNDING = 1e-6
 """Relative difference that search and check may have where the reserve is just kept."""
 
+ENCLOSED = 1e-6
+"""Relative distance of a reference from its proved bound from which both are shown."""
+
 WHOLE = 0.99
 """Share of the recommended acceleration that is all of it, but for rounding."""
 
@@ -367,8 +370,8 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     title, aside = move_title(move.move, number, words), _band_sentences(record, number, words)
     best, bounded = optima.time, optima.constrained
     bound, optimal = getattr(best.certificate, "t_f_lower_bound", None), f.quantity(best.t_f, "s")
-    if best.method == "composed" and isinstance(bound, float):
-        optimal = text("reference-composed", optimum=optimal, bound=f.quantity(bound, "s"))
+    if isinstance(bound, float) and best.t_f - bound > ENCLOSED * best.t_f:
+        optimal = text("reference-enclosed", optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return " ".join([text("reference-unsettled", move=title, optimum=optimal), *aside])
     share = settling / best.t_f - 1.0

@@ -21,7 +21,7 @@ reserve-used = { $axis ->
 }
 
 # optima; $error: outcome with its remedy
-optimum-composed = Die zeitoptimale Steuerung wurde nicht gefunden; der gezeigte Vergleichswert ist eine ein- und ausgeschaltete { word-force }, so geformt, dass am Ende nichts schwingt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
+reference-not-exact = Die zeitoptimale Steuerung wurde nicht exakt gefunden; der gezeigte Vergleichswert ist eine auf Zellen. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
 optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.

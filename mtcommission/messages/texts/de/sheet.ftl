@@ -123,7 +123,7 @@ robust-force = { $axis ->
    *[linear] Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
 }
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
-reference-composed = { $optimum } (zusammengesetzt, das Optimum wurde nicht gefunden; bewiesen: nicht unter { $bound })
+reference-enclosed = { $optimum } (bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
 warning-count = Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
 further-warnings = Weitere Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
@@ -462,7 +462,6 @@ final-time = Endzeit t_f
 method = Verfahren
 method-exact = exakt
 method-transcription = Transkription
-method-composed = zusammengesetzt
 cost = Kosten
 switches = Schaltzeitpunkte
 largest-error = Größter Endfehler, bezogen auf den Höchstwert seines Zustands

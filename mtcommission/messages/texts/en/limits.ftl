@@ -24,7 +24,7 @@ reserve-used = { $axis ->
 }
 
 # optima; $error: outcome with its remedy
-optimum-composed = The time-optimal control was not found; the reference shown is { word-a-force } on and off, shaped so that no mode rings at the end. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
+reference-not-exact = The time-optimal control was not found exactly; the reference shown is one on cells. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
 optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.

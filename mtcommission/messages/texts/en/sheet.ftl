@@ -123,7 +123,7 @@ robust-force = { $axis ->
    *[linear] { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
 }
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
-reference-composed = { $optimum } (composed, the optimum was not found; proved: not below { $bound })
+reference-enclosed = { $optimum } (proved: not below { $bound })
 checks-caption = Requirements
 warning-count = Warnings: { $count }, see the appendix, certificates and assumptions.
 further-warnings = Further warnings: { $count }, see the appendix, certificates and assumptions.
@@ -459,7 +459,6 @@ final-time = Final time t_f
 method = Method
 method-exact = exact
 method-transcription = transcription
-method-composed = composed
 cost = Cost
 switches = Switching times
 largest-error = Largest terminal error, relative to the peak of its state
