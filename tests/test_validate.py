@@ -358,9 +358,9 @@ def test_paper_machine_is_table_1() -> None:
 
 
 def test_terminal_shows_80_columns(found: Validation) -> None:
-    lines = fold(describe_validation(found, Catalogue()))
+    lines = fold(describe_validation(found, Catalogue(), every_row=True))
     assert max(map(len, lines)) <= 80
-    german = fold(describe_validation(found, Catalogue("de")))
+    german = fold(describe_validation(found, Catalogue("de"), every_row=True))
     assert max(map(len, german)) <= 80
     assert "Zeitoptimale Steuerung (Abschn. 5.1)" in german
     text = " ".join(" ".join(lines).split())

@@ -10,14 +10,15 @@ import os
 import sys
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import Annotated, NoReturn
+from typing import NoReturn
 
 import typer
 
+from mtcommission.cli.arguments import LANGUAGE, flag
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
 from mtcommission.cli.help import SpokenCommand, SpokenGroup
-from mtcommission.cli.language import SPOKEN, LanguageOption, choose, find_language, say, words
+from mtcommission.cli.language import choose, find_language, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
@@ -67,7 +68,9 @@ profiles.command("copy", cls=SpokenCommand)(copy_profile)
 
 
 @profiles.callback()
-def start_profiles(language: LanguageOption = SPOKEN) -> None:
+def start_profiles(
+    language: str = LANGUAGE,
+) -> None:
     """The example machines that come with the program."""
 
 
@@ -141,10 +144,8 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def start(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
-    ] = False,
-    language: LanguageOption = SPOKEN,
+    version: bool = flag("--version", "Version.", callback=_print_version, is_eager=True),
+    language: str = LANGUAGE,
 ) -> None:
     """Acceleration and jerk limits for machine tool axes, from the mechanical model.
 

@@ -1,45 +1,57 @@
-"""Arguments and options that several commands share, and the machine that they name."""
+"""Arguments and options of commands: how they are declared, those that several share, the machine.
+
+They stand as defaults of a command's parameters, so who calls a command in Python gives them all.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any
 
 import typer
+
+from mtcommission.cli.language import SPOKEN, choose
+from mtcommission.messages.languages import LANGUAGES
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import ProfileSource
 
-ProfileArgument = Annotated[Path, typer.Argument(metavar="PROFILE", help="Machine profile (TOML).")]
-ForceOption = Annotated[
-    str,
-    typer.Option("--f-max", metavar="F", help="Force limit for this call, e.g. 2kN."),
-]
-JsonOption = Annotated[
-    str, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for the screen.")
-]
-CsvOption = Annotated[
-    str, typer.Option("--csv", metavar="FILE", help="Write the motion as CSV; - for the screen.")
-]
-RecordArgument = Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")]
-FolderOption = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")]
-SizesOption = Annotated[
-    str,
-    typer.Option("--for", metavar="every|listed", help="Sizes of move that the limits serve."),
-]
-NoPdfOption = Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")]
-AppendixOption = Annotated[
-    bool,
-    typer.Option("--appendix", help="Print the evidence, too; the HTML always has it."),
-]
-ConstantOption = Annotated[
-    str, typer.Option("--constant", metavar="K", help="Force or torque per ampere [N/A, N m/A].")
-]
-ColumnsOption = Annotated[
-    list[str] | None,
-    typer.Option("--columns", metavar="NAME=COLUMN", help="Our name to one of the file."),
-]
+
+def option(names: str, value: str, meaning: str, default: Any = "", **more: Any) -> Any:
+    """Return an option with a value; ``names`` with blanks between, ``...``: it must be given."""
+    return typer.Option(default, *names.split(), metavar=value, help=meaning, **more)
+
+
+def flag(name: str, meaning: str, **more: Any) -> Any:
+    """Return an option that is set or not."""
+    return typer.Option(False, name, help=meaning, **more)
+
+
+def argument(value: str, meaning: str, default: Any = ...) -> Any:
+    """Return an argument, required where it has no default."""
+    return typer.Argument(default, metavar=value, help=meaning)
+
+
+PROFILE = argument("PROFILE", "Machine profile (TOML).")
+RECORD = argument("RECORD", "record.json of a run.")
+FOLDER = option("-o --output", "DIR", "Folder.", ...)
+F_MAX = option("--f-max", "F", "Force limit for this call, e.g. 2kN.")
+SIZES = option("--for", "every|listed", "Sizes of move that the limits serve.")
+JSON = option("--json", "FILE", "Write the result as JSON; - for the screen.")
+CSV = option("--csv", "FILE", "Write the motion as CSV; - for the screen.")
+NO_PDF = flag("--no-pdf", "Leave the PDF out.")
+APPENDIX = flag("--appendix", "Print the evidence, too; the HTML always has it.")
+CONSTANT = option("--constant", "K", "Force or torque per ampere [N/A, N m/A].")
+COLUMNS = option("--columns", "NAME=COLUMN", "Our name to one of the file.", None)
+LANGUAGE = option(
+    "--language",
+    "|".join(LANGUAGES),
+    "Language of what is printed; default: the environment's LANG, else en.",
+    SPOKEN,
+    callback=choose,
+    is_eager=True,
+)
 
 
 def read_machine(

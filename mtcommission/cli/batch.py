@@ -5,54 +5,36 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.arguments import FOLDER, JSON, LANGUAGE, PROFILE, flag, option
+from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_note, print_written, show, show_bar, show_stage
 from mtcommission.clock import now
 
 
 def sweep(
-    profile: ProfileArgument,
-    output: FolderOption,
-    f_max: Annotated[
-        str, typer.Option("--f-max", metavar="RANGE", help="E.g. 0.5kN:4kN:100, log:300:20e3:50.")
-    ] = "",
-    vary: Annotated[
-        list[str] | None,
-        typer.Option("--vary", metavar="KEY=RANGE", help="E.g. plant.slider_mass=600:900:7."),
-    ] = None,
-    cases: Annotated[
-        Path | None, typer.Option("--cases", metavar="FILE", help="CSV: keys, then a case a line.")
-    ] = None,
-    paired: Annotated[
-        bool, typer.Option("--paired", help="Ranges go together instead of each with each.")
-    ] = False,
-    quantity: Annotated[
-        str, typer.Option("--quantity", metavar="optimal|limits|run", help="What to compute.")
-    ] = "optimal",
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--limit",
-            metavar="NAME=RANGE",
-            help="For optimal, e.g. v_phi=5mrad/s or v_phi=4mrad/s:20mrad/s:9.",
-        ),
-    ] = None,
-    move: Annotated[
-        int, typer.Option("--move", metavar="N", help="Which of the profile's moves (optimal).")
-    ] = 1,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="N", min=0, help="Processes; 0: one per core.")
-    ] = 0,
-    scheduler: Annotated[
-        str, typer.Option("--scheduler", metavar="ADDRESS", help="Dask, e.g. tcp://host:8786.")
-    ] = "",
-    resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
-    language: LanguageOption = SPOKEN,
+    profile: Path = PROFILE,
+    output: Path = FOLDER,
+    f_max: str = option("--f-max", "RANGE", "E.g. 0.5kN:4kN:100, log:300:20e3:50."),
+    vary: list[str] | None = option(
+        "--vary", "KEY=RANGE", "E.g. plant.slider_mass=600:900:7.", None
+    ),
+    cases: Path | None = option("--cases", "FILE", "CSV: keys, then a case a line.", None),
+    paired: bool = flag("--paired", "Ranges go together instead of each with each."),
+    quantity: str = option("--quantity", "optimal|limits|run", "What to compute.", "optimal"),
+    limit: list[str] | None = option(
+        "--limit",
+        "NAME=RANGE",
+        "For optimal, e.g. v_phi=5mrad/s or v_phi=4mrad/s:20mrad/s:9.",
+        None,
+    ),
+    move: int = option("--move", "N", "Which of the profile's moves (optimal).", 1),
+    workers: int = option("--workers", "N", "Processes; 0: one per core.", 0, min=0),
+    scheduler: str = option("--scheduler", "ADDRESS", "Dask, e.g. tcp://host:8786."),
+    resume: bool = flag("--resume", "Continue what is in DIR."),
+    language: str = LANGUAGE,
 ) -> None:
     """Compute many cases; write a table and a page.
 
@@ -93,11 +75,10 @@ def sweep(
 
 
 def validate(
-    json_file: JsonOption = "",
-    output: Annotated[
-        str, typer.Option("-o", "--output", metavar="DIR", help="Write validation.html there.")
-    ] = "",
-    language: LanguageOption = SPOKEN,
+    all_rows: bool = flag("--all", "Every row, not only what does not agree as printed."),
+    json_file: str = JSON,
+    output: str = option("-o --output", "DIR", "Write validation.html there."),
+    language: str = LANGUAGE,
 ) -> None:
     """Put the paper's numbers and claims beside ours.
 
@@ -119,5 +100,5 @@ def validate(
         text = page.print_validation(found, words(), created=now())
         write_files(Path(output), {"validation.html": text.encode()})
     if json_file != "-":
-        show(describe_validation(found, words()))
+        show(describe_validation(found, words(), every_row=all_rows))
     raise typer.Exit(0 if found.is_met else 1)

@@ -10,22 +10,23 @@ import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from mtcommission.cli.arguments import (
-    AppendixOption,
-    CsvOption,
-    FolderOption,
-    ForceOption,
-    JsonOption,
-    NoPdfOption,
-    ProfileArgument,
-    SizesOption,
+    APPENDIX,
+    CSV,
+    F_MAX,
+    JSON,
+    LANGUAGE,
+    NO_PDF,
+    PROFILE,
+    SIZES,
+    option,
     read_machine,
 )
-from mtcommission.cli.language import SPOKEN, LanguageOption, say, words
+from mtcommission.cli.language import say, words
 from mtcommission.cli.terminal import print_said, show, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
@@ -40,13 +41,13 @@ ROWS_BELOW = 4
 
 
 def run(
-    profile: ProfileArgument,
-    output: FolderOption = Path("commissioning"),
-    f_max: ForceOption = "",
-    language: LanguageOption = SPOKEN,
-    no_pdf: NoPdfOption = False,
-    sizes: SizesOption = "",
-    appendix: AppendixOption = False,
+    profile: Path = PROFILE,
+    output: Path = option("-o --output", "DIR", "Folder.", Path("commissioning")),
+    f_max: str = F_MAX,
+    language: str = LANGUAGE,
+    no_pdf: bool = NO_PDF,
+    sizes: str = SIZES,
+    appendix: bool = APPENDIX,
 ) -> None:
     """Compute the limits; write record, sheet and setpoint.
 
@@ -122,48 +123,30 @@ def run(
 
 
 def optimal(
-    profile: ProfileArgument,
-    kind: Annotated[str, typer.Option("--kind", metavar="time|damping", help="What to minimise.")],
-    t_f: Annotated[
-        str, typer.Option("--t-f", metavar="S", help="Final time (damping), e.g. 52.2ms.")
-    ] = "",
-    limit: Annotated[
-        list[str] | None,
-        typer.Option("--limit", metavar="NAME=VALUE", help="E.g. v_phi=5mrad/s; repeatable."),
-    ] = None,
-    f_max: ForceOption = "",
-    velocity_step: Annotated[
-        str, typer.Option("--velocity-step", metavar="V", help="Move instead of the profile's.")
-    ] = "",
-    distance: Annotated[
-        str, typer.Option("--distance", metavar="L", help="Move instead of the profile's.")
-    ] = "",
-    move: Annotated[
-        int, typer.Option("--move", metavar="N", help="Which of the profile's moves.")
-    ] = 1,
-    method: Annotated[
-        str,
-        typer.Option(
-            "--method",
-            metavar="exact|transcription",
-            help="Exact with proof, or on a grid without (needed for damping with --limit).",
-        ),
-    ] = "exact",
-    scheme: Annotated[
-        str,
-        typer.Option(
-            "--scheme", metavar="NAME", help="Transcription: euler, trapezoidal or gauss."
-        ),
-    ] = "gauss",
-    intervals: Annotated[
-        int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
-    ] = 1000,
-    jerk: Annotated[
-        str, typer.Option("--jerk", metavar="J", help="Jerk limit of an open-loop axis.")
-    ] = "",
-    language: LanguageOption = SPOKEN,
-    json_file: JsonOption = "",
-    csv_file: CsvOption = "",
+    profile: Path = PROFILE,
+    kind: str = option("--kind", "time|damping", "What to minimise.", ...),
+    t_f: str = option("--t-f", "S", "Final time (damping), e.g. 52.2ms."),
+    limit: list[str] | None = option(
+        "--limit", "NAME=VALUE", "E.g. v_phi=5mrad/s; repeatable.", None
+    ),
+    f_max: str = F_MAX,
+    velocity_step: str = option("--velocity-step", "V", "Move instead of the profile's."),
+    distance: str = option("--distance", "L", "Move instead of the profile's."),
+    move: int = option("--move", "N", "Which of the profile's moves.", 1),
+    method: str = option(
+        "--method",
+        "exact|transcription",
+        "Exact with proof, or on a grid without (needed for damping with --limit).",
+        "exact",
+    ),
+    scheme: str = option(
+        "--scheme", "NAME", "Transcription: euler, trapezoidal or gauss.", "gauss"
+    ),
+    intervals: int = option("--intervals", "N", "Transcription: intervals.", 1000),
+    jerk: str = option("--jerk", "J", "Jerk limit of an open-loop axis."),
+    language: str = LANGUAGE,
+    json_file: str = JSON,
+    csv_file: str = CSV,
 ) -> None:
     """Compute one optimal control."""
     from time import perf_counter
@@ -211,17 +194,12 @@ def optimal(
 
 
 def limits(
-    profile: ProfileArgument,
-    f_max: ForceOption = "",
-    sizes: SizesOption = "",
-    language: LanguageOption = SPOKEN,
-    json_file: JsonOption = "",
-    page: Annotated[
-        str,
-        typer.Option(
-            "--page", metavar="FILE", help="Only a page to try values on, without the rest."
-        ),
-    ] = "",
+    profile: Path = PROFILE,
+    f_max: str = F_MAX,
+    sizes: str = SIZES,
+    language: str = LANGUAGE,
+    json_file: str = JSON,
+    page: str = option("--page", "FILE", "Only a page to try values on, without the rest."),
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
@@ -272,37 +250,21 @@ def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> 
 
 
 def simulate(
-    profile: ProfileArgument,
-    acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
-    jerk: Annotated[
-        str,
-        typer.Option(
-            "--jerk", metavar="J", help="E.g. 100m/s^3; needed where the control limits it."
-        ),
-    ] = "",
-    setpoint_filter: Annotated[
-        str,
-        typer.Option(
-            "--filter", metavar="KIND:...", help="E.g. moving_average:20ms, zvd:40Hz:0.05, none."
-        ),
-    ] = "",
-    move: Annotated[
-        int, typer.Option("--move", metavar="N", help="Only this one of the profile's moves.")
-    ] = 0,
-    size: Annotated[
-        str, typer.Option("--size", metavar="S", help="Its distance or velocity step.")
-    ] = "",
-    payload: Annotated[
-        str, typer.Option("--payload", metavar="M", help="Of one machine more, e.g. 50kg.")
-    ] = "",
-    frequency_error: Annotated[
-        str, typer.Option("--frequency-error", metavar="E", help="Of that machine, e.g. 7%.")
-    ] = "",
-    f_max: ForceOption = "",
-    sizes: SizesOption = "",
-    language: LanguageOption = SPOKEN,
-    json_file: JsonOption = "",
-    csv_file: CsvOption = "",
+    profile: Path = PROFILE,
+    acceleration: str = option("--acceleration", "A", "E.g. 2m/s^2.", ...),
+    jerk: str = option("--jerk", "J", "E.g. 100m/s^3; needed where the control limits it."),
+    setpoint_filter: str = option(
+        "--filter", "KIND:...", "E.g. moving_average:20ms, zvd:40Hz:0.05, none."
+    ),
+    move: int = option("--move", "N", "Only this one of the profile's moves.", 0),
+    size: str = option("--size", "S", "Its distance or velocity step."),
+    payload: str = option("--payload", "M", "Of one machine more, e.g. 50kg."),
+    frequency_error: str = option("--frequency-error", "E", "Of that machine, e.g. 7%."),
+    f_max: str = F_MAX,
+    sizes: str = SIZES,
+    language: str = LANGUAGE,
+    json_file: str = JSON,
+    csv_file: str = CSV,
 ) -> None:
     """Run one setpoint through the loop and evaluate it.
 

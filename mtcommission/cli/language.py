@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextvars import ContextVar
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import ENGLISH, LANGUAGES
@@ -72,16 +70,6 @@ def has_text(kind: str) -> bool:
     return words().has(kind)
 
 
-LanguageOption = Annotated[
-    str,
-    typer.Option(
-        "--language",
-        metavar="|".join(LANGUAGES),
-        help="Language of what is printed; default: the environment's LANG, else en.",
-        callback=choose,
-        is_eager=True,
-    ),
-]
 SPOKEN = ""
 """Default of the option: the language that is spoken already."""
 

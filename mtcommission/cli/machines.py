@@ -4,31 +4,25 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from mtcommission.cli.arguments import read_machine
+from mtcommission.cli.arguments import LANGUAGE, argument, flag, option, read_machine
 from mtcommission.cli.compute import run
-from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_written, show
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
 
 def wizard(
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="Profile to write or change.")
-    ] = Path("machine.toml"),
-    answers: Annotated[
-        Path | None,
-        typer.Option("--answers", metavar="FILE", help="Answers (TOML, the profile's own keys)."),
-    ] = None,
-    yes: Annotated[
-        bool, typer.Option("--yes", help="Take defaults for what is open instead of asking.")
-    ] = False,
-    run_after: Annotated[bool, typer.Option("--run", help="Go on to run.")] = False,
-    language: LanguageOption = SPOKEN,
+    output: Path = option(
+        "-o --output", "FILE", "Profile to write or change.", Path("machine.toml")
+    ),
+    answers: Path | None = option(
+        "--answers", "FILE", "Answers (TOML, the profile's own keys).", None
+    ),
+    yes: bool = flag("--yes", "Take defaults for what is open instead of asking."),
+    run_after: bool = flag("--run", "Go on to run."),
+    language: str = LANGUAGE,
 ) -> None:
     """Ask for the machine and write a commented profile."""
     from mtcommission.files import require_writable
@@ -44,17 +38,13 @@ def wizard(
         language=language,
     )
     if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
-        run(profile=output, language=language)
+        run(output, Path("commissioning"), "", language, False, "", False)
 
 
 def check(
-    profile: Annotated[
-        Path | None, typer.Argument(metavar="PROFILE", help="Machine profile (TOML).")
-    ] = None,
-    schema: Annotated[
-        bool, typer.Option("--schema", help="Print the JSON schema of profiles instead.")
-    ] = False,
-    language: LanguageOption = SPOKEN,
+    profile: Path | None = argument("PROFILE", "Machine profile (TOML).", None),
+    schema: bool = flag("--schema", "Print the JSON schema of profiles instead."),
+    language: str = LANGUAGE,
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
@@ -79,7 +69,9 @@ def check(
     require_short_moves(machine)
 
 
-def list_profiles(language: LanguageOption = SPOKEN) -> None:
+def list_profiles(
+    language: str = LANGUAGE,
+) -> None:
     """List the example machines with the source of their numbers."""
     from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 
@@ -88,8 +80,8 @@ def list_profiles(language: LanguageOption = SPOKEN) -> None:
 
 
 def show_profile(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
-    language: LanguageOption = SPOKEN,
+    name: str = argument("NAME", "From profiles list."),
+    language: str = LANGUAGE,
 ) -> None:
     """Print an example machine."""
     from mtcommission.profile.shipped import read_shipped
@@ -98,9 +90,9 @@ def show_profile(
 
 
 def copy_profile(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
-    file: Annotated[str, typer.Argument(metavar="FILE", help="Default: NAME.toml here.")] = "",
-    language: LanguageOption = SPOKEN,
+    name: str = argument("NAME", "From profiles list."),
+    file: str = argument("FILE", "Default: NAME.toml here.", ""),
+    language: str = LANGUAGE,
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
     from mtcommission.files import write_text

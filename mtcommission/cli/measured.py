@@ -6,12 +6,21 @@ import sys
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import typer
 
-from mtcommission.cli.arguments import ColumnsOption, ConstantOption, JsonOption, read_machine
-from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.arguments import (
+    COLUMNS,
+    CONSTANT,
+    JSON,
+    LANGUAGE,
+    argument,
+    flag,
+    option,
+    read_machine,
+)
+from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_said, print_written, show, show_stage
 from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
@@ -28,52 +37,23 @@ if TYPE_CHECKING:
 
 
 def identify(
-    files: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="FILE...", help="Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."
-        ),
-    ],
-    profile: Annotated[
-        Path | None,
-        typer.Option("--profile", metavar="PROFILE", help="Profile to take the modes in."),
-    ] = None,
-    output: Annotated[str, typer.Option("-o", metavar="NEW.toml", help="Profile to write.")] = "",
-    sensor: Annotated[
-        str, typer.Option("--sensor", metavar="encoder|tcp", help="Where the sensor sits.")
-    ] = "",
-    input_: Annotated[
-        str,
-        typer.Option(
-            "--input", metavar="force|torque|current|acceleration", help="What excites the axis."
-        ),
-    ] = "",
-    constant: ConstantOption = "",
-    measured: Annotated[
-        str,
-        typer.Option("--output", metavar="position|velocity|acceleration", help="What it shows."),
-    ] = "",
-    columns: ColumnsOption = None,
-    band: Annotated[
-        str, typer.Option("--band", metavar="LOW:HIGH", help="Lines to fit [Hz]; default chosen.")
-    ] = "",
-    modes: Annotated[
-        str, typer.Option("--modes", metavar="N|auto", help="Number of modes.")
-    ] = "auto",
-    tool_ratio: Annotated[
-        str,
-        typer.Option(
-            "--tool-ratio", metavar="R", help="Peak at the tool by peak at the motor, if known."
-        ),
-    ] = "",
-    force: Annotated[
-        bool, typer.Option("--force", help="Write a profile even if no model fits, and say so.")
-    ] = False,
-    page: Annotated[
-        str, typer.Option("--page", metavar="FILE.html", help="Measured over fitted, as a page.")
-    ] = "",
-    language: LanguageOption = SPOKEN,
-    json_file: JsonOption = "",
+    files: list[str] = argument("FILE...", "Measurements; FILE@tcp, FILE@encoder, FILE@RESPONSE."),
+    profile: Path | None = option("--profile", "PROFILE", "Profile to take the modes in.", None),
+    output: str = option("-o", "NEW.toml", "Profile to write."),
+    sensor: str = option("--sensor", "encoder|tcp", "Where the sensor sits."),
+    input_: str = option("--input", "force|torque|current|acceleration", "What excites the axis."),
+    constant: str = CONSTANT,
+    measured: str = option("--output", "position|velocity|acceleration", "What it shows."),
+    columns: list[str] | None = COLUMNS,
+    band: str = option("--band", "LOW:HIGH", "Lines to fit [Hz]; default chosen."),
+    modes: str = option("--modes", "N|auto", "Number of modes.", "auto"),
+    tool_ratio: str = option(
+        "--tool-ratio", "R", "Peak at the tool by peak at the motor, if known."
+    ),
+    force: bool = flag("--force", "Write a profile even if no model fits, and say so."),
+    page: str = option("--page", "FILE.html", "Measured over fitted, as a page."),
+    language: str = LANGUAGE,
+    json_file: str = JSON,
 ) -> None:
     """Measured responses to mass, delay and modes in a profile.
 

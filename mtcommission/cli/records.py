@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
-from mtcommission.cli.language import SPOKEN, LanguageOption, words
+from mtcommission.cli.arguments import (
+    APPENDIX,
+    FOLDER,
+    LANGUAGE,
+    NO_PDF,
+    RECORD,
+    argument,
+    flag,
+    option,
+)
+from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_note, print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
 
 def sheet(
-    record: RecordArgument,
-    output: FolderOption,
-    compare: Annotated[
-        Path | None,
-        typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
-    ] = None,
-    verified: Annotated[
-        Path | None,
-        typer.Option(
-            "--verified", metavar="VERDICT.json", help="Of verify: fills what it measured."
-        ),
-    ] = None,
-    language: LanguageOption = SPOKEN,
-    no_pdf: NoPdfOption = False,
-    appendix: AppendixOption = False,
+    record: Path = RECORD,
+    output: Path = FOLDER,
+    compare: Path | None = option(
+        "--compare", "BEFORE", "Earlier record.json: say what changed.", None
+    ),
+    verified: Path | None = option(
+        "--verified", "VERDICT.json", "Of verify: fills what it measured.", None
+    ),
+    language: str = LANGUAGE,
+    no_pdf: bool = NO_PDF,
+    appendix: bool = APPENDIX,
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
@@ -65,19 +69,11 @@ def sheet(
 
 
 def export(
-    control: Annotated[
-        str, typer.Option("--control", metavar="NAME", help="E.g. sinumerik; ? lists all.")
-    ],
-    record: Annotated[
-        Path | None, typer.Argument(metavar="RECORD", help="record.json of a run.")
-    ] = None,
-    output: Annotated[
-        str, typer.Option("-o", "--output", metavar="FILE", help="- for the screen.")
-    ] = "-",
-    as_csv: Annotated[
-        bool, typer.Option("--csv", help="Parameter list to tick off instead.")
-    ] = False,
-    language: LanguageOption = SPOKEN,
+    control: str = option("--control", "NAME", "E.g. sinumerik; ? lists all.", ...),
+    record: Path | None = argument("RECORD", "record.json of a run.", None),
+    output: str = option("-o --output", "FILE", "- for the screen.", "-"),
+    as_csv: bool = flag("--csv", "Parameter list to tick off instead."),
+    language: str = LANGUAGE,
 ) -> None:
     """Write the limits in a control's own words and units.
 

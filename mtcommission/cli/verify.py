@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import ColumnsOption, ConstantOption, JsonOption, RecordArgument
-from mtcommission.cli.language import SPOKEN, LanguageOption, speak_of, words
+from mtcommission.cli.arguments import COLUMNS, CONSTANT, JSON, LANGUAGE, RECORD, argument, option
+from mtcommission.cli.language import speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
 from mtcommission.cli.terminal import print_written, show, show_stage
 from mtcommission.clock import now
@@ -18,20 +17,14 @@ EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
 
 
 def verify(
-    record: RecordArgument,
-    traces: Annotated[
-        list[str], typer.Argument(metavar="TRACE...", help="Moves recorded with the limits.")
-    ],
-    columns: ColumnsOption = None,
-    constant: ConstantOption = "",
-    renewed: Annotated[
-        str, typer.Option("--refine", metavar="NEW.toml", help="Profile as the traces show it.")
-    ] = "",
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the page.")
-    ] = None,
-    language: LanguageOption = SPOKEN,
-    json_file: JsonOption = "",
+    record: Path = RECORD,
+    traces: list[str] = argument("TRACE...", "Moves recorded with the limits."),
+    columns: list[str] | None = COLUMNS,
+    constant: str = CONSTANT,
+    renewed: str = option("--refine", "NEW.toml", "Profile as the traces show it."),
+    output: Path | None = option("-o --output", "DIR", "Folder for the page.", None),
+    language: str = LANGUAGE,
+    json_file: str = JSON,
 ) -> None:
     """Recorded moves beside the prediction: does it hold, and why not.
 

@@ -379,14 +379,6 @@ def _law(cases: Cases) -> list[Row]:
     return [
         number(
             "sec. 6, (16)",
-            "control law: largest deviation over F_max",
-            0.0,
-            damping.law_residual,
-            tolerance=LAW_TOLERANCE,
-            basis="our solver's own adjoint",
-        ),
-        number(
-            "sec. 6, (16)",
             "control law with an adjoint integrated backward from t_f",
             0.0,
             followed,

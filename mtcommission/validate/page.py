@@ -133,6 +133,12 @@ def heading_of(part: str, words: Catalogue) -> str:
     return words.known(f"validate-part-{part}", part)
 
 
+def head_of(column: str, words: Catalogue) -> str:
+    """Return the head of a column."""
+    own = f"validate-head-{column}"
+    return words.text(own if words.has(own) else column)
+
+
 def print_validation(validation: Validation, words: Catalogue, *, created: str) -> str:
     """Return the comparison as one page that works offline; its rows quote the paper."""
     machine, say = validation.cases.machine, words.text
@@ -185,7 +191,7 @@ def _verdict(validation: Validation, words: Catalogue) -> Section:
                 found.append(_typeset(told))
     remark = note(say("validate-remark", source=SOURCE))
     blocks = (headline, Bullets(items=tuple(found)), remark)
-    return Section(key="verdict", heading=say("validate-head-verdict"), blocks=blocks)
+    return Section(key="verdict", heading=say("verdict"), blocks=blocks)
 
 
 def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> Section:
@@ -242,7 +248,7 @@ def _table(
         caption=words.text(caption),
         columns=tuple(
             Column(
-                head=words.text(f"validate-head-{name}"),
+                head=head_of(name, words),
                 width=widths.get(name, 1.0),
                 is_number=caption == "validate-numbers" and name in NUMBERS,
             )

@@ -109,6 +109,7 @@ help-resume = Fortsetzen, was in DIR liegt.
 
 help-validate = Die Zahlen und Aussagen der Veröffentlichung neben unsere stellen.
 help-validate-more = Rückgabewert 1, wenn eine außerhalb ihrer Toleranz liegt.
+help-validate-all-rows = Jede Zeile, nicht nur was nicht wie gedruckt stimmt.
 help-validate-output = validation.html dorthin schreiben.
 
 help-profiles = Die mitgelieferten Beispielmaschinen.

@@ -1,10 +1,10 @@
 validate-title = Die Zahlen der Veröffentlichung neben unseren
 validate-disclaimer = Berechnet, nicht gemessen.
-validate-verdict = Urteil
 validate-explained = Nichts bleibt unerklärt
 validate-unexplained = Einige Zeilen liegen außerhalb der Toleranz
 validate-remark = { $source }. Jede Zahl und Aussage steht wie gedruckt, im Wortlaut der Veröffentlichung. Bei einem Druckfehler wird die Berichtigung angegeben und beurteilt; wo eine Aussage nicht gilt, sagt die Zeile, was sie widerlegt.
 validate-count = { $count } Zeilen: { $agrees } stimmen überein, { $corrected } mit Berichtigung, { $differs } weichen begründet ab, { $out } außerhalb der Toleranz.
+validate-all-rows = Die übrigen Zeilen stimmen wie gedruckt: --all zeigt sie hier, -o DIR auf einer Seite.
 validate-found = { $verdict ->
     [out] Unerklärt
     [differs] Gilt nicht
@@ -17,26 +17,17 @@ validate-numbers = Zahlen
 validate-claims = Aussagen und Formeln
 validate-tolerance-of = Toleranz von { $names }: { $basis }.
 validate-figures = Bild 4 und 5 noch einmal
-validate-head-quantity = Größe
 validate-head-printed = Gedruckt
 validate-head-correct = Richtig
 validate-head-ours = Unser Wert
-validate-head-difference = Differenz
 validate-head-tolerance = Toleranz
 validate-head-claim = Aussage
 validate-head-tested = Unser Ergebnis, und wie es geprüft wurde
-validate-head-verdict = Urteil
 validate-head-place = Stelle
 validate-is-agrees = stimmt
 validate-is-corrected = stimmt mit der Berichtigung
 validate-is-differs = weicht begründet ab
 validate-is-out = AUSSERHALB DER TOLERANZ
-validate-short-agrees = stimmt
-validate-short-corrected = berichtigt
-validate-short-differs = weicht ab
-validate-short-out = AUSSERHALB
-validate-short-difference = Diff.
-validate-short-tolerance = Tol.
 validate-told = { $what ->
     [paper] gedruckt
     [correct] richtig

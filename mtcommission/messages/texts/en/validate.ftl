@@ -2,11 +2,11 @@
 
 validate-title = The paper's numbers beside ours
 validate-disclaimer = Calculated, not measured.
-validate-verdict = Verdict
 validate-explained = Nothing unexplained
 validate-unexplained = Some rows are out of tolerance
 validate-remark = { $source }. Each number and claim stands as printed. Where it is a misprint, the correction is given and judged; where a claim does not hold, the row says what disproves it.
 validate-count = { $count } rows: { $agrees } agree, { $corrected } agree with the correction, { $differs } differ with reason, { $out } out of tolerance.
+validate-all-rows = The other rows agree as printed: --all shows them here, -o DIR a page.
 validate-found = { $verdict ->
     [out] Unexplained
     [differs] Does not hold
@@ -19,26 +19,17 @@ validate-numbers = Numbers
 validate-claims = Claims and formulas
 validate-tolerance-of = Tolerance of { $names }: { $basis }.
 validate-figures = Figures 4 and 5 again
-validate-head-quantity = Quantity
 validate-head-printed = Printed
 validate-head-correct = Correct
 validate-head-ours = Ours
-validate-head-difference = Difference
 validate-head-tolerance = Tolerance
 validate-head-claim = Claim
 validate-head-tested = Ours, and how it was tested
-validate-head-verdict = Verdict
 validate-head-place = Place
 validate-is-agrees = agrees
 validate-is-corrected = agrees with the correction
 validate-is-differs = differs, with reason
 validate-is-out = OUT OF TOLERANCE
-validate-short-agrees = agrees
-validate-short-corrected = corrected
-validate-short-differs = differs
-validate-short-out = OUT
-validate-short-difference = Diff.
-validate-short-tolerance = Tol.
 validate-told = { $what ->
     [paper] paper
     [correct] correct
