@@ -11,7 +11,6 @@ import sys
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -345,11 +344,6 @@ def test_bad_profile_writes_nothing(run: Run, tmp_path: Path, content: bytes) ->
     assert not (tmp_path / "out").exists()
 
 
-def test_directory_and_missing_file_are_named(run: Run, tmp_path: Path) -> None:
-    assert run("check", tmp_path)[0] == 2
-    assert run("sheet", tmp_path, "-o", tmp_path / "new")[0] == 2
-
-
 @pytest.mark.parametrize(
     ("language", "missing", "no_record"),
     [
@@ -419,13 +413,6 @@ def test_a_damping_optimal_control_names_its_limits(run: Run) -> None:
     assert json.loads(out)["limits"] == {"v_phi": 0.005}
 
 
-def test_limits_given_twice_are_refused(run: Run) -> None:
-    """Otherwise one of the two values is taken without a word."""
-    code, _, err = run("optimal", PAPER, "--kind", "time", "--limit", "v_b=1", "--limit", "v_b=2")
-    assert code == 2
-    assert "v_b is given 2 times" in err
-
-
 def test_a_control_on_a_mesh_says_how_far_it_is_from_the_optimum() -> None:
     """Hundreds of touch points would hide it; a bare gap of 2e-5 is easily overlooked."""
     machine = paper_machine()
@@ -474,12 +461,6 @@ def test_check_shows_modes_and_rigid_limits(run: Run) -> None:
     assert max(map(len, out.splitlines())) <= 80
 
 
-def test_schema_is_json(run: Run) -> None:
-    code, out, _ = run("check", "--schema")
-    assert code == 0
-    assert "properties" in json.loads(out)
-
-
 def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> None:
     """The limits that are recommended must do in `simulate` what `limits` says."""
     profile = tmp_path / "plain.toml"
@@ -514,29 +495,12 @@ def test_simulate_refuses_what_would_take_for_ever(run: Run) -> None:
     assert "check the unit of max_force, or of the acceleration and jerk that were given" in err
 
 
-def test_simulate_says_when_requirements_are_missed(run: Run) -> None:
-    """Full force and no jerk limit saturate the drive and leave the band: exit code 1."""
-    code, out, _ = run("simulate", PAPER, "--acceleration", "2.66", "--jerk", "1e5 m/s^3")
-    assert code == 1
-    assert "saturated" in out
-    assert "NOT MET" in out
-
-
 def test_names_between_colons_are_printed_as_they_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """``boundary:v:+`` came out with a picture of a hand in it."""
     show(["boundary:v:+"])
     assert capsys.readouterr().out == "boundary:v:+\n"
-
-
-def test_pieces_of_one_arc_are_printed_as_one(run: Run) -> None:
-    """Interior control is kept in short pieces: a page of them would hide the structure."""
-    code, out, _ = run("optimal", PAPER, "--kind", "damping", "--t-f", "52.2ms")
-    controls = [line.split()[-1] for line in out.splitlines() if line.count(" ms") == 2]
-    assert code == 0
-    assert controls.count("interior") > 1
-    assert all(before != after for before, after in pairwise(controls))
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
@@ -646,11 +610,6 @@ def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path: Path
     text = log.read_text("utf-8")
     assert text.startswith("kept\nt,F_set,")
     assert "Time-optimal control" in text  # the table, behind it
-
-
-def test_an_empty_epoch_is_none(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", "")
-    assert run("optimal", PAPER, "--kind", "time")[0] == 0
 
 
 def test_a_terminal_without_columns_shows_all(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

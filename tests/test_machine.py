@@ -14,7 +14,7 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.basis import list_assumed, list_neglected
 from mtcommission.machine.control import Control
 from mtcommission.machine.drive import Drive
-from mtcommission.machine.machine import mid_payload, moving_mass
+from mtcommission.machine.machine import moving_mass
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator
@@ -51,11 +51,6 @@ def test_a_corner_scales_frequencies_and_keeps_damping_ratios(
     assert np.allclose(scaled, frequency * poles, rtol=1e-12)
 
 
-def test_nominal_corner_changes_nothing() -> None:
-    for machine in MACHINES:
-        assert vary(machine, NOMINAL) == machine
-
-
 def test_payload_turns_the_tower_only_with_a_radius() -> None:
     """The definition: payload adds to the inertia only if payload_radius is given."""
     machine, corner = paper_machine(), Corner(payload=100.0)
@@ -88,22 +83,6 @@ def test_corners_are_enumerated_with_the_nominal_machine_first() -> None:
     assert set(outer) == expected
 
 
-@pytest.mark.parametrize(
-    ("changes", "count"),
-    [
-        ({}, 1),
-        ({"payload": (0.0, 100.0)}, 2),
-        ({"payload": (50.0, 50.0)}, 2),
-        ({"frequency_spread": 0.05}, 3),
-        ({"payload": (0.0, 100.0), "frequency_spread": 0.05}, 5),
-    ],
-)
-def test_no_corner_appears_twice(changes: dict[str, object], count: int) -> None:
-    needs = replace(paper_machine().requirements, **changes)  # type: ignore[arg-type]
-    found = corners(replace(paper_machine(), requirements=needs))
-    assert len(found) == len(set(found)) == count
-
-
 def test_modes_of_the_manipulator_by_hand() -> None:
     base, tower = paper_machine().mechanics.modes
     assert base.frequency_hz == pytest.approx((44.41e6 / 450) ** 0.5 / (2 * pi))
@@ -117,11 +96,6 @@ def test_static_load_takes_its_amount_from_either_direction() -> None:
     for load in (300.0, -300.0):
         drive = Drive(force_lag=1e-3, max_force=2e3, static_load=load)
         assert drive.motion_force == 1700.0
-
-
-def test_payload_moves_the_middle() -> None:
-    needs = replace(paper_machine().requirements, payload=(20.0, 100.0))
-    assert mid_payload(replace(paper_machine(), requirements=needs)) == 60.0
 
 
 def test_random_machines_are_plausible() -> None:

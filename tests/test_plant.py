@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
@@ -48,15 +47,6 @@ def test_poles_of_the_notes_to_the_paper() -> None:
     for pole in (-400.0, -9.444 + 314.006j, -9.444 - 314.006j, -22.5 + 452.210j, -22.5 - 452.21j):
         assert np.min(np.abs(poles - pole)) < 1e-3
     assert np.sum(np.abs(poles) < 1e-6) == 2
-
-
-def test_modes_are_those_poles() -> None:
-    base, tower = build_plant(paper_machine()).modes
-    assert base.frequency_hz == pytest.approx(50.00, abs=5e-3)
-    assert base.damping_ratio == pytest.approx(0.0301, abs=5e-5)
-    assert tower.frequency_hz == pytest.approx(72.06, abs=5e-3)
-    assert tower.damping_ratio == pytest.approx(0.0497, abs=5e-5)
-    assert base.pole == pytest.approx(-9.444 + 314.006j, abs=1e-3)
 
 
 def test_kalman_rank_of_the_paper_is_7() -> None:
@@ -131,11 +121,3 @@ def test_a_tower_that_no_force_turns_is_a_named_outcome() -> None:
     with pytest.raises(ComputationError) as caught:
         build_plant(replace(machine, mechanics=replace(parts, lever_arm=0.0)))
     assert caught.value.outcome is Outcome.NOT_CONTROLLABLE
-
-
-def test_unknown_signals_are_refused() -> None:
-    plant = build_plant(paper_machine())
-    with pytest.raises(KeyError):
-        plant.row("v_nothing")
-    assert len(plant.signals) == len(plant.signal_units) == 10
-    assert plant.moving_mass == moving_mass(paper_machine())

@@ -514,7 +514,7 @@ name = "m"  ->  name = 7
 "5 um"  ->  "5 um"\n[today]\njerk = 10
   24: today.acceleration: missing; add the value of your machine, for example acceleration = "2
     m/s^2"
-"""
+"""  # noqa: E501
 """What is changed in the profile of the manipulator, and below it the line and what is said."""
 
 FAULTS_OF_MODES = r"""

@@ -22,7 +22,7 @@ from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bang, Bound, constant_arc, propagate
+from mtcommission.optimal.solution import Bang, constant_arc, propagate
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
@@ -31,14 +31,13 @@ from mtcommission.validate.adjoint import (
     printed_adjoint_matrix,
     zeros,
 )
-from mtcommission.validate.bounded import arc_groups, bounded_rows, coasting_cost, damping_rows
+from mtcommission.validate.bounded import bounded_rows, coasting_cost, damping_rows
 from mtcommission.validate.free import (
     count_switches,
     printed_control_error,
     scan_forces,
     time_rows,
 )
-from mtcommission.validate.loops import solve_loop, with_frequencies
 from mtcommission.validate.page import Validation, print_validation, validate
 from mtcommission.validate.paper import ADJOINT, SWITCHING_TIMES, T_F, WEIGHTS, paper_machine
 from mtcommission.validate.row import Row, Verdict, claim, number
@@ -209,13 +208,6 @@ def test_multiplier_keeps_the_switching_function_at_zero(seed: int) -> None:
     assert abs(multiplier - printed) > 0.1
 
 
-def test_structure_of_the_bounded_optimum(found: Validation) -> None:
-    bounded = found.cases.bounded
-    assert bounded.bounds == (Bound(name="v_phi", value=0.005),)
-    assert arc_groups(bounded) == (2, 6, 2)
-    assert bounded.certificate.t_f_lower_bound > 0.0522
-
-
 def ends(plant: Plant, times: Array, force: float, scale: Array) -> Array:
     arcs = []
     for start, end in pairwise((0.0, *times.tolist())):
@@ -308,15 +300,6 @@ def test_claims_on_vibration_by_a_general_solver(found: Validation, plant: Plant
     assert f"from {ends_of_range[0]} to {ends_of_range[1]} mrad/s" in told
 
 
-def test_varied_loops_differ_in_one_thing() -> None:
-    """Else the jerk would not follow the mode that the row names."""
-    loop = solve_loop(paper_machine())
-    softer = solve_loop(with_frequencies(paper_machine(), base=0.8))
-    assert loop.frequencies == pytest.approx([49.99819, 72.06047], rel=1e-6)
-    assert softer.frequencies == pytest.approx(loop.frequencies * [0.8, 1.0])
-    assert loop.damping[1] == pytest.approx(0.0496942, rel=1e-4)
-
-
 def test_cost_of_coasting_by_quadrature(found: Validation, plant: Plant) -> None:
     """J of the time-optimal control, piece by piece with an adaptive rule."""
     x, total = np.zeros(7), 0.0
@@ -348,13 +331,6 @@ def test_law_is_found_from_the_force_alone(found: Validation, plant: Plant) -> N
         damping, arcs=tuple(replace(arc, output=0.99 * arc.output) for arc in damping.arcs)
     )
     assert law_residual(plant, scaled, samples=4000) > 1e-4
-
-
-def test_paper_machine_is_table_1() -> None:
-    from tests.machines import paper_machine as expected
-
-    needs = replace(expected().requirements, frequency_spread=0.05, damping_spread=0.3)
-    assert paper_machine() == replace(expected(), requirements=needs)
 
 
 def test_terminal_shows_80_columns(found: Validation) -> None:

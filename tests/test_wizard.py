@@ -18,8 +18,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError, Refused
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
@@ -39,13 +37,11 @@ from mtcommission.wizard.answers import (
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     couple,
-    flatten,
-    nest,
     share_out,
     to_answers,
     to_profile,
 )
-from mtcommission.wizard.console import BACK, LineConsole, RichConsole, fold, hint, means
+from mtcommission.wizard.console import BACK, LineConsole, RichConsole, hint, means
 from mtcommission.wizard.document import update_document
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, read_reply, title
@@ -354,13 +350,6 @@ def test_modal_kind_takes_several_modes_and_several_moves(tmp_path: Path) -> Non
     assert to_answers(data)["wizard.way"] == MODAL
 
 
-def test_what_engineers_have_most_often_is_offered_first() -> None:
-    for motion in ("linear", "rotary"):
-        way = find_question("wizard.way", {"machine.motion": motion})
-        assert way.choices[0] == way.default == PAIR_BY_FREQUENCY
-        assert (TOWER_BY_STIFFNESS in way.choices) is (motion == "linear")
-
-
 FOLLOWS_TOML = """
 machine.name = "Printer"
 drive.kind = "position_source"
@@ -449,34 +438,6 @@ def test_further_resonances_need_no_more_than_their_frequency(tmp_path: Path) ->
     assert not machine.is_assumed("plant.modes[2].frequency")
 
 
-def test_answers_may_hold_keys_that_are_not_asked(tmp_path: Path) -> None:
-    extra = '[requirements.peaks]\ntcp = "50 mm"\n[[control.force_filters]]\nkind = "low_pass"\n'
-    from_answers(tmp_path / "m.toml", PAIR_TOML + extra + 'frequency = "300 Hz"\ndamping = 0.7\n')
-    machine = read_profile(tmp_path / "m.toml")
-    assert machine.requirements.peaks[0].bound == 0.05
-    assert machine.control.force_filters[0].damping == 0.7
-
-
-def test_the_place_of_the_position_loop_is_offered_where_there_is_a_choice(tmp_path: Path) -> None:
-    """Who does not know it must see on the sheet that DSC was assumed."""
-    from_answers(path := tmp_path / "p.toml", f"{PAIR_TOML}[control]\nkind = 'sinumerik'\n")
-    machine = read_profile(path)
-    assert machine.control.kind is KINDS["sinumerik"]
-    assert machine.control.position_loop is PositionLoop.DRIVE
-    assert machine.is_assumed("control.position_loop")
-    offered = {one.key for one in list_settled({"control.kind": "fanuc"})}
-    assert "control.position_loop" not in offered
-    assert "today.jerk" not in {one.key for one in list_settled({"control.kind": "fluidnc"})}
-
-
-@pytest.mark.parametrize("name", ["ball-screw", "honing-z"])
-def test_a_profile_with_assumed_keys_is_a_file_of_answers(name: str, tmp_path: Path) -> None:
-    shipped = PROFILES / f"{name}.toml"
-    from_answers(tmp_path / "m.toml", shipped.read_text("utf-8"))
-    assumed = tomllib.loads(shipped.read_text("utf-8"))["machine"]["assumed"]
-    assert set(assumed) <= set(read_profile(tmp_path / "m.toml").assumed)
-
-
 def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     """Else the sheet credits what nobody knows to the data sheet that the user named."""
     path = tmp_path / "p.toml"
@@ -503,9 +464,7 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
         (PAIR_TOML + '[control]\nposition_gian = "60 1/s"\n', 'did you mean "position_gain"'),
         (PAIR_TOML.replace('"30 Hz"', '"30 Hz'), "m.in:8: TOML syntax: .* stand in quotes"),
         (PAIR_TOML.replace("motor_mass", "motor"), 'did you mean "pair.motor_mass"'),
-        (PAIR_TOML.replace("motor_mass", "#"), "pair.motor_mass: an answer is needed"),
         (PAIR_TOML.replace("[drive]", "[drive]\nmaxforce = 1"), 'did you mean "max_force"'),
-        (PAIR_TOML.replace("[drive]", "[drives]"), 'did you mean "drive"'),
         ('wizard.measured = ["none.csv"]', r"none\.csv"),
     ],
 )
@@ -519,7 +478,6 @@ def test_wrong_answers_write_nothing(answers: str, words: str, tmp_path: Path) -
     ("old", "new", "place"),
     [
         ('max_force = "100 N"', 'max_force = "100 m"', "m.in:10: drive.max_force: got"),
-        ('max_force = "100 N"', 'max_forse = "100 N"', "m.in:10: drive.max_forse: unknown key"),
         (
             'distance = "20 mm"',
             'distance = "20 mm"\n[[moves]]\ndistance = "2 furlong"',
@@ -599,16 +557,6 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     _, said = talk(path, "\n450 kg\n\n2 kN\n\n", is_interactive=True)
     assert "Not possible: drive.max_force" in said
     assert mechanical(read_profile(path)) == SHIPPED
-
-
-def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
-    """A static load above the force is seen only when both are known."""
-    begin = SERVO.removesuffix("\n")
-    _, said = talk(
-        tmp_path / "m.toml", f"{begin}drive.static_load\n30 kN\n\n1 kN\n\n", is_interactive=True
-    )
-    assert "Not possible: drive.static_load" in said
-    assert read_profile(tmp_path / "m.toml").drive.static_load == 1000.0
 
 
 # Leaving and coming back
@@ -695,18 +643,6 @@ def test_a_move_is_a_distance_or_a_velocity_by_its_unit() -> None:
         read_reply(question, "3 kg")
 
 
-def test_a_value_out_of_the_schemas_range_is_refused_at_its_question() -> None:
-    with pytest.raises(Refused, match="must be"):
-        read_reply(find_question("drive.force_lag", {}), "2.5")  # seconds
-
-
-def test_no_line_ends_between_a_number_and_its_unit() -> None:
-    words = ("wide " * 14).strip()
-    for quantity in ("1 N s/m", "100 MN s/m", "5 kg m^2", "30 %", "4 (m/min)/mm", "12 um"):
-        for cut in range(len(words)):
-            assert quantity in fold(f"{words[cut:]} {quantity} more.")
-
-
 def _all_questions() -> list[tuple[Question, bool]]:
     """Every question, and whether it is asked of a rotary axis."""
     found = {}
@@ -761,22 +697,6 @@ def test_the_wizard_speaks_german_and_writes_german_comments(tmp_path: Path) -> 
     assert "Eigenform base bei 50 Hz, Dämpfungsgrad 0,0301" in said
     for english in ("Stiffness", "Mass of", "mode ", "assumed", "At every"):
         assert english not in said
-
-
-NAMES = st.text("abcxyz_", min_size=1, max_size=6)
-TREES = st.recursive(
-    st.text(st.characters(blacklist_categories=["C"]), min_size=1, max_size=12),
-    lambda inner: st.one_of(
-        st.dictionaries(NAMES, inner, min_size=1, max_size=3),
-        st.lists(inner, min_size=1, max_size=3),
-    ),
-    max_leaves=12,
-)
-
-
-@given(data=st.dictionaries(NAMES, TREES, max_size=4))
-def test_nesting_reverses_flattening(data: dict[str, object]) -> None:
-    assert nest(flatten(data)) == data
 
 
 @settings(max_examples=30, deadline=None)
