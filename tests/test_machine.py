@@ -121,7 +121,7 @@ def test_what_nobody_stated_is_said_in_one_sentence_each() -> None:
     assert said[0].startswith("frequencies off by up to ±5")
     assert said[1].startswith("limits may use ")
     assert said[2].startswith("tcp_height: the tool stands above the rotary joint")
-    assert said[3:] == ["not measured: drive.force_lag"]
+    assert said[3:] == ["not measured: Time constant of the force loop T"]
     modal = random_modal_machine(1, n_modes=2)
     assert list(list_assumed(modal)) == []
 

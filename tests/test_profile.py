@@ -498,7 +498,7 @@ velocity_step =  ->  dwell = 0 #
   25: control.tcp_sensor: got "laser", must be "none" or "position"
 schema = 1  ->  schema = 2
   1: schema: got 2, must be 1
-schema = 1  ->  
+schema = 1  ->  #
   1: schema: missing; add schema = 1
 name = "m"  ->  name = " "
   3: machine.name: got an empty text, give a name
