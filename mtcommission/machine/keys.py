@@ -66,8 +66,9 @@ class Key:
         if isinstance(self.reader, Word | WordOr):
             words = self.reader.meanings.items()
             return next((word for word, one in words if one == self.left_out), None)
-        is_plain = isinstance(self.left_out, bool | float | str) and self.left_out != inf
-        return self.left_out if is_plain else None
+        if isinstance(self.left_out, float):
+            return self.left_out / self.factor if self.left_out != inf else None
+        return self.left_out if isinstance(self.left_out, bool | str) else None
 
     @property
     def is_required(self) -> bool:

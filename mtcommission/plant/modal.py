@@ -72,7 +72,7 @@ class Modal:
         """Return the plant with this mass [kg], frequencies and damping ratios."""
         return replace(self, moving_mass=mass, modes=renew_modes(self.modes, modes))
 
-    def still_tool(self, modes: Collection[str]) -> Self:
+    def still_tool(self, modes: Collection[str]) -> Self | None:
         """Return the plant with a tool that does not move in these modes."""
         return replace(
             self,
