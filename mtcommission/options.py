@@ -108,7 +108,8 @@ class Options:
     def word(self, option: str, text: str, allowed: Sequence[str]) -> None:
         """Note a fault where an option has none of the words that it takes."""
         if text not in allowed:
-            words = Message("either", first=tuple(allowed[:-1]), last=allowed[-1])
+            named = tuple(filter(None, allowed))
+            words = Message("either", first=named[:-1], last=named[-1])
             self.refuse(option, Message("option-one-of", got=repr(text), allowed=words))
 
     def move(self, machine: Machine, number: int, *, least: int = 1) -> None:

@@ -173,7 +173,7 @@ def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
         ("--constant", "x", '--constant: got "x"'),
         ("--constant", "3 kg", '--constant: got "3 kg", must be a number other than 0 in N/A'),
         ("--tool-ratio", "3 N/A", '--tool-ratio: got "3 N/A"'),
-        ("--sensor", "motor", "--sensor: got motor, must be encoder, tcp"),
+        ("--sensor", "motor", "--sensor: got 'motor', must be encoder or tcp"),
         ("--columns", "force", '--columns: got "force", must be NAME=COLUMN'),
     ],
 )

@@ -21,19 +21,9 @@ MOTION_SAMPLES = 2000
 
 
 def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
-    """Return a setpoint at the position cycle as CSV: t, x_ref, v_ref, a_ref, j_ref (SI).
+    """Return a setpoint as CSV, t, x_ref, v_ref, a_ref, j_ref (SI), each position cycle ``step``.
 
-    Parameters
-    ----------
-    setpoint
-        What the control sends.
-    step
-        Position cycle [s].
-
-    Returns
-    -------
-    str
-        The last row is the first one at or after the end.
+    The last row is the first one at or after the end.
     """
     times = np.arange(int(np.ceil(setpoint.duration / step - 1e-9)) + 1, dtype=np.float64) * step
     return _csv(
@@ -43,15 +33,7 @@ def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
 
 
 def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
-    """Return the motion under an optimal control as CSV: t, F_set, every state (SI).
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    solution
-        Of ``optimal``.
-    """
+    """Return the motion under an optimal control as CSV: t, F_set, every state (SI)."""
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOTION_SAMPLES)
     return _csv(
         ("t", "F_set", *plant.states), np.column_stack([motion.t, motion.force, motion.states])
@@ -59,15 +41,7 @@ def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
 
 
 def response_csv(plant: Plant, result: MoveResult) -> str:
-    """Return the nominal response as CSV: t, deviation, F_set, every state (SI).
-
-    Parameters
-    ----------
-    plant
-        Nominal.
-    result
-        One move, run in every corner.
-    """
+    """Return the nominal response to a move as CSV: t, deviation, F_set, every state (SI)."""
     nominal = result.responses[0]
     columns = np.column_stack([nominal.t, nominal.deviation, nominal.force, nominal.states])
     return _csv(("t", "deviation", "F_set", *plant.states), columns)

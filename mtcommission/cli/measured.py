@@ -185,19 +185,16 @@ def _keep_others(output: str, profile: Path | None) -> None:
 
 
 def _read_given(
-    sensor: str,
-    input_: str,
-    constant: str,
-    measured: str,
-    columns: list[str],
-    profile: Path | None,
+    sensor: str, input_: str, constant: str, measured: str, columns: list[str], profile: Path | None
 ) -> Given:
     from mtcommission.identify.given import INPUTS, Given
     from mtcommission.identify.measurement import Output, Sensor
+    from mtcommission.options import Options
 
-    _require_word("--sensor", sensor, tuple(Sensor))
-    _require_word("--input", input_, INPUTS)
-    _require_word("--output", measured, tuple(Output))
+    with Options() as options:
+        options.word("--sensor", sensor, ("", *(one.value for one in Sensor)))
+        options.word("--input", input_, ("", *INPUTS))
+        options.word("--output", measured, ("", *(one.value for one in Output)))
     rotary, turn = _of_profile(profile)
     return Given(
         sensor=Sensor(sensor) if sensor else None,
@@ -233,12 +230,6 @@ def _read_before(profile: Path | None) -> str:
 
 def _refuse(option: str, message: Message) -> NoReturn:
     raise InputError([Fault(where=option, message=message)])
-
-
-def _require_word(option: str, got: str, allowed: Sequence[str]) -> None:
-    if got and got not in allowed:
-        shown = ", ".join(str(word) for word in allowed)
-        _refuse(option, Message("option-one-of", got=got, allowed=shown))
 
 
 def read_number(option: str, text: str, *, units: tuple[str, ...] = ()) -> float:

@@ -43,21 +43,9 @@ LONGEST = 2000
 
 
 class Catalogue:
-    """The texts of one language for one kind of axis.
+    """The texts of one language for one kind of axis; raise KeyError if there is no such language.
 
-    Parameters
-    ----------
-    language
-        One of ``languages.LANGUAGES``.
-    rotary
-        Whether the axis turns: torque for force, degrees for metres.
-    follows
-        Whether the motor follows its setpoint: acceleration for force.
-
-    Raises
-    ------
-    KeyError
-        There is no such language.
+    ``rotary``: torque for force, degrees for metres; ``follows``: acceleration for force.
     """
 
     def __init__(

@@ -57,8 +57,7 @@ class Dimension:
         """Return the quantity "this per other", e.g. a force per velocity."""
         forms = tuple(a * b**-1 for a, b in product(self.forms, other.forms))
         si = f"{self.si}/({other.si})"
-        bare = Message(f"{other.name.kind}-bare")
-        name = Message("dimension-per", what=self.name, other=bare)
+        name = Message("dimension-per", what=self.name, other=other.si)
         return Dimension(name, si, forms, (si,))
 
     def squared(self) -> Dimension:

@@ -30,17 +30,6 @@ dimension-rotary-modal-deflection = a rotary modal deflection
 dimension-rotary-modal-rate = a rotary modal rate
 dimension-ratio = a ratio
 
-# The same without article.
-dimension-length-bare = length
-dimension-angle-bare = angle
-dimension-force-bare = { word-force }
-dimension-torque-bare = torque
-dimension-velocity-bare = velocity
-dimension-angular-velocity-bare = angular velocity
-dimension-modal-deflection-bare = modal deflection
-dimension-modal-rate-bare = modal rate
-dimension-rotary-modal-deflection-bare = rotary modal deflection
-dimension-rotary-modal-rate-bare = rotary modal rate
 dimension-per = { $what } per { $other }
 dimension-squared = { $what } squared
 dimension-in = a quantity in { $units }
