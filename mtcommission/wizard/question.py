@@ -28,6 +28,9 @@ from mtcommission.units.quantities import (
 
 LONGEST_TEXT = 400
 
+_FURTHER = re.compile(r"^pair\.modes\.(\d+)")
+"""A resonance besides that of motor and load, which is the first mode."""
+
 _POINT = re.compile(r"(?<=[0-9])\.(?=[0-9])")
 
 
@@ -50,7 +53,8 @@ class Question:
 
     def say(self, words: Catalogue) -> str:
         """Return the question, with what an empty reply means where it may be left out."""
-        text = self._find("", words, most=1) or words.name(show_key(read_path(self.key)))
+        key = _FURTHER.sub(lambda one: f"plant.modes.{int(one[1]) + 1}", self.key)
+        text = self._find("", words, most=1) or words.name(show_key(read_path(key)))
         if not self.is_optional or self.choices or self.meant is not None:
             return text
         return words.text("ask-or-leave-empty", text=text, meaning=self._left_out(words))

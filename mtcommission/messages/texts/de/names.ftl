@@ -40,6 +40,7 @@ name-Kp = Geschwindigkeitsverstärkung Kp
 name-Tn = Nachstellzeit Tn
 name-encoder = Lagegeber
 name-kind = Art der Steuerung
+name-reserve = Reserve
 name-position-loop = Ort der Lageregelung
 name-lead = Weg je Umdrehung der Spindel
 name-encoder-resolution = Auflösung des Gebers

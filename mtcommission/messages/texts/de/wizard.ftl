@@ -88,6 +88,7 @@ ask-today-acceleration = Beschleunigung in der Steuerung heute
 ask-today-acceleration-where = Das Blatt zeigt dann, was die heutigen Werte neben den empfohlenen bringen.
 ask-today-jerk = Ruck in der Steuerung heute
 ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
+ask-resolution-empty = unbekannt
 ask-today-empty = unbekannt
 ask-measured-base-frequency = Eigenfrequenz des Gestells
 ask-measured-base-damping-ratio = Dämpfungsgrad des Gestells
@@ -203,7 +204,7 @@ insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($defle
     }
 }
 insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
-insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })
+insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } an { PLAIN($mass, digits: 6) } { $mass_unit })
 # mass at the axis, $inertia [kg cm^2] at the motor's shaft
 insight-shaft = { PLAIN($mass) } kg auf der Motorseite sind { PLAIN($inertia) } kg cm^2 an seiner Welle
 insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg

@@ -42,6 +42,7 @@ name-Kp = Velocity gain Kp
 name-Tn = Integral time Tn
 name-encoder = Encoder
 name-kind = Kind of control
+name-reserve = Reserve
 name-position-loop = Place of the position loop
 name-lead = Travel per turn of the screw
 name-encoder-resolution = Resolution of the encoder

@@ -91,6 +91,7 @@ ask-today-acceleration = Acceleration limit in the control now
 ask-today-acceleration-where = The sheet then shows what today's values give beside the recommended ones.
 ask-today-jerk = Jerk limit in the control now
 ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
+ask-resolution-empty = not known
 ask-today-empty = not known
 ask-measured-base-frequency = Eigenfrequency of the base
 ask-measured-base-damping-ratio = Damping ratio of the base
@@ -214,7 +215,7 @@ insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit:
    *[free] full force, statically
 }
 insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
-insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
+insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } on { PLAIN($mass, digits: 6) } { $mass_unit })
 # mass at the axis, $inertia [kg cm^2] at the motor's shaft
 insight-shaft = { PLAIN($mass) } kg on the motor's side are { PLAIN($inertia) } kg cm^2 at its shaft
 insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
