@@ -101,10 +101,6 @@ CASES = [
 ]
 
 
-REMARKS = ("position cycle", "velocity cycle", "position loop", "Kv", "Kp", "Tn")
-"""Settings of the loop that a sheet calls by names of its own where a control has no row."""
-
-
 def _record(text: str, kind: str, *, promised: bool = False, **recommended: Any) -> Json:
     """Limits that nobody judged: unless they promise to hold, the export tries no others."""
     text = text.replace("KIND", kind)
@@ -133,13 +129,16 @@ def _type_in(record: str) -> Any:
 
 
 def _rows(record: Json, language: str) -> dict[str, tuple[str, ...]]:
+    """By the export's names, which are the page's in English."""
     _, table = _page_one(record, language)
-    known = Catalogue(language).known
-    remarks = {"> " + known(f"name-{one.replace(' ', '-')}", one): one for one in REMARKS}
-    rows = {
-        remarks.get(str(name), str(name).removeprefix("> ")): tuple(map(str, others))
-        for name, *others in table.rows
-    }
+    rows = {}
+    for entry, (shown, *others) in zip(
+        _type_in(json.dumps(record)).entries, table.rows, strict=True
+    ):
+        name, section = entry.row.name, entry.row.section
+        name = f"[{section}] {name}" if section else name
+        assert language != "en" or str(shown).removeprefix("> ") == name
+        rows[name] = tuple(map(str, others))
     assert len(rows) == len(table.rows), "a parameter has two values"
     return rows
 

@@ -10,7 +10,7 @@ from math import ceil
 from mtcommission.control_kinds.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
 from mtcommission.control_kinds.row import Key, Row, Setting, Values
 from mtcommission.control_kinds.syntax import Layout
-from mtcommission.control_kinds.wording import DEGREE, MICRO, MILLI, name_mode, show_value
+from mtcommission.control_kinds.wording import DEGREE, MILLI, name_mode, show_value
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import LINEAR, AxisUnits
@@ -79,7 +79,7 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
     They are the rows of ``generic``, and what another control's text can only say in a remark;
     their names have a place for the number of a filter.
     """
-    time = partial(Row, unit="us", scale=MICRO)
+    time = partial(Row, unit="ms", scale=MILLI)
     loops: dict[float | str, str] = {loop.value: loop.value for loop in PositionLoop}
     kinds: dict[float | str, str] = {kind: kind for kind in (NOTCH, LOW_PASS)}
     shapers: dict[float | str, str] = {kind: kind for kind in SHAPERS}

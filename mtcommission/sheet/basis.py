@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 Row = tuple[str, str]
 
-ILLUSTRATIVE = "source-illustrative"
-NOT_STATED = {"source-default", ILLUSTRATIVE, "source-accepted-default"}
+NOT_STATED = {"source-default", "source-illustrative", "source-accepted-default"}
 """Sources of values that nobody stated for this machine."""
 
 MARKED = (
@@ -25,9 +24,6 @@ MARKED = (
     *("requirements.frequency_spread", "requirements.damping_spread"),
 )
 """Beginnings of the keys that other rows of page 1 mark, or that the largest payload stands for."""
-
-NAMED = 3
-"""Illustrative data that page 1 names; the rest it counts. Of a real machine it names all."""
 
 
 def find_number(record: Record, key: str) -> float | None:
@@ -122,20 +118,13 @@ def data_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
 
 def assumed_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
     """Return the other values that nobody stated, in one row; nothing where all were."""
-    said, examples = list[str](), list[str]()
-    for item in record.data:
-        source = item.source.kind if isinstance(item.source, Message) else ""
-        if source in NOT_STATED and not item.key.startswith(MARKED):
-            value = datum(item, record.plant.units, words)
-            named = f"{datum_name(item, words)} = {value}"
-            (examples if source == ILLUSTRATIVE else said).append(named)
-    said += examples[:NAMED]
-    if not said:
-        return ()
-    listed, more = "; ".join(said), len(examples) - NAMED
-    if more > 0:
-        listed = words.text("assumed-more", names=listed, count=more)
-    return ((words.text("basis-assumed"), listed),)
+    units = record.plant.units
+    said = [
+        f"{datum_name(item, words)} = {datum(item, units, words)}"
+        for item in record.data
+        if is_assumed(record, item.key) and not item.key.startswith(MARKED)
+    ]
+    return ((words.text("basis-assumed"), "; ".join(said)),) if said else ()
 
 
 def kept_sentence(record: Record, words: Catalogue) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
@@ -207,6 +208,7 @@ LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
     ("#00795c", (4.0, 1.2, 1.0, 1.2), 1.0),
     ("#7a3e9d", (7.0, 1.2, 1.0, 1.2, 1.0, 1.2), 1.0),
     ("#0b4f9e", (), 1.2),
+    ("#d00000", (), 2.2),
 )
 """Colour, dashes and width of a limit, and of a curve by its style; dashes tell the lines apart in
 a black-and-white print."""
@@ -243,15 +245,22 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".", panel_height: float = PANEL
 
 def _line_plot(plot: LinePlot, decimal_mark: str, panel_height: float) -> str:
     lines = [line for panel in plot.panels for line in panel.lines]
-    rows = legend_rows([Entry(*one) for one in {line.label: line.style for line in lines}.items()])
+    common, *own = legends_of(plot)
+    rows = legend_rows(common)
+    beside = [
+        legend_rows(entries, less=text_width(panel.y_label))
+        for panel, entries in zip(plot.panels, own, strict=True)
+    ]
     top = len(rows) * ROW
-    canvas = Canvas(WIDTH, top + len(plot.panels) * (TITLE + panel_height) + FOOT)
+    heads = [TITLE + max(len(one) - 1, 0) * ROW for one in beside]
+    canvas = Canvas(WIDTH, top + sum(heads) + len(plot.panels) * panel_height + FOOT)
     _draw_legend(canvas, rows)
     low, high = span([line.x for line in lines], is_log=plot.x_is_log, room=0.01)
     x = Axis(low=low, high=high, begin=LEFT, end=WIDTH - RIGHT, is_log=plot.x_is_log)
-    for panel in plot.panels:
+    for panel, head, legend in zip(plot.panels, heads, beside, strict=True):
         canvas.text(LEFT, top + TITLE - 4.0, panel.y_label)
-        top += TITLE
+        _draw_legend(canvas, legend, top=top + TITLE - ROW - 1.0)
+        top += head
         _draw_panel(canvas, panel, x, top, top + panel_height, decimal_mark)
         top += panel_height
     _label_x(canvas, x, top, plot.x_label, decimal_mark)
@@ -378,9 +387,20 @@ def _draw_limit(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
     canvas.line(ends, color=color, dashes=dashes, width=width)
 
 
-def legend_rows(entries: list[Entry]) -> list[list[Entry]]:
-    """Return the rows of a legend, each with as many entries as fit."""
-    room = WIDTH - LEFT - RIGHT + SPACE
+def legends_of(plot: LinePlot) -> list[list[Entry]]:
+    """Return what stands above all panels, then what each panel alone has, beside its name."""
+    panels = [{line.label: Entry(line.label, line.style) for line in p.lines} for p in plot.panels]
+    counts = Counter(label for panel in panels for label in panel)
+    common = {label: e for panel in panels for label, e in panel.items() if counts[label] > 1}
+    if len(panels) == 1:
+        return [list(panels[0].values()), []]
+    own = ([e for label, e in panel.items() if label not in common] for panel in panels)
+    return [list(common.values()), *own]
+
+
+def legend_rows(entries: list[Entry], *, less: float = 0.0) -> list[list[Entry]]:
+    """Return the rows of a legend, each with as many entries as fit beside something [pt]."""
+    room = WIDTH - LEFT - RIGHT + SPACE - less
     rows: list[list[Entry]] = []
     for entry in entries:
         if not rows or sum(one.width for one in rows[-1]) + entry.width > room:
@@ -389,11 +409,11 @@ def legend_rows(entries: list[Entry]) -> list[list[Entry]]:
     return rows
 
 
-def _draw_legend(canvas: Canvas, rows: list[list[Entry]]) -> None:
-    """Draw the rows of a legend at the top of a plot, flush right."""
+def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, top: float = 0.0) -> None:
+    """Draw the rows of a legend below a height, flush right."""
     for k, row in enumerate(rows):
         left = WIDTH - RIGHT - sum(entry.width for entry in row) + SPACE
-        base = (k + 1) * ROW - 3.0
+        base = top + (k + 1) * ROW - 3.0
         for entry in row:
             middle, right = base - 0.36 * SIZE, left + entry.sample
             if entry.is_chosen:

@@ -37,8 +37,8 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.identified import changes, short_name
 from mtcommission.sheet.plots import (
-    FOURTH,
     MAIN,
+    MARGIN,
     OTHER,
     SETPOINT,
     THIRD,
@@ -73,6 +73,9 @@ HIGHEST_DB = 40.0
 
 SEEN_DB, SEEN_DEG = 0.5, 2.0
 """How near a crossing of the plotted curve must be to a margin of the record to carry it."""
+
+CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
+"""Of the closed velocity loop at its bandwidth."""
 
 JUMP = 0.5
 """Share of all that a curve spans by which it changes from point to point only where it wraps."""
@@ -190,7 +193,7 @@ def _gain_margin(
         x, y = min(found, key=lambda at: abs(abs(at[1]) - wanted))
         if abs(abs(y) - wanted) < SEEN_DB:
             label = words.text("gain-margin-at", margin=GAIN_MARGIN.show(part, words))
-            yield Curve(label, [x, x], [y, 0.0], FOURTH)
+            yield Curve(label, [x, x], [y, 0.0], MARGIN)
 
 
 def _phase_margin(
@@ -202,7 +205,7 @@ def _phase_margin(
         x, y, axis = min(legs, key=lambda leg: abs(abs(leg[1] - leg[2]) - wanted))
         if abs(abs(y - axis) - wanted) < SEEN_DEG:
             label = words.text("phase-margin-at", margin=PHASE_MARGIN.show(part, words))
-            yield Curve(label, [x, x], [axis, y], FOURTH)
+            yield Curve(label, [x, x], [axis, y], MARGIN)
 
 
 def _crossings(x: Array, y: Array, other: Array) -> list[tuple[float, float]]:
@@ -269,7 +272,7 @@ def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
         nominal("gain-margin-down", "gain_margin_down_db"),
         PHASE_MARGIN,
         SENSITIVITY,
-        BANDWIDTH,
+        wide(BANDWIDTH, 1.0, value=lambda item: _bandwidth(item, part, words)),
         _stiffness(words),
         *(
             Quantity(Message("damping-of", mode=mode), damping(mode), "%")
@@ -278,6 +281,16 @@ def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
     )
     heads = (words.text("nominal"), words.text("worst-corner"))
     return beside(words, "margins-caption", rows, heads, (part, worst), first="margin", width=2.0)
+
+
+def _bandwidth(item: Margins | LoopPart, part: LoopPart, words: Catalogue) -> object:
+    """The bandwidth, and to where the loop follows again behind an antiresonance, nominally."""
+    first, closed = item.bandwidth_hz, np.array(part.bode.signals["closed_velocity_db"])
+    falls = np.flatnonzero((closed[:-1] >= CUT_DB) & (closed[1:] < CUT_DB))
+    if item is not part or first is None or falls.size < 2:
+        return first
+    shown, last = (show(at, words, "Hz") for at in (first, part.bode.t[falls[-1]]))
+    return words.text("bandwidth-again", bandwidth=shown, last=last)
 
 
 def _stiffness(words: Catalogue) -> Quantity:

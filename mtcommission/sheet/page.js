@@ -107,8 +107,13 @@ function fit(host, plot) {
   return Math.round(Math.min(WIDEST, Math.max(least, host.clientWidth)));
 }
 
-function namesOf(lines) {
-  return [...new Map(lines.map(line => [line.label, line.style]))];
+// What stands above all panels, then what each panel alone has, below its name.
+function legendsOf(plot) {
+  const panels = plot.panels.map(panel => new Map(panel.lines.map(line => [line.label, line.style])));
+  const isCommon = label => panels.length === 1 || panels.filter(panel => panel.has(label)).length > 1;
+  const entries = panels.map(panel => [...panel]);
+  const common = new Map(entries.flat().filter(([label]) => isCommon(label)));
+  return [[...common], ...entries.map(named => named.filter(([label]) => !isCommon(label)))];
 }
 
 function legendRows(named) {
@@ -123,9 +128,9 @@ function legendRows(named) {
   return rows;
 }
 
-function drawLegend(svg, rows) {
+function drawLegend(svg, rows, top = 0) {
   rows.forEach((row, k) => row.forEach(([label, style, left]) => {
-    const down = 12 + LEGEND * k;
+    const down = top + 12 + LEGEND * k;
     add(svg, "path", {class: `curve s${style}`, d: `M${left} ${down}h34`});
     add(svg, "text", {x: left + 40, y: down + 4}, label);
   }));
@@ -142,8 +147,10 @@ function whole(plot) {
 }
 
 function drawLines(svg, plot, view, key) {
-  const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines))));
-  svg.setAttribute("viewBox", `0 0 ${across} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
+  const [common, ...own] = legendsOf(plot).map(legendRows), head = drawLegend(svg, common);
+  const heads = own.map(rows => TITLE + LEGEND * rows.length);
+  const height = heads.reduce((sum, one) => sum + one + PANEL, head + FOOT);
+  svg.setAttribute("viewBox", `0 0 ${across} ${height}`);
   const x = scale(...view, LEFT, across - RIGHT, plot.x_is_log), titles = [];
   let top = head;
   plot.panels.forEach((panel, i) => {
@@ -160,15 +167,17 @@ function drawLines(svg, plot, view, key) {
       low = Math.min(low, border.y);
       high = Math.max(high, border.y);
     }
-    const y = scale(...widen(low, high, false), top + TITLE + PANEL, top + TITLE, false);
+    drawLegend(svg, own[i], top + TITLE);
+    titles.push(add(svg, "text", {x: LEFT, y: top + TITLE - 6}, panel.y_label));
+    top += heads[i];
+    const y = scale(...widen(low, high, false), top + PANEL, top, false);
     frame(svg, x, y, `${key}-${i}`);
     const inside = add(svg, "g", {"clip-path": `url(#${key}-${i})`});
     for (const border of panel.borders)
       add(inside, "path", {class: "border", d: `M${x.from} ${y.at(border.y)}H${x.to}`});
     for (const line of panel.lines)
       add(inside, "path", {class: `curve s${line.style}`, d: path(line, x, y)});
-    titles.push(add(svg, "text", {x: LEFT, y: top + TITLE - 6}, panel.y_label));
-    top += TITLE + PANEL;
+    top += PANEL;
   });
   labelX(svg, x, top, plot.x_label);
   const cursor = add(svg, "path", {class: "cursor"});

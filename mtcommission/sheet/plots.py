@@ -15,8 +15,8 @@ from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 
 Array = NDArray[np.float64]
 
-SETPOINT, OTHER, THIRD, FOURTH, MAIN = 0, 1, 2, 3, 4
-"""Line styles; the main curve is solid."""
+SETPOINT, OTHER, THIRD, FOURTH, MAIN, MARGIN = range(6)
+"""Line styles; the main curve is solid, a margin short and thick."""
 
 MOST_POINTS = 800
 """Points of a curve; more are not seen on paper and swell the page."""

@@ -25,6 +25,7 @@ from mtcommission.sheet.plots import (
     OTHER,
     SETPOINT,
     THIRD,
+    Array,
     Curve,
     Signals,
     line_plot,
@@ -225,13 +226,17 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
     def one(name: str, unit: str, shown: list[Curve], bound: float | None = None) -> Signals:
         return Signals(name=name, unit=unit, curves=shown, limits=both(bound))
 
+    forces = curves(every, "F_set")
+    # Held values step from cycle to cycle: drawn as they are, they fill a thick band.
+    for force in forces[-1:]:
+        force.y = mean_over(force.x, force.y, record.loop.position_cycle)
     speed = rigid_velocity(record.plant.states)
     accelerations = [*curves(setpoint, "a_ref"), *curves(every, "F", 1.0 / mass)]
     velocities = [*curves(setpoint, "v_ref"), *curves(every, speed)]
     bounds = optima.constrained.limits if optima.constrained else {}
     tool, tcp = curves(every, "tcp_vibration"), units["tcp"]
     found = [
-        one(words.name("F_set"), units["F"], curves(every, "F_set"), optima.time.f_max),
+        one(text("force-in-mean"), units["F"], forces, optima.time.f_max),
         one(text("acceleration"), "m/s^2", accelerations),
         one(text("velocity"), units[speed], velocities),
         *(
@@ -242,6 +247,16 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
         one(text("deviation"), tcp, curves(own, "deviation"), find_band(record)),
     ]
     return [panel for panel in found if panel.curves]
+
+
+def mean_over(t: Array, values: Array, time: float) -> Array:
+    """Return the mean of even samples over a time about each of them, as far as there are any."""
+    if t.size < 2:
+        return values
+    count = max(1, round(time / (t[1] - t[0])))
+    edges = np.clip(np.arange(t.size)[:, None] + [-(count // 2), count - count // 2], 0, t.size)
+    sums = np.concatenate([[0.0], np.cumsum(values)])[edges]
+    return np.asarray((sums[:, 1] - sums[:, 0]) / np.diff(edges)[:, 0])
 
 
 def _motion_plots(

@@ -69,6 +69,9 @@ ELSEWHERE_MARK = ">"
 MULTIPLE = re.compile(r"\d+[.0]\d|0\.1")
 """A unit that begins with a number: what is typed counts so many."""
 
+NAME_WIDTH, LEAST_NAME, MOST_NAME = 0.096, 2.0, 3.65
+"""Of the column of parameters: for a letter, at least and at most, of 8.9 for all columns."""
+
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
@@ -306,10 +309,12 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
     """Every parameter to type in: its name in the control, old beside new, and meaning."""
     if isinstance(typed, Message):
         return Paragraph(text=words.text("entry-none", why=typed), tone=Tone.WARNING)
+    longest = max(len(_name(entry, words)) for entry in typed.entries)
+    named = min(max(NAME_WIDTH * longest, LEAST_NAME), MOST_NAME)
     columns = [
-        Quantity("parameter", lambda entry: _name(entry, words), width=3.15),
+        Quantity("parameter", lambda entry: _name(entry, words), width=named),
         Quantity("new-value", lambda entry: _typed(entry.value, entry, words), "", width=1.45),
-        Quantity("meaning", lambda entry: _meaning(entry, words), width=4.3),
+        Quantity("meaning", lambda entry: _meaning(entry, words), width=7.45 - named),
     ]
     if any(entry.old for entry in typed.entries):
         old = Quantity("old-value", lambda entry: _typed(entry.old, entry, words), "", width=0.95)
@@ -320,12 +325,13 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
 
 
 def _name(entry: Entry, words: Catalogue) -> str:
-    row = entry.row
+    row, name = entry.row, entry.row.name
+    if is_neutral(row):
+        setting = row.setting.name.lower().replace("_", "-")
+        name = words.text("neutral-name", setting=setting, name=name, number=row.index)
     if row.is_elsewhere:
-        own = f"name-{row.name.replace(' ', '-')}"
-        name = words.known(own, row.name) if is_neutral(row) else row.name
         return f"{ELSEWHERE_MARK} {name}"
-    return f"[{row.section}] {row.name}" if row.section else row.name
+    return f"[{row.section}] {name}" if row.section else name
 
 
 def _typed(value: str, entry: Entry, words: Catalogue) -> str:

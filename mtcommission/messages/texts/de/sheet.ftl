@@ -352,6 +352,7 @@ total = Summe
 phase-margin = Phasenreserve
 sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
+bandwidth-again = { $bandwidth } (Antiresonanz), wieder bis { $last }
 bandwidth-short = Bandbreite
 reference-delay = Sollwertverzögerung τ
 no-state-feedback = Keine Zustandsrückführung.
@@ -373,6 +374,7 @@ bode-caption = { $axis ->
    *[linear] Frequenzgang: offener Kreis (an der Soll{ word-force-behind } aufgetrennt), geschlossener Geschwindigkeitsregelkreis
 }
 bode-alt = Betrag und Phase über der Frequenz. Amplitudenreserve { $gain }, Phasenreserve { $phase }, Bandbreite des Geschwindigkeitsregelkreises { $bandwidth }.
+force-in-mean = { name-F-set }, Mittel über einen Takt
 magnitude = Betrag in dB
 phase = Phase in °
 open-loop = offener Kreis
@@ -510,6 +512,34 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 ## Entry and signature
 
 # $jerk: how the control takes it, or none
+neutral-name = { $setting ->
+    [acceleration] Beschleunigung
+    [jerk] Ruck
+    [average] Gleitender Mittelwert
+    [second-average] Zweiter gleitender Mittelwert
+    [shaper] Sollwertfilter
+    [shaper-frequency] Filterfrequenz
+    [shaper-damping] Dämpfungsgrad des Filters
+    [tap] Gewicht { $number }
+    [tap-spacing] Abstand der Gewichte
+    [position-loop] Ort der Lageregelung
+    [position-cycle] Lagereglertakt
+    [velocity-cycle] Geschwindigkeitsreglertakt
+    [reference-model] Referenzmodell
+    [velocity-feedforward] Geschwindigkeitsvorsteuerung
+    [force-feedforward] { $axis ->
+        [rotary] Drehmomentvorsteuerung
+       *[linear] Kraftvorsteuerung
+    }
+    [jerk-feedforward] Ruckvorsteuerung
+    [reference-delay] Sollwertverzögerung τ
+    [filters] { has-force-filters }
+    [filter-kind] Filter { $number }: Art
+    [filter-frequency] Filter { $number }: Frequenz
+    [filter-damping] Filter { $number }: Dämpfung
+    [filter-width] Filter { $number }: Breite
+   *[other] { $name }
+}
 entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->
     [none] Beschleunigung nie aufrunden
    *[other] Ruck nie auf-, Ruckzeit nie abrunden

@@ -61,6 +61,10 @@ word-force = { $axis ->
     [open-loop] Beschleunigung
    *[other] Kraft
 }
+word-drive-force = { $axis ->
+    [rotary] Moment
+   *[other] { word-force }
+}
 word-force-first = { word-force }
 word-a-force = eine { word-force }
 word-a-force-first = Eine { word-force }

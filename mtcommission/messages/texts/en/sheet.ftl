@@ -349,6 +349,7 @@ total = Sum
 phase-margin = Phase margin
 sensitivity-peak = Sensitivity peak
 bandwidth = Bandwidth of the velocity loop (−3 dB)
+bandwidth-again = { $bandwidth } (antiresonance), again to { $last }
 bandwidth-short = Bandwidth
 reference-delay = Reference delay τ
 no-state-feedback = No state feedback.
@@ -370,6 +371,7 @@ bode-caption = { $axis ->
    *[linear] Frequency response: open loop (cut at the set { word-force }), closed velocity loop
 }
 bode-alt = Magnitude and phase over frequency. Gain margin { $gain }, phase margin { $phase }, bandwidth of the velocity loop { $bandwidth }.
+force-in-mean = { name-F-set }, mean over a cycle
 magnitude = Magnitude in dB
 phase = Phase in °
 open-loop = open loop
@@ -507,6 +509,15 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 ## Entry and signature
 
 # $jerk: how the control takes it, or none; $mark: stands before such a row
+neutral-name = { $setting ->
+    [force-feedforward] { has-acceleration-feedforward }
+    [filters] { $axis ->
+        [rotary] torque filters
+       *[linear] { word-force } filters
+    }
+    [tap] tap { $number }
+   *[other] { $name }
+}
 entry-caption = Values to enter (verify before use; never round { $jerk ->
     [none] acceleration up
    *[other] jerk up, jerk time down

@@ -70,6 +70,10 @@ word-force = { $axis ->
     [open-loop] acceleration
    *[other] force
 }
+word-drive-force = { $axis ->
+    [rotary] torque
+   *[other] { word-force }
+}
 word-force-first = { $axis ->
     [open-loop] Acceleration
    *[other] Force
