@@ -42,9 +42,8 @@ def print_html(
 ) -> str:
     """Return the sheet as one HTML file that works offline.
 
-    With an earlier record of the axis (``before``) it tells what changed; with what ``verify``
-    found (``verified``) it shows that beside what was calculated. ``typed`` is ``type_in`` of the
-    record, where page and PDF are to share it.
+    ``before``: an earlier record of the axis, to tell what changed; ``verified``: what ``verify``
+    found; ``typed``: ``type_in`` of the record, where page and PDF are to share it.
 
     Raises
     ------
@@ -112,11 +111,10 @@ def print_pdf(
     typed: Export | Message | None = None,
     appendix: bool = False,
 ) -> bytes:
-    """Return the sheet as PDF, A4; the same record always gives the same bytes.
+    """Return the sheet as PDF, A4: four pages, and one for what changed; always the same bytes.
 
-    Four pages that one hands over, and one more for what changed. What does not fit on its page
-    takes another rather than smaller letters. With ``appendix`` the evidence is printed behind
-    them, as the page always shows it; the other arguments are those of ``print_html``.
+    What does not fit on its page takes another rather than smaller letters. With ``appendix`` the
+    evidence is printed behind them; the other arguments are those of ``print_html``.
 
     Raises
     ------

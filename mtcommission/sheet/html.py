@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from markupsafe import Markup, escape
-from numpy.typing import NDArray
 
 from mtcommission.sheet.document import Document, Formula, LinePlot
 from mtcommission.sheet.what_if import Panel
@@ -63,29 +62,10 @@ def _set_formula(formula: Formula) -> Markup:
 
 def _plot_data(plot: LinePlot) -> dict[str, Any]:
     """Return a plot as page.js draws it."""
-    return {
-        "x_label": plot.x_label,
-        "x_is_log": plot.x_is_log,
-        "link": plot.link,
-        "panels": [
-            {
-                "y_label": panel.y_label,
-                "borders": [asdict(border) for border in panel.borders],
-                "lines": [
-                    {
-                        "label": line.label,
-                        "style": line.style,
-                        "stepped": line.is_stepped,
-                        "x": _rounded(line.x),
-                        "y": _rounded(line.y),
-                    }
-                    for line in panel.lines
-                ],
-            }
-            for panel in plot.panels
-        ],
-    }
+    return asdict(plot, dict_factory=lambda pairs: {key: _rounded(one) for key, one in pairs})
 
 
-def _rounded(values: NDArray[np.float64]) -> list[float | None]:
-    return [float(f"{value:.{DIGITS}g}") if isfinite(value) else None for value in values.tolist()]
+def _rounded(value: object) -> object:
+    if not isinstance(value, np.ndarray):
+        return value
+    return [float(f"{one:.{DIGITS}g}") if isfinite(one) else None for one in value.tolist()]

@@ -85,7 +85,7 @@ function valueAt(line, place) {
     if (line.x[middle] <= place) low = middle; else high = middle;
   }
   if (place >= line.x[high]) return line.y[high];
-  if (line.stepped) return line.y[low];
+  if (line.is_stepped) return line.y[low];
   const share = (place - line.x[low]) / (line.x[high] - line.x[low] || 1);
   return line.y[low] + share * (line.y[high] - line.y[low]);
 }
@@ -95,7 +95,7 @@ function path(line, x, y) {
   let d = "";
   for (let i = first; i < last; i++) {
     const px = x.at(line.x[i]).toFixed(1), py = y.at(line.y[i]).toFixed(1);
-    d += i === first ? `M${px} ${py}` : line.stepped ? `H${px}V${py}` : `L${px} ${py}`;
+    d += i === first ? `M${px} ${py}` : line.is_stepped ? `H${px}V${py}` : `L${px} ${py}`;
   }
   return d;
 }
