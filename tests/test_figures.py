@@ -12,7 +12,6 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import tick_text
 from mtcommission.sheet.document import Border, HeatMap, Line, LinePlot, Mark, Panel
 from mtcommission.sheet.figures import ALONG, SIZE, Axis, draw_svg, span, text_width
 
@@ -62,11 +61,6 @@ def test_every_value_is_seen(values, is_log):
     axis = Axis(low=low, high=high, begin=10.0, end=20.0, is_log=is_log)
     places = axis.at(np.array(values))
     assert np.all((places > 10.0) & (places < 20.0))
-
-
-def test_nothing_to_show_still_has_axes():
-    assert span([np.array([np.nan])], is_log=False) == (0.0, 1.0)
-    assert span([], is_log=True) == (1.0, 10.0)
 
 
 def line_plot(**changes):
@@ -129,8 +123,3 @@ def test_names_of_curves_keep_to_their_room_in_the_legend(language):
         words = Catalogue(language).text(key, band="5 µm")
         drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width
         assert drawn < text_width(words) + 8.0, words
-
-
-def test_ticks_speak_the_language():
-    assert tick_text(0.5, ",") == "0,5"
-    assert tick_text(-1e-7, ".") == "−1×10⁻⁷"
