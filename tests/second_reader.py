@@ -31,16 +31,16 @@ PER_MINUTE = 50.0 / 3.0
 REMARKS = {
     "Kv": ("Kv", 1.0),
     "Kp": ("Kp", 1.0),
-    "Tn": ("Tn", 1e-6),
-    "model": ("reference model", 1e-6),
+    "Tn": ("Tn", 1e-3),
+    "model": ("reference model", 1e-3),
     "velocity": ("velocity feed-forward", 1.0),
     "mass": ("force feed-forward", 1.0),
     "per_jerk": ("jerk feed-forward", 1.0),
-    "delay": ("reference delay", 1e-6),
+    "delay": ("reference delay", 1e-3),
     "average": ("moving average", 1e-3),
     "second average": ("second moving average", 1e-3),
-    "T_p": ("position cycle", 1e-6),
-    "T_v": ("velocity cycle", 1e-6),
+    "T_p": ("position cycle", 1e-3),
+    "T_v": ("velocity cycle", 1e-3),
 }
 """What stands in remarks, where the control has no row for it."""
 
@@ -58,8 +58,8 @@ class Reading:
 def read_file(control: str, text: str, machine: Machine) -> Reading:
     """A file as the control, and the hand that sets the drive, would take it."""
     remark = dict(re.findall(r"^(?:;|#|\(\*) > (.+?) = (\S+)", text, re.MULTILINE))
-    if "N10050 x N10060" in remark:  # of a SINUMERIK
-        remark["position cycle"] = remark["N10050 x N10060"]
+    if "N10050 x N10060" in remark:  # of a SINUMERIK, in us
+        remark["position cycle"] = str(1e-3 * float(remark["N10050 x N10060"]))
     own, words = _own(control, text, machine)
     found = {
         name: float(remark[label]) * factor
