@@ -20,8 +20,8 @@ from mtcommission.optimal.cell_peaks import excess, find_peaks
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.polish.edits import pruned, solve_exactly
-from mtcommission.optimal.polish.newton import Extremal, solve_sequence
+from mtcommission.optimal.polish.edits import solve_exactly
+from mtcommission.optimal.polish.newton import solve_sequence
 from mtcommission.optimal.polish.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.program import Points, solve_cells
@@ -505,20 +505,6 @@ modes = [
     pieces = (Piece(limit=-1, side=1, duration=1e-3), Piece(limit=0, side=1, duration=0.05))
     held = Sequence(pieces=(*pieces, Piece(limit=-1, side=-1, duration=1e-3)), touches=())
     assert solve_exactly(problem, held) is None
-
-
-def test_two_arcs_driven_over_each_other_become_one() -> None:
-    # Entry of the first to exit of the second; otherwise the search starts from ten times as much.
-    bang, held = Piece(limit=-1, side=1, duration=1e-2), Piece(limit=0, side=1, duration=9.1e-4)
-    nothing, back = replace(bang, duration=-1e-8), replace(held, duration=-8.1e-4)
-    sequence = Sequence(pieces=(bang, held, nothing, back, bang), touches=())
-    measure = Measure(t_f=sequence.t_f, terminal=np.zeros(5), atoms=(), interiors=())
-    extremal = Extremal(sequence=sequence, measure=measure, residual=1e-14)
-    edited = pruned(paper_problem("v_phi", 5e-3), extremal, least=1e-9)
-    assert edited is not None
-    assert [piece.limit for piece in edited.pieces] == [-1, 0, -1]
-    assert edited.pieces[1].duration == pytest.approx(9.1e-4 - 8.1e-4 - 1e-8, rel=1e-9)
-    assert edited.t_f == pytest.approx(sequence.t_f)
 
 
 LONG_ARCS = """schema = 1

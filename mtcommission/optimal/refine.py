@@ -44,6 +44,8 @@ ROUNDS = 10
 """Programs on finer and finer cells."""
 MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
+PATIENCE = 2
+"""Programs in succession that prove less than the best one, after which the search ends."""
 LOST, BLIND = 0.05, 2
 """Distance of the reach from 1 at which a program has not even found the time, and how many of the
 first ones may end so: their cells are too long for the bounds then."""
@@ -112,7 +114,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
         MOVE_TOO_LONG; BEYOND_HORIZON where first cells are too long for the bounds.
     """
     require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
-    best, room, edges = observe(problem, first), 1.0, first.plan.edges
+    best, room, worse, edges = observe(problem, first), 1.0, 0, first.plan.edges
     plan = _planned(problem, best, edges, first.acting, room=room)
     for i in range(ROUNDS):
         cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
@@ -126,10 +128,12 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             seen = observe(problem, cells)
             yield seen
             if seen.gap < best.gap or best.cells is first:
-                best = seen
+                best, worse = seen, 0
             else:
                 # Points that crowd towards an arc look like its end: an interior there is too long.
-                room *= WIDER
+                room, worse = room * WIDER, worse + 1
+            if worse == PATIENCE:
+                return
             base = best if seen.gap > SETBACK * best.gap else seen
             plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
             edges = plan.edges

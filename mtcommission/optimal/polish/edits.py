@@ -1,12 +1,12 @@
-"""Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
+"""A solved sequence without what its conditions do not call for, and with its proof.
 
-- A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
-- A bound of order 1 exceeded where the force turns: it is held there for a while.
+A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign, is taken out,
+and a bound of order 1 exceeded where the force turns is held there for a while. What a sequence
+lacks besides is not searched for: finer cells show it.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 
@@ -29,11 +29,10 @@ Array = NDArray[np.float64]
 
 RADIANS_PER_SAMPLE = 0.05
 """Samples that look for excesses of a solved sequence."""
-EDITS, VISITS = 30, 2
-"""Changes of a sequence in one go, and how often the same one is solved, from durations of its
-own each time."""
+EDITS = 12
+"""Changes of a sequence in one go."""
 CLOSED_GAP = 1e-9
-"""Gap of an accepted sequence below which it is not edited any more."""
+"""Gap below which the simpler one of two sequences is the better one."""
 VANISHED, SLIVER, SPLINTER = 1e-8, 1e-6, 2e-4
 """Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
 without it; of what cells show, where it may be their ripple."""
@@ -48,22 +47,20 @@ def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
-    seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
     best: Found | None = None
+    following: Sequence | None = guess
     for _ in range(EDITS):
-        # An edit may lead back to a sequence with better durations, but not in circles.
-        seen[_shape(guess)] += 1
-        if seen[_shape(guess)] > VISITS or not _may_be_solved(problem, guess):
+        if following is None or not _may_be_solved(problem, following):
             break
-        extremal = solve_sequence(problem, guess)
+        extremal = solve_sequence(problem, following)
         found = accepted(problem, extremal)
-        if found is not None and (best is None or found.gap < best.gap):
-            best = _simplest(problem, extremal, found)
-        # An accepted sequence with a gap left still breaks a condition, if by little.
-        edited = _edited(problem, extremal) if found is None or found.gap > CLOSED_GAP else None
-        if edited is None:
-            break
-        guess = edited
+        if found is not None and (best is None or found.gap < max(best.gap, CLOSED_GAP)):
+            best = found
+        following = pruned(problem, extremal, least=VANISHED)
+        if following is None and found is not None:  # it may hold slivers at no cost
+            following = pruned(problem, extremal, least=SLIVER)
+        if following is None and extremal.residual <= RESIDUAL:
+            following = with_short_arc(problem, extremal)
     return best
 
 
@@ -73,29 +70,6 @@ def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
         return False
     arcs = [piece for piece in guess.pieces if piece.limit >= 0]
     return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
-
-
-def _shape(sequence: Sequence) -> tuple[tuple[int, ...], ...]:
-    """Return what tells two sequences apart, the durations left out."""
-    pieces = tuple((piece.limit, piece.side) for piece in sequence.pieces)
-    touches = tuple((touch.piece, touch.limit, touch.side) for touch in sequence.touches)
-    return (*pieces, (-2, -2), *touches)
-
-
-def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    edited = pruned(problem, extremal, least=VANISHED)
-    if edited is not None or extremal.residual > RESIDUAL:
-        return edited
-    return with_short_arc(problem, extremal)
-
-
-def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
-    """Return the same optimum without slivers, which a sequence may hold at no cost."""
-    guess = pruned(problem, extremal, least=SLIVER)
-    if guess is None:
-        return found
-    simpler = accepted(problem, solve_sequence(problem, guess))
-    return found if simpler is None else simpler
 
 
 def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
@@ -117,21 +91,14 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     t_f = sum(piece.duration for piece in pieces)
     inside = tuple(
         at
-        for i, at in enumerate(points)
+        for at in points
         if weights.get(at.remaining, 0.0) * at.side >= 0.0
         and 0.0 < at.remaining < t_f
         and not _at_arc(sequence, at, near=least * t_f)
-        and not any(_are_one(at, other, near=least * t_f) for other in points[:i])
     )
     if len(pieces) == len(sequence.pieces) and len(inside) == len(points):
         return None
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
-
-
-def _are_one(point: ConstraintPoint, other: ConstraintPoint, *, near: float) -> bool:
-    """Return whether two touch points have become the same, with two weights for one."""
-    same = point.limit == other.limit and point.side == other.side
-    return same and abs(point.remaining - other.remaining) <= near
 
 
 def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
