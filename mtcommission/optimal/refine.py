@@ -46,7 +46,7 @@ MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
 PATIENCE = 2
 """Programs in succession that prove less than the best one, after which the search ends."""
-LOST, BLIND = 0.05, 2
+LOST, BLIND = 0.05, 1
 """Distance of the reach from 1 at which a program has not even found the time, and how many of the
 first ones may end so: their cells are too long for the bounds then."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
