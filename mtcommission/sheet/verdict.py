@@ -376,7 +376,8 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     title, aside = move_title(move.move, number, words), _band_sentences(record, number, words)
     best, bounded = optima.time, optima.constrained
     bound, optimal = getattr(best.certificate, "t_f_lower_bound", None), f.quantity(best.t_f, "s")
-    if isinstance(bound, float) and best.t_f - bound > ENCLOSED * best.t_f:
+    gap = getattr(best.certificate, "relative_gap", None)
+    if isinstance(bound, float) and isinstance(gap, float) and gap > ENCLOSED:
         optimal = text("reference-enclosed", optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return " ".join([text("reference-unsettled", move=title, optimum=optimal), *aside])
