@@ -15,12 +15,12 @@ from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
-from mtcommission.identify.document import Writing, write_profile
-from mtcommission.identify.entry import identified_part
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
+from mtcommission.identify.identified import identify
+from mtcommission.identify.matching import states_differ
 from mtcommission.identify.measurement import AllDirections, Spectrum
-from mtcommission.identify.states import identify
+from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.shapers import shape
 from mtcommission.messages.catalogue import Catalogue
@@ -184,13 +184,13 @@ def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(
         ]
         file.write_text("\n".join([head, *noisy]) + "\n")
         files.append(str(file))
-    found = identify(gather(files, Given()))
+    found = identify(gather(files, Given())).part
     assert len(found.modes) == 2
     slow = found.modes[0]
     assert slow.frequency_hz.value == pytest.approx(30.0, rel=0.01)
     assert slow.tcp_gain is not None
     assert slow.tcp_gain.value == pytest.approx(0.92, abs=0.08)
-    assert found.spread.apart, "each payload is judged by itself"
+    assert states_differ(found.states, found.modes), "each payload is judged by itself"
     each = [state.modes[0].frequency_hz.value for state in found.states]
     assert each == pytest.approx(order, rel=0.02)
 
@@ -270,16 +270,9 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     """
     file = tmp_path / "resonances_x_1.csv"
     write(tmp_path, file.name, ONE)
-    found = identify(gather([str(file)], Given()))
-    part = identified_part(found, checks=(), created="2026-11-23")
-    how = Writing(
-        date="2026-11-23",
-        file="x.toml",
-        tool_ratio=None,
-        words=Catalogue(),
-        part=part,
-        axis="X",
-    )
+    found = identify(gather([str(file)], Given()), created="2026-11-23")
+    part = found.part
+    how = Writing(file="x.toml", words=Catalogue())
     machine = parse_profile(write_profile(found, how), where="x.toml")
     near = MotionLimits(acceleration=1.0, jerk=100.0)
     first, *others = compare_shapers(machine, tune_loop(machine), near=near)
@@ -293,7 +286,7 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     assert item.frequency_hz == pytest.approx(best.frequency_hz, abs=1e-6)
     assert first.limits.acceleration == pytest.approx(best.max_acceleration, rel=1e-5)
     axis = Axis(
-        modes=[(mode.frequency_hz.value, mode.damping_ratio.value, 1.0) for mode in found.modes],
+        modes=[(mode.frequency_hz.value, mode.damping_ratio.value, 1.0) for mode in part.modes],
         largest=10.0,
         distance=0.02,
         velocity=0.2,

@@ -14,13 +14,10 @@ import numpy as np
 import pytest
 
 from mtcommission.cli.measured import PER_AMPERE, read_number
-from mtcommission.identify.check import check_records
-from mtcommission.identify.document import Writing, merge_profile, write_profile
-from mtcommission.identify.entry import identified_part
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
-from mtcommission.identify.identified import Identified
-from mtcommission.identify.states import identify
+from mtcommission.identify.identified import identify
+from mtcommission.identify.profile import Writing, merge_profile, write_profile
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
@@ -33,14 +30,8 @@ from tests.test_cli import Run, run
 __all__ = ["run"]
 
 
-def _how(found: Identified, *, tool_ratio: float | None = None) -> Writing:
-    return Writing(
-        date="2026-11-22",
-        file="machine.toml",
-        tool_ratio=tool_ratio,
-        words=Catalogue(),
-        part=identified_part(found, checks=(), created="2026-11-22"),
-    )
+def _how(*, tool_ratio: float | None = None) -> Writing:
+    return Writing(file="machine.toml", tool_ratio=tool_ratio, words=Catalogue())
 
 
 def table_file(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
@@ -68,17 +59,18 @@ def both(tmp_path_factory):
         table_file(folder / "e.csv"),
         table_file(folder / "t.csv", sensor="tcp", seed=1) + "@tcp",
     ]
-    return identify(gather(files, Given()))
+    return identify(gather(files, Given()), created="2026-11-22")
 
 
 @pytest.fixture(scope="module")
 def encoder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("measured")
-    return identify(gather([table_file(folder / "e.csv")], Given()))
+    found = gather([table_file(folder / "e.csv")], Given())
+    return identify(found, created="2026-11-22")
 
 
 def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> None:
-    text = write_profile(both, _how(both))
+    text = write_profile(both, _how())
     data = tomllib.loads(text)
     assert float(data["plant"]["moving_mass"].split()[0]) == pytest.approx(made.MASS, rel=0.01)
     for mode, (hertz, zeta, own, tool) in zip(data["plant"]["modes"], made.MODES, strict=True):
@@ -91,15 +83,15 @@ def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> No
 
 
 def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumption(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, _how(encoder)))
+    data = tomllib.loads(write_profile(encoder, _how()))
     gain = float(data["plant"]["modes"][0]["tcp_gain"].split()[0])
     assert gain == pytest.approx(-1.0 / made.MASS, rel=0.01)
     assert "plant.modes[1].tcp_gain" in data["machine"]["assumed"]
-    assert "identify-no-tool-sensor" in {message.kind for message in encoder.warnings}
+    assert "identify-no-tool-sensor" in {message.kind for message in encoder.part.warnings}
 
 
 def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, _how(encoder, tool_ratio=-1.5)))
+    data = tomllib.loads(write_profile(encoder, _how(tool_ratio=-1.5)))
     mode = data["plant"]["modes"][0]
     own, tool = (float(mode[key].split()[0]) for key in ("measured_gain", "tcp_gain"))
     assert tool == pytest.approx(-1.5 * own, rel=1e-3)
@@ -107,7 +99,7 @@ def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> 
 
 def test_merging_touches_no_other_line_and_keeps_names_and_unmeasured_gains(encoder) -> None:
     before = read_shipped("modal-two-modes").text
-    after = merge_profile(before, encoder, _how(encoder))
+    after = merge_profile(before, encoder, _how())
     parse_profile(after, where="merged.toml")
     changed = ("moving_mass", "frequency", "damping_ratio", "measured_gain", "damping_spread")
     kept = [
@@ -136,9 +128,8 @@ def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
         path = tmp_path / f"record-{place}.csv"
         path.write_bytes(made.table(["t [s]", "force [N]", "velocity [m/s]"], [t, force, velocity]))
         files.append(str(path))
-    found = identify(gather(files, Given()))
-    checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
-    assert [one.is_held_back for one in checks] == [False, False, True]
+    checks = identify(gather(files, Given())).part.checks
+    assert [one.held_back for one in checks] == [False, False, True]
     assert all(one.explained > 0.9 for one in checks)
 
 
@@ -195,6 +186,18 @@ def test_a_measurement_given_twice_is_a_fault(run: Run, tmp_path) -> None:
     code, _, errors = run("identify", first, f"{tmp_path / 'copy.csv'}@tcp")
     assert code == 2
     assert f"copy.csv: holds the same measurement as {first}" in errors
+
+
+def test_a_sensor_at_the_load_is_not_taken_for_the_motors_encoder(run: Run) -> None:
+    """Its mode swings against the force: as encoder it made the loop stable where it is not."""
+    file = made.REAL / "fdi-motor-bench" / "frf-current-to-load-velocity.csv"
+    code, _, errors = run("identify", str(file), "--constant", "1")
+    assert code == 2
+    assert "at 76.26 Hz the mode moves against the force (-1.005 of" in errors
+    for said in ("tcp", "encoder"):
+        code, printed, errors = run("identify", str(file), "--constant", "1", "--sensor", said)
+        assert code == 0, errors
+        assert "76.26" in printed
 
 
 def test_the_wizard_goes_on_where_identify_ended(run: Run, tmp_path) -> None:

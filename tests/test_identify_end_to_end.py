@@ -16,7 +16,7 @@ import tomlkit
 
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
-from mtcommission.identify.states import identify
+from mtcommission.identify.identified import identify
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
@@ -180,7 +180,7 @@ def test_intervals_hold_the_true_values_as_often_as_they_say(
     held = []
     for first in range(0, 20, 2):
         files = _files(tmp_path, true, excited_by=excited_by, first=first)
-        found = identify(gather(files, Given()))
+        found = identify(gather(files, Given())).part
         pairs = [(found.moving_mass, true.mechanics.moving_mass)]
         for seen, mode in zip(found.modes, true.mechanics.modes, strict=True):
             pairs += [

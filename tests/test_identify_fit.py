@@ -26,6 +26,8 @@ from mtcommission.identify.fit.projection import (
 )
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
+from mtcommission.identify.identified import identify
+from mtcommission.identify.matching import states_differ
 from mtcommission.identify.measurement import (
     Evidence,
     FrequencyResponse,
@@ -35,7 +37,6 @@ from mtcommission.identify.measurement import (
     Source,
     Spectrum,
 )
-from mtcommission.identify.states import identify
 from mtcommission.messages.message import Message
 
 BENCH = Path(__file__).parent / "data" / "identify" / "fdi-motor-bench"
@@ -143,7 +144,9 @@ def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
     encoder = _measured(_axis())
     tool = _measured(_axis(gain=np.array([3e-3, 2e-3])), seed=1, sensor=Sensor.TCP)
     tool = replace(tool, values=-tool.values)
-    found = identify(Evidence(responses=(encoder, tool), spectra=(), vibrations=(), records=()))
+    found = identify(
+        Evidence(responses=(encoder, tool), spectra=(), vibrations=(), records=())
+    ).part
     kinds = {message.kind for message in found.warnings}
     assert "identify-polarity-reversed" in kinds
     assert [mode.tcp_gain.value for mode in found.modes] == pytest.approx([3e-3, 2e-3], rel=0.05)
@@ -155,9 +158,9 @@ def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
 def test_payloads_are_states_and_the_interval_holds_both() -> None:
     light = _measured(_axis())
     heavy = _measured(_axis(frequency_hz=np.array([35.0, 80.0]), mass=360.0), seed=1)
-    found = identify(Evidence(responses=(light, heavy), spectra=(), vibrations=(), records=()))
+    found = identify(Evidence(responses=(light, heavy), spectra=(), vibrations=(), records=())).part
     assert len(found.states) == 2
-    assert found.spread.apart
+    assert states_differ(found.states, found.modes)
     assert found.spread.frequency == pytest.approx(0.01)
     first = found.modes[0].frequency_hz
     assert abs(first.value - 37.5) < 2 * first.sigma
@@ -212,7 +215,7 @@ def test_points_of_a_hammer_test_share_poles_and_a_failed_one_is_left_out() -> N
             )
         )
     evidence = Evidence(responses=tuple(responses), spectra=(), vibrations=(), records=())
-    found = identify(evidence)
+    found = identify(evidence).part
     assert [mode.frequency_hz.value for mode in found.modes] == pytest.approx(
         [92.0, 224.0], rel=3e-3
     )
@@ -253,7 +256,7 @@ def test_a_sweep_on_held_motors_shows_frequency_and_damping_without_force() -> N
     (mode,) = fit_spectrum(spectrum).modes
     assert mode.frequency_hz.value == pytest.approx(47.0, rel=0.01)
     assert mode.damping_ratio.value == pytest.approx(zeta, rel=0.1)
-    found = identify(Evidence(responses=(), spectra=(spectrum,), vibrations=(), records=()))
+    found = identify(Evidence(responses=(), spectra=(spectrum,), vibrations=(), records=())).part
     assert found.moving_mass is None
     share = found.modes[0].tcp_gain
     assert share is not None
@@ -267,7 +270,7 @@ def test_motor_bench_of_fditools_has_the_mode_that_is_trusted() -> None:
         str(next(BENCH.glob("*motor-velocity*"))),
         f"{next(BENCH.glob('*load-velocity*'))}@tcp",
     ]
-    found = identify(gather(files, Given(constant=1.0, sensor=Sensor.ENCODER)))
+    found = identify(gather(files, Given(constant=1.0, sensor=Sensor.ENCODER))).part
     (mode,) = found.modes
     assert mode.frequency_hz.value == pytest.approx(76.2, abs=0.15)
     assert abs(mode.damping_ratio.value - 0.019) < 2 * mode.damping_ratio.sigma

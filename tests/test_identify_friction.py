@@ -12,9 +12,9 @@ import pytest
 
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
-from mtcommission.identify.identified import Identified
-from mtcommission.identify.states import identify
+from mtcommission.identify.identified import identify
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.identified import IdentifiedPart
 from tests import identify_files as made
 
 FREQUENCY, DAMPING, INERTIA = 76.0, 0.02, 0.01
@@ -57,7 +57,7 @@ def _simulate() -> tuple[made.Array, made.Array, made.Array]:
 
 
 @pytest.fixture(scope="module")
-def benches(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Identified]]:
+def benches(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, IdentifiedPart]]:
     folder = tmp_path_factory.mktemp("benches")
     torque, speed, excitation = _simulate()
     noise = 2e-3 * speed.std(axis=0) * np.random.default_rng(1).normal(size=speed.shape)
@@ -68,7 +68,7 @@ def benches(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, I
         columns = [STEP * np.arange(excitation.size), torque[:, place]]
         columns += [speed[:, place] + noise[:, place], excitation]
         path.write_bytes(made.table(heads, columns))
-        found[name] = path, identify(gather([str(path)], Given()))
+        found[name] = path, identify(gather([str(path)], Given())).part
     return found
 
 
@@ -100,13 +100,13 @@ def test_nothing_is_told_where_friction_keeps_its_sign_or_is_not_there(benches, 
 
 def test_a_response_alone_warns_that_friction_may_have_reversed(benches, tmp_path: Path) -> None:
     """Whether it did stands in no response; that it could matter does."""
-    (response,) = benches["friction, slow"][1].evidence.responses
+    (response,) = gather([str(benches["friction, slow"][0])], Given()).responses
     path = tmp_path / "frf.csv"
     heads = ["frequency_hz", "re [rad/s/(N m)]", "im", "coherence"]
     H = response.values
     columns = [response.frequency_hz, H.real, H.imag, 0.99 + 0.0 * H.real]
     path.write_bytes(made.table(heads, columns, comments="# averages = 10\n"))
-    found = identify(gather([str(path)], Given()))
+    found = identify(gather([str(path)], Given())).part
     (warning,) = [one for one in found.warnings if one.kind == "identify-friction-may-shift"]
     shift = warning.values["shift"]
     assert isinstance(shift, float)

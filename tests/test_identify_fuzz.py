@@ -16,8 +16,7 @@ from benchmarks.fuzz import call
 from mtcommission.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import FrequencyResponse, Output, Sensor, Spectrum
-from mtcommission.identify.responses.estimate import Finding
+from mtcommission.identify.measurement import Finding, FrequencyResponse, Output, Sensor, Spectrum
 from mtcommission.messages.catalogue import Catalogue
 from tests import identify_files as made
 from tests.test_identify_formats import ENCODER, GAMMA2, LINES, time_files

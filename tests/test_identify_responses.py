@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 from mtcommission.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
+from mtcommission.identify.identified import identify
 from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
@@ -17,7 +18,6 @@ from mtcommission.identify.measurement import (
     Sensor,
     Spectrum,
 )
-from mtcommission.identify.states import identify
 from tests import identify_files as made
 
 STEP = 1e-3
@@ -244,8 +244,8 @@ def test_a_tool_shaken_by_its_motor_shows_the_modes_on_a_held_motor(drive: str) 
     assert one.input is Input.ACCELERATION
     assert one.sensor is Sensor.TCP
     assert "identify-no-reference" not in kinds(one)
-    axis = identify(Evidence(responses=(one,), spectra=(), vibrations=(), records=()))
-    assert axis.is_base_excited
+    axis = identify(Evidence(responses=(one,), spectra=(), vibrations=(), records=())).part
+    assert axis.base_excited
     assert axis.moving_mass is None
     (mode,) = axis.modes
     assert abs(mode.frequency_hz.value - hertz) < 3 * mode.frequency_hz.sigma + 0.05

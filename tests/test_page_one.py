@@ -23,9 +23,10 @@ from mtcommission.export.write import export_own, export_record
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
-from mtcommission.sheet import print_html, type_in
+from mtcommission.sheet import print_html
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.document import Headline, Table
+from mtcommission.sheet.verdict import type_in
 
 from .sheet_record import Json, average, example_record, exportable_record
 

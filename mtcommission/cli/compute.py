@@ -67,12 +67,13 @@ def run(
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
     from mtcommission.record.record import record_run
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import (
         assumed_and_binding,
         attainable_sentences,
         reference_sentence,
         slowest_move,
+        type_in,
     )
 
     spoken = words()

@@ -104,7 +104,7 @@ class _Job(NamedTuple):
         """The file with points and advice; "" for none."""
         if self.json_file or self.output in ("", "-"):
             return self.json_file
-        from mtcommission.identify.statement import evidence_file
+        from mtcommission.identify.profile import evidence_file
 
         return evidence_file(self.output)
 
@@ -134,7 +134,6 @@ def _identify(
     from mtcommission.cli.identified_view import describe_identified, refusal
     from mtcommission.files import write_text
     from mtcommission.identify.job import identify_files, name_from
-    from mtcommission.identify.page import print_identified
 
     output, beside = job.output, job.beside
     with show_stage() as progress:
@@ -157,6 +156,8 @@ def _identify(
     if not is_sound:
         beside, output = job.json_file, ""
     if job.page:
+        from mtcommission.identify.page import print_identified
+
         page = print_identified(axis.part, profile=axis.profile, language=language)
         write_text(job.page, page)
     if output:

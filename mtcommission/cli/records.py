@@ -40,7 +40,8 @@ def sheet(
     from mtcommission.files import require_folder, write_files
     from mtcommission.record.record import load_record
     from mtcommission.record.verified import load_verdict
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print, type_in
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print
+    from mtcommission.sheet.verdict import type_in
 
     inputs = [record, *(one for one in (compare, verified) if one)]
     require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)

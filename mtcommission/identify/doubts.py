@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.identify.fit.fitted import Fitted
-from mtcommission.identify.identified import Identified
 from mtcommission.identify.measurement import (
     FrequencyResponse,
     Input,
@@ -16,6 +15,7 @@ from mtcommission.identify.measurement import (
     TimeRecord,
 )
 from mtcommission.messages.message import Message, Value
+from mtcommission.record.identified import IdentifiedPart
 
 MASS_TOLERANCE = 0.05
 """Relative difference of two sensors' masses that is told."""
@@ -23,33 +23,33 @@ LEAST_REVERSED = 0.01
 """Share of the time in which an axis moves backwards, below which friction kept its sign."""
 
 
-def list_doubts(found: Identified) -> tuple[Message, ...]:
+def list_doubts(
+    part: IdentifiedPart, fits: Sequence[Fitted], records: Sequence[TimeRecord]
+) -> list[Message]:
     """Return what was chosen, left out, doubtful or unknown, as advice for the next measurement."""
-    doubts = [note for fit in found.fits for note in fit.notes]
-    for fit in found.fits:
+    doubts = [note for fit in fits for note in fit.notes]
+    for fit in fits:
         doubts += _of_polarity(fit) + _of_masses(fit) + _of_resolution(fit) + _of_misfit(fit)
-        doubts += _of_friction(fit, found.evidence.records)
-    for mode in found.modes:
-        missing = [
-            state.name for state, k in zip(found.states, mode.seen, strict=True) if k is None
+        doubts += _of_friction(fit, records)
+    for mode in part.modes:
+        lacking = [
+            one.name for one in part.states if mode.name not in [seen.name for seen in one.modes]
         ]
-        if missing:
-            doubts.append(
-                Message("identify-mode-not-everywhere", mode=mode.name, states=", ".join(missing))
-            )
-    masses = [state.moving_mass.value for state in found.states if state.moving_mass]
+        if lacking:
+            said = {"mode": mode.name, "states": ", ".join(lacking)}
+            doubts.append(Message("identify-mode-not-everywhere", **said))
+    masses = [state.moving_mass.value for state in part.states if state.moving_mass]
     if masses and max(masses) > (1.0 + MASS_TOLERANCE) * min(masses):
         doubts.append(Message("identify-mass-by-state", low=min(masses), high=max(masses)))
-    if not found.modes and (found.moving_mass or found.is_base_excited):
+    if not part.modes and (part.moving_mass or part.base_excited):
         doubts.append(Message("identify-no-mode"))
-    if found.moving_mass is None:
-        has_force = not found.is_base_excited
-        doubts.append(Message("identify-no-rigid-body" if has_force else "identify-no-force"))
+    if part.moving_mass is None:
+        doubts.append(Message(f"identify-no-{'force' if part.base_excited else 'rigid-body'}"))
     else:
         doubts.append(Message("identify-friction-small-amplitude"))
-        if not any(fit.has(Sensor.TCP) for fit in found.fits):
-            doubts.append(Message("identify-no-tool-sensor", bound=1.0 / found.moving_mass.value))
-    return tuple(dict.fromkeys(doubts))
+        if not any(fit.has(Sensor.TCP) for fit in fits):
+            doubts.append(Message("identify-no-tool-sensor", bound=1.0 / part.moving_mass.value))
+    return doubts
 
 
 def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> list[Message]:

@@ -29,6 +29,7 @@ from mtcommission.identify.meaning.responses import (
 )
 from mtcommission.identify.measurement import (
     Evidence,
+    Finding,
     FreeVibration,
     FrequencyResponse,
     Output,
@@ -37,7 +38,7 @@ from mtcommission.identify.measurement import (
     Spectrum,
     TimeRecord,
 )
-from mtcommission.identify.responses.estimate import Finding, estimate
+from mtcommission.identify.responses.estimate import estimate
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:

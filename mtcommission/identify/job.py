@@ -1,21 +1,20 @@
-"""Measured files of one axis -> what was found, its statement, and a profile that holds it."""
+"""Measured files of one axis -> what was found, its JSON, and a profile that holds it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from mtcommission.identify.check import check_records
-from mtcommission.identify.document import Writing, kind_replaced, merge_profile, write_profile
-from mtcommission.identify.entry import identified_json, identified_part
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
-from mtcommission.identify.identified import Identified
-from mtcommission.identify.states import identify
+from mtcommission.identify.identified import Identified, identify
+from mtcommission.identify.profile import Writing, kind_replaced, merge_profile, write_profile
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.files import dump_json
 from mtcommission.record.identified import IdentifiedPart
+from mtcommission.record.shape import to_plain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,13 +22,23 @@ class MeasuredAxis:
     """What measured files say of an axis."""
 
     found: Identified
-    part: IdentifiedPart  # as the record holds it
     profile: str  # TOML; lacks what no response tells; "" where no model describes the files
+
+    @property
+    def part(self) -> IdentifiedPart:
+        """As the record holds it."""
+        return self.found.part
 
     @property
     def json(self) -> str:
         """Points, fit and advice, which the profile names as its evidence."""
-        return dump_json(identified_json(self.part, profile=self.profile))
+        entry: dict[str, Any] = {
+            "files": list(self.found.files),
+            "sensor": {one.name: one.sensor for one in self.part.sources},
+            **to_plain(self.part),
+            "profile": self.profile,
+        }
+        return dump_json(entry)
 
 
 def identify_files(
@@ -57,23 +66,26 @@ def identify_files(
     InputError
         A file cannot be read, or leaves open what its columns are; or the profile is not valid.
     """
-    found = identify(gather(files, given), band_hz=band_hz, count=count)
-    checks = check_records(found, force_per_unit=given.constant, band_hz=band_hz, count=count)
-    part = identified_part(found, checks=checks, created=created)
-    part = replace(part, warnings=[*part.warnings, *kind_replaced(before)])
+    found = identify(
+        gather(files, given),
+        created=created,
+        force_per_unit=given.constant,
+        band_hz=band_hz,
+        count=count,
+    )
+    warnings = [*found.part.warnings, *kind_replaced(before)]
+    found = replace(found, part=replace(found.part, warnings=warnings))
     how = Writing(
-        date=created[:10],
         file=target,
         tool_ratio=tool_ratio,
-        words=words(found.rotary),
-        part=part,
+        words=words(found.part.rotary),
         evidence=evidence,
         axis=axis,
     )
     text = ""
     if found.doubt is None or forced:
         text = merge_profile(before, found, how) if before else write_profile(found, how)
-    return MeasuredAxis(found=found, part=part, profile=text)
+    return MeasuredAxis(found=found, profile=text)
 
 
 def name_from(profile: str, evidence: str) -> str:

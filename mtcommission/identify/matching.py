@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import combinations
 from math import ceil, log
+from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
-from mtcommission.identify.identified import IdentifiedMode, Spread, State
-from mtcommission.machine.identified import Estimate
+from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.machine.machine import MOST_STATES
 from mtcommission.messages.message import Message
+from mtcommission.record.identified import MeasuredStateEntry, SpreadEntry
 
 FARTHEST = 0.25
 """Largest distance of one mode in two states that follow each other, in ln f (empirical): a bed at
@@ -32,19 +32,28 @@ STEP = 0.005
 """Spreads are rounded up to it."""
 
 
-def match_modes(states: Sequence[State]) -> tuple[IdentifiedMode, ...]:
-    """Return the modes of all states, each matched to the nearest in frequency.
+Chain = dict[int, int]
+"""Which mode it is in each state where it was seen."""
+
+
+def match_modes(
+    states: Sequence[MeasuredStateEntry],
+) -> tuple[list[MeasuredMode], list[MeasuredStateEntry]]:
+    """Return the modes over all states, and the states with the modes named by them.
 
     The state with most modes leads; modes that it does not have are added. Modes that no state has
-    both of are one, if states between them lead from one to the other.
+    both of are one, if states between them lead from one to the other. Values are the middle of the
+    states, with a standard error of at least a quarter of their range.
     """
     order = sorted(range(len(states)), key=lambda i: -len(states[i].modes))
-    chains: list[dict[int, int]] = []
+    chains: list[Chain] = []
     for i in order:
         modes = states[i].modes
         centres = [_centre(chain, states) for chain in chains]
         taken: set[int] = set()
         if modes and centres:
+            from scipy.optimize import linear_sum_assignment  # slow to load, rarely needed
+
             cost = np.array(
                 [[abs(log(c / mode.frequency_hz.value)) for mode in modes] for c in centres]
             )
@@ -55,12 +64,23 @@ def match_modes(states: Sequence[State]) -> tuple[IdentifiedMode, ...]:
         chains += [{i: k} for k in range(len(modes)) if k not in taken]
     chains = _joined(chains, states)
     chains.sort(key=lambda chain: _centre(chain, states))
-    return tuple(
-        _identified(f"mode{number}", chain, states) for number, chain in enumerate(chains, start=1)
-    )
+    named: list[list[MeasuredMode]] = [[] for _ in states]
+    found = []
+    for number, chain in enumerate(chains, start=1):
+        seen = [replace(states[i].modes[k], name=f"mode{number}") for i, k in chain.items()]
+        for i, mode in zip(chain, seen, strict=True):
+            named[i].append(mode)
+        values: dict[str, Any] = {
+            key: middle_of([getattr(mode, key) for mode in seen]) for key in _ESTIMATES
+        }
+        found.append(replace(seen[0], **values))
+    return found, [replace(state, modes=own) for state, own in zip(states, named, strict=True)]
 
 
-def _joined(chains: list[dict[int, int]], states: Sequence[State]) -> list[dict[int, int]]:
+_ESTIMATES = ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain")
+
+
+def _joined(chains: list[Chain], states: Sequence[MeasuredStateEntry]) -> list[Chain]:
     """The nearest first; one file in the middle may have come last."""
     while True:
         near = [
@@ -77,7 +97,7 @@ def _joined(chains: list[dict[int, int]], states: Sequence[State]) -> list[dict[
         chains = [chain for k, chain in enumerate(chains) if k not in (a, b)] + [joined]
 
 
-def _distance(one: dict[int, int], other: dict[int, int], states: Sequence[State]) -> float:
+def _distance(one: Chain, other: Chain, states: Sequence[MeasuredStateEntry]) -> float:
     """Between the nearest two of two chains, in ln f."""
     return min(
         abs(log(states[i].modes[k].frequency_hz.value / states[j].modes[n].frequency_hz.value))
@@ -86,25 +106,9 @@ def _distance(one: dict[int, int], other: dict[int, int], states: Sequence[State
     )
 
 
-def _centre(chain: dict[int, int], states: Sequence[State]) -> float:
+def _centre(chain: Chain, states: Sequence[MeasuredStateEntry]) -> float:
     logs = [log(states[i].modes[k].frequency_hz.value) for i, k in chain.items()]
     return float(np.exp(0.5 * (min(logs) + max(logs))))
-
-
-def _identified(name: str, chain: dict[int, int], states: Sequence[State]) -> IdentifiedMode:
-    seen = [states[i].modes[k] for i, k in chain.items()]
-    frequency = middle_of([mode.frequency_hz for mode in seen])
-    damping = middle_of([mode.damping_ratio for mode in seen])
-    assert frequency is not None
-    assert damping is not None
-    return IdentifiedMode(
-        name=name,
-        frequency_hz=frequency,
-        damping_ratio=damping,
-        measured_gain=middle_of([mode.measured_gain for mode in seen]),
-        tcp_gain=middle_of([mode.tcp_gain for mode in seen]),
-        seen=tuple(chain.get(i) for i in range(len(states))),
-    )
 
 
 def middle_of(estimates: Sequence[Estimate | None]) -> Estimate | None:
@@ -117,69 +121,52 @@ def middle_of(estimates: Sequence[Estimate | None]) -> Estimate | None:
     return Estimate(value=0.5 * (low + high), sigma=typical + 0.25 * (high - low))
 
 
-def find_spread(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> Spread:
+def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMode]) -> SpreadEntry:
     """Return the spreads that the corners must hold: the worst mode, at least a floor.
 
     max(2 sigma, half of the range over the states, floor) by the middle, for each mode; without the
     range where the states differ so much that each is judged by itself.
     """
-    n, apart = len(states), _differ(states, modes)
-    floor = FREQUENCY_FLOOR if n > 1 else FREQUENCY_FLOOR_OF_ONE
-    kind = "identify-frequency-apart" if apart else "identify-frequency-floor"
-    frequency = _Worst(floor, Message(kind, floor=floor, states=n))
-    floor = DAMPING_FLOOR if n > 1 else DAMPING_FLOOR_OF_ONE
-    kind = "identify-damping-apart" if apart else "identify-damping-floor"
-    damping = _Worst(floor, Message(kind, floor=floor, states=n))
-    for mode in modes:
-        seen = [state.modes[k] for state, k in zip(states, mode.seen, strict=True) if k is not None]
-        low, high, by_range, by_sigma = _reach([one.frequency_hz for one in seen], apart=apart)
-        ends = {"low": low, "high": high, "states": len(seen)}
-        frequency = frequency.or_if_worse(
-            by_range, Message("identify-frequency-range", mode=mode.name, **ends)
-        ).or_if_worse(
-            by_sigma, Message("identify-frequency-sigma", mode=mode.name, spread=by_sigma)
-        )
-        low, high, by_range, by_sigma = _reach([one.damping_ratio for one in seen], apart=apart)
-        ends = {"low": low, "high": high, "states": len(seen)}
-        damping = damping.or_if_worse(
-            by_range, Message("identify-damping-range", mode=mode.name, **ends)
-        ).or_if_worse(by_sigma, Message("identify-damping-sigma", mode=mode.name, spread=by_sigma))
-    return Spread(
-        frequency=frequency.rounded,
-        damping=damping.rounded,
-        because=(frequency.why, damping.why),
-        apart=apart,
-    )
+    n, apart = len(states), states_differ(states, modes)
+    floors = {
+        "frequency": FREQUENCY_FLOOR if n > 1 else FREQUENCY_FLOOR_OF_ONE,
+        "damping": DAMPING_FLOOR if n > 1 else DAMPING_FLOOR_OF_ONE,
+    }
+    spreads, because = {}, []
+    for kind, floor in floors.items():
+        why = f"identify-{kind}-{'apart' if apart else 'floor'}"
+        worst = floor, Message(why, floor=floor, states=n)
+        for mode in modes:
+            seen = [
+                one.frequency_hz if kind == "frequency" else one.damping_ratio
+                for state in states
+                for one in state.modes
+                if one.name == mode.name
+            ]
+            low, high, by_range, by_sigma = _reach(seen, apart=apart)
+            ends = {"low": low, "high": high, "states": len(seen)}
+            for spread, message in (
+                (by_range, Message(f"identify-{kind}-range", mode=mode.name, **ends)),
+                (by_sigma, Message(f"identify-{kind}-sigma", mode=mode.name, spread=by_sigma)),
+            ):
+                worst = (spread, message) if spread > worst[0] else worst
+        spreads[kind] = STEP * ceil(worst[0] / STEP - 1e-9)
+        because.append(worst[1])
+    return SpreadEntry(**spreads, because=because)
 
 
-def _differ(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> bool:
-    """Whether a mode or the mass differs between states by more than its intervals."""
+def states_differ(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMode]) -> bool:
+    """Return whether a mode or the mass differs by more than its intervals: each is judged then."""
     if not 1 < len(states) <= MOST_STATES:
         return False
-    known = [[state.moving_mass for state in states if state.moving_mass]]
-    for mode in modes:
-        pairs = zip(states, mode.seen, strict=True)
-        known.append([state.modes[k].frequency_hz for state, k in pairs if k is not None])
+    masses = [state.moving_mass for state in states if state.moving_mass]
+    seen = [mode for state in states for mode in state.modes]
+    frequencies = ([one.frequency_hz for one in seen if one.name == mode.name] for mode in modes)
     return any(
         abs(one.value - other.value) > APART * float(np.hypot(one.sigma, other.sigma))
-        for values in known
+        for values in (masses, *frequencies)
         for one, other in combinations(values, 2)
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Worst:
-    """The largest spread so far, and why."""
-
-    spread: float
-    why: Message
-
-    def or_if_worse(self, spread: float, why: Message) -> _Worst:
-        return _Worst(spread, why) if spread > self.spread else self
-
-    @property
-    def rounded(self) -> float:
-        return STEP * ceil(self.spread / STEP - 1e-9)
 
 
 def _reach(values: Sequence[Estimate], *, apart: bool) -> tuple[float, float, float, float]:

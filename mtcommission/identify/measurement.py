@@ -11,6 +11,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
@@ -155,6 +156,20 @@ class FreeVibration:
     modes: tuple[FreeMode, ...]  # Found, the largest amplitude first
     remarks: tuple[Message, ...] = ()  # How they were found and what is doubtful
 
+    @property
+    def estimates(self) -> list[MeasuredMode]:
+        """The modes by frequency."""
+        return [
+            MeasuredMode(
+                frequency_hz=Estimate(value=mode.frequency_hz, sigma=mode.frequency_sigma_hz),
+                damping_ratio=Estimate(value=mode.damping_ratio, sigma=mode.damping_sigma),
+            )
+            for mode in sorted(self.modes, key=lambda mode: mode.frequency_hz)
+        ]
+
+
+Finding = FrequencyResponse | Spectrum | FreeVibration
+
 
 class Signal(StrEnum):
     """What a column of a time record holds."""
@@ -213,6 +228,11 @@ class Evidence:
     vibrations: tuple[FreeVibration, ...]
     # Time records from which some of them come, to be simulated again.
     records: tuple[TimeRecord, ...]
+
+    @property
+    def measurements(self) -> tuple[Finding, ...]:
+        """Everything that was measured, in the order of the files within each kind."""
+        return (*self.responses, *self.spectra, *self.vibrations)
 
 
 def correlation_length(rest: Array) -> float:

@@ -1,28 +1,26 @@
-"""States of a machine -> one description: modes matched across positions, payloads and levels."""
+"""Measurements -> states of the machine: which of them belong together, and what each shows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from mtcommission.identify.doubts import list_doubts
 from mtcommission.identify.fit.fit import fit_state
-from mtcommission.identify.fit.fitted import Fitted
-from mtcommission.identify.fit.peaks import FittedSpectrum, fit_spectrum
-from mtcommission.identify.identified import Identified, State
-from mtcommission.identify.matching import find_spread, match_modes, middle_of
+from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedSpectrum
 from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
     Input,
     Sensor,
+    Source,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
+from mtcommission.record.identified import MeasuredStateEntry
 
 SAME = 3.0
 """Responses whose poles differ by less, in standard errors, are of one state."""
@@ -32,36 +30,35 @@ LARGEST_ERROR = 0.3
 """Model error that a point may have in any case [-]."""
 
 
-def identify(
-    evidence: Evidence,
-    *,
-    band_hz: tuple[float, float] | None = None,
-    count: int | None = None,
-) -> Identified:
-    """Return the axis that measurements show.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class State:
+    """What was found in one state of the machine."""
+
+    entry: MeasuredStateEntry  # its modes by frequency, without names yet
+    result: Fitted | FittedSpectrum | FreeVibration  # where they come from
+    # delay, lag: None without phase; no lag where none shows.
+    delay: Estimate | None = None
+    lag: Estimate | None = None
+
+
+def find_states(
+    evidence: Evidence, *, band_hz: tuple[float, float] | None = None, count: int | None = None
+) -> list[State]:
+    """Return what measurements show, state by state.
 
     Raise InputError if a response has too few lines in the band.
     """
     fits = fit_states(evidence.responses, band_hz=band_hz, count=count)
-    spectra = [fit_spectrum(spectrum) for spectrum in evidence.spectra]
-    states = (
-        *(_of_fit(fit) for fit in fits),
-        *(_of_spectrum(one) for one in _best_of_files(spectra)),
-        *(_of_vibration(one) for one in evidence.vibrations),
-    )
-    modes = match_modes(states)
-    found = Identified(
-        evidence=evidence,
-        states=states,
-        modes=modes,
-        moving_mass=middle_of([state.moving_mass for state in states]),
-        delay=middle_of([state.delay for state in states]),
-        lag=middle_of([state.lag for state in states]),
-        spread=find_spread(states, modes),
-        warnings=(),
-    )
-    remarks = tuple(message for one in found.measurements for message in one.remarks)
-    return replace(found, warnings=tuple(dict.fromkeys((*remarks, *list_doubts(found)))))
+    spectra = []
+    if evidence.spectra:
+        from mtcommission.identify.fit.peaks import fit_spectrum  # slow to load
+
+        spectra = [fit_spectrum(spectrum) for spectrum in evidence.spectra]
+    return [
+        *map(_of_fit, fits),
+        *(_of_modes(one.spectrum.source, one.modes, one) for one in _best_of_files(spectra)),
+        *(_of_modes(one.source, one.estimates, one) for one in evidence.vibrations),
+    ]
 
 
 def fit_states(
@@ -158,76 +155,42 @@ def _power(one: FittedSpectrum) -> float:
 
 
 def _of_fit(fit: Fitted) -> State:
-    first = fit.responses[0].response.source
     files = dict.fromkeys(one.response.source.file for one in fit.responses)
-    masses = [
-        Estimate(
-            value=1.0 / one.inverse_mass.value,
-            sigma=one.inverse_mass.sigma / one.inverse_mass.value**2,
+    responses = sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
+    masses = [one.inverse_mass for one in responses if one.has_rigid_body]
+    modes = [
+        MeasuredMode(
+            frequency_hz=mode.frequency_hz,
+            damping_ratio=mode.damping_ratio,
+            measured_gain=_gain(fit, mode, Sensor.ENCODER),
+            tcp_gain=_gain(fit, mode, Sensor.TCP),
         )
-        for one in sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
-        if one.has_rigid_body
+        for mode in fit.modes
     ]
-    delays = sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
+    mass = [Estimate(value=1 / b.value, sigma=b.sigma / b.value**2) for b in masses[:1]]
+    name = fit.responses[0].response.source.state or ", ".join(files)
     return State(
-        name=first.state or ", ".join(files),
-        modes=tuple(
-            MeasuredMode(
-                frequency_hz=mode.frequency_hz,
-                damping_ratio=mode.damping_ratio,
-                measured_gain=_gain(fit, k, Sensor.ENCODER),
-                tcp_gain=_gain(fit, k, Sensor.TCP),
-            )
-            for k, mode in enumerate(fit.modes)
-        ),
-        moving_mass=masses[0] if masses else None,
-        delay=delays[0].delay,
-        lag=delays[0].lag,
+        entry=MeasuredStateEntry(name=name, moving_mass=mass[0] if mass else None, modes=modes),
         result=fit,
+        delay=responses[0].delay,
+        lag=responses[0].lag,
     )
 
 
-def _gain(fit: Fitted, mode: int, sensor: Sensor) -> Estimate | None:
+def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
     """The surest gain of a sensor; base-excited, with the sign of the profile."""
     found = [
         replace(gain, value=-gain.value) if one.response.input is Input.ACCELERATION else gain
-        for one, gain in zip(fit.responses, fit.modes[mode].gains, strict=True)
+        for one, gain in zip(fit.responses, mode.gains, strict=True)
         if one.response.sensor is sensor
     ]
     return min(found, key=lambda gain: gain.relative, default=None)
 
 
-def _of_spectrum(one: FittedSpectrum) -> State:
-    return State(
-        name=one.spectrum.source.state or one.spectrum.source.name,
-        modes=tuple(
-            MeasuredMode(
-                frequency_hz=peak.frequency_hz,
-                damping_ratio=peak.damping_ratio,
-                tcp_gain=peak.share,
-            )
-            for peak in one.modes
-        ),
-        moving_mass=None,
-        delay=None,
-        lag=None,
-        result=one,
+def _of_modes(
+    source: Source, modes: Sequence[MeasuredMode], result: FittedSpectrum | FreeVibration
+) -> State:
+    entry = MeasuredStateEntry(
+        name=source.state or source.name, moving_mass=None, modes=list(modes)
     )
-
-
-def _of_vibration(one: FreeVibration) -> State:
-    modes = sorted(one.modes, key=lambda mode: mode.frequency_hz)
-    return State(
-        name=one.source.state or one.source.name,
-        modes=tuple(
-            MeasuredMode(
-                frequency_hz=Estimate(value=mode.frequency_hz, sigma=mode.frequency_sigma_hz),
-                damping_ratio=Estimate(value=mode.damping_ratio, sigma=mode.damping_sigma),
-            )
-            for mode in modes
-        ),
-        moving_mass=None,
-        delay=None,
-        lag=None,
-        result=one,
-    )
+    return State(entry=entry, result=result)

@@ -20,16 +20,15 @@ from typing import TYPE_CHECKING
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
-from mtcommission.record.machine import MachineEntry, Profile
-from mtcommission.record.what_if import WhatIfPart
-from mtcommission.sheet.verdict import type_in
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
+    from mtcommission.record.machine import MachineEntry, Profile
     from mtcommission.record.record import Record
     from mtcommission.record.verified import Verified
+    from mtcommission.record.what_if import WhatIfPart
 
-__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "type_in"]
+__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print"]
 
 
 def print_html(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from mtcommission.record.identified import (
     ToolSensorEntry,
 )
 from mtcommission.record.machine import ModeEntry
-from mtcommission.record.record import Record
 from mtcommission.sheet.document import (
     Block,
     Bullets,
@@ -27,7 +26,6 @@ from mtcommission.sheet.document import (
     Tone,
     note,
 )
-from mtcommission.sheet.limits import MEETS, is_of_calibration
 from mtcommission.sheet.plots import MAIN, SETPOINT, THIRD, Array, Curve, Signals, line_plot
 from mtcommission.sheet.tables import (
     ACCELERATION,
@@ -41,6 +39,9 @@ from mtcommission.sheet.tables import (
     wide,
 )
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+
+if TYPE_CHECKING:
+    from mtcommission.record.record import Record
 
 INFORMATION = (
     *("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis"),
@@ -307,6 +308,9 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> I
     """What calibrate_shaper would choose, by its own measures; then simulated, beside ours."""
     if not part.proposals:
         return
+    # Slow to load: the terminal, which shares this module, does without.
+    from mtcommission.sheet.limits import MEETS, is_of_calibration
+
     text, f, ours = words.text, words.format, record.limits.recommended
 
     def head(name: str) -> str:

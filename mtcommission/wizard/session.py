@@ -298,12 +298,12 @@ class _Interview:
         found = gather(self.output, None, identified=measured.axis.profile)
         replaced = (MEASURED, "plant.", "pair.")
         kept = {key: text for key, text in self.answers.items() if not key.startswith(replaced)}
-        motion = "rotary" if measured.axis.found.rotary else "linear"
+        motion = "rotary" if measured.axis.part.rotary else "linear"
         self.source = replace(found, where=self.source.where, lines=self.source.lines)
         self.answers = {**found.answers, **kept, "machine.motion": motion}
         if self.answers.get("wizard.way") == FILES:
             self.answers["wizard.way"] = MODAL
-        self.tell(Message("wizard-identified", count=len(measured.axis.found.modes)))
+        self.tell(Message("wizard-identified", count=len(measured.axis.part.modes)))
         for doubt in measured.doubts:
             self.tell(Message("warning", warning=doubt))
 

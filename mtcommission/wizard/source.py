@@ -147,7 +147,7 @@ def measure(
     from mtcommission.identify.axes import by_axis
     from mtcommission.identify.given import Given
     from mtcommission.identify.job import identify_files
-    from mtcommission.identify.statement import evidence_file
+    from mtcommission.identify.profile import evidence_file
     from mtcommission.sheet.identified import doubts_and_notes
 
     typed = answers[MEASURED]

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
-from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.lines import Lines, neighbours
 from mtcommission.identify.fit.order import BROADEST, Ordered
 from mtcommission.identify.measurement import FrequencyResponse
 
@@ -43,7 +42,9 @@ def coherent_band(responses: Sequence[FrequencyResponse]) -> Band:
             lows.append(float(f[0]))
             highs.append(float(f[-1]))
             continue
-        good = np.flatnonzero(median_filter(response.coherence, 9) >= LEAST_COHERENCE)
+        good = np.flatnonzero(
+            np.median(neighbours(response.coherence, 9), axis=1) >= LEAST_COHERENCE
+        )
         if good.size:
             lows.append(float(f[good[0]]))
             highs.append(float(f[good[-1]]))

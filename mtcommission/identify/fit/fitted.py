@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
-from mtcommission.identify.measurement import FrequencyResponse, Sensor
-from mtcommission.machine.identified import Estimate
+from mtcommission.identify.measurement import FrequencyResponse, Sensor, Spectrum
+from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
@@ -75,3 +75,15 @@ class Fitted:
     def has(self, sensor: Sensor) -> bool:
         """Return whether one of the responses shows a sensor."""
         return any(one.response.sensor is sensor for one in self.responses)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FittedSpectrum:
+    """The peaks of a spectrum."""
+
+    spectrum: Spectrum  # As measured
+    is_used: NDArray[np.bool_]  # Which of its lines were fitted
+    # By frequency, with their shares at the tool; two within the window's width show as one.
+    modes: tuple[MeasuredMode, ...]
+    density: Array  # The model on the fitted lines
+    scatter: float  # Standard deviation of ln P about the model [-]

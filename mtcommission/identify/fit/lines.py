@@ -83,6 +83,13 @@ def share_frequencies(responses: Sequence[Lines]) -> list[Lines]:
     return found
 
 
+def neighbours(values: Array, count: int) -> Array:
+    """Return each value among an odd number of neighbours, mirrored at the ends, (n, count)."""
+    padded = np.pad(values, count // 2, mode="symmetric")
+    found: Array = np.lib.stride_tricks.sliding_window_view(padded, count)
+    return found
+
+
 MOST_LINES = 6000
 """More are joined where they lie closer than any mode is wide."""
 CLOSE = 1e-3

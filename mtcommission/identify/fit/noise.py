@@ -6,10 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter, uniform_filter1d
-from scipy.optimize import brentq
 
-from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.lines import Lines, neighbours
 from mtcommission.identify.fit.projection import Projected
 
 Array = NDArray[np.float64]
@@ -18,6 +16,8 @@ NEIGHBOURS = 21
 """Lines over which the scatter of the residuals is taken (empirical)."""
 SMOOTHED_OVER = 0.12
 """Half of the stretch over which |H| is smoothed, in ln f: a sixth of an octave."""
+NEWTON = 200
+"""Steps; where the noise is told far too small each one only doubles the share's square."""
 LARGEST_SHARE = 50.0
 """Squared residual at which one line stops to raise its neighbours' scatter."""
 
@@ -32,13 +32,13 @@ def smooth_errors(responses: Sequence[Lines]) -> list[Lines]:
     for lines in responses:
         size = np.abs(lines.values)
         relative = lines.error / size
-        least = np.maximum(size, median_filter(size, 5))
+        least = np.maximum(size, np.median(neighbours(size, 5), axis=1))
         found.append(lines.weigh(_smooth(relative) * least))
     return found
 
 
 def _smooth(relative: Array) -> Array:
-    spread: Array = np.sqrt(np.maximum(0.5 * relative**2, uniform_filter1d(relative**2, 5)))
+    spread: Array = np.sqrt(np.maximum(0.5 * relative**2, neighbours(relative**2, 5).mean(axis=1)))
     return spread
 
 
@@ -63,20 +63,28 @@ def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines
         np.abs(model - lines.values) ** 2 for lines, model in zip(responses, models, strict=True)
     ]
     count = sum(2 * lines.size for lines in responses)
-
-    def excess(share: float) -> float:
-        all_lines = zip(squares, noise, course, strict=True)
-        return (
-            sum(float(np.sum(q / (e**2 + (share * c) ** 2))) for q, e, c in all_lines) / count - 1
-        )
-
-    share = float(brentq(excess, 0.0, 1e3)) if excess(0.0) > 0.0 else 0.0
+    share = _excess_share(*map(np.concatenate, (squares, noise, course)), count=count)
     found = []
     for lines, q, e, c in zip(responses, squares, noise, course, strict=True):
         error = np.hypot(e, share * c)
-        local = uniform_filter1d(np.minimum(q / error**2, LARGEST_SHARE), NEIGHBOURS) / 2
+        local = neighbours(np.minimum(q / error**2, LARGEST_SHARE), NEIGHBOURS).mean(axis=1) / 2
         found.append(lines.weigh(error * np.sqrt(np.maximum(1.0, local))))
     return found, share
+
+
+def _excess_share(squares: Array, noise: Array, course: Array, *, count: int) -> float:
+    """The share by which Σ squares/(noise² + share² course²) falls to the count; 0: it is below.
+
+    Falling and convex in share², so that Newton's steps from 0 never pass the root.
+    """
+    power = 0.0
+    for _ in range(NEWTON):
+        variance = noise**2 + power * course**2
+        excess = float(np.sum(squares / variance)) - count
+        if excess <= 1e-12 * count:
+            break
+        power += excess / float(np.sum(squares * course**2 / variance**2))
+    return float(np.sqrt(power))
 
 
 def _course(frequency_hz: Array, size: Array) -> Array:

@@ -15,14 +15,16 @@ share would do: then the sum is what is known.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
+from mtcommission.identify.fit.fitted import FittedSpectrum
 from mtcommission.identify.measurement import Spectrum
-from mtcommission.machine.identified import Estimate
+from mtcommission.machine.identified import Estimate, MeasuredMode
 
 Array = NDArray[np.float64]
 
@@ -53,28 +55,6 @@ MOST = 5
 """Peaks of a spectrum."""
 UNKNOWN_CORRELATION = 2.0
 """Neighbouring lines of a windowed spectrum that scatter together."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Peak:
-    """A mode as a spectrum shows it; two within the window's width show as one."""
-
-    # frequency_hz, damping_ratio: f [Hz] and ζ [-].
-    frequency_hz: Estimate
-    damping_ratio: Estimate
-    share: Estimate  # γ, at the tool [-]
-    height: float  # Density at its frequency, by what it is without the mode [-]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FittedSpectrum:
-    """The peaks of a spectrum."""
-
-    spectrum: Spectrum  # As measured
-    is_used: NDArray[np.bool_]  # Which of its lines were fitted
-    modes: tuple[Peak, ...]  # By frequency
-    density: Array  # The model on the fitted lines
-    scatter: float  # Standard deviation of ln P about the model [-]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,27 +195,22 @@ def _heights(grid: _Grid, fit: _Fit) -> list[float]:
     return heights
 
 
-def _peaks(grid: _Grid, fit: _Fit) -> tuple[Peak, ...]:
+def _peaks(grid: _Grid, fit: _Fit) -> tuple[MeasuredMode, ...]:
     n, size = grid.f.size, fit.jacobian.shape[1]
     variance = fit.cost / max(n - size, 1) * UNKNOWN_CORRELATION
     scale = np.sqrt(np.maximum(np.sum(fit.jacobian**2, axis=0), 1e-300))
     inverse = np.linalg.pinv((fit.jacobian / scale).T @ (fit.jacobian / scale), rcond=1e-12)
     sigmas = np.sqrt(variance * np.maximum(np.diag(inverse), 0.0)) / scale
-    heights = _heights(grid, fit)
     peaks = []
     for k in np.argsort(fit.modes[:, 0]).tolist():
         f, zeta = np.exp(fit.modes[k, :2]).tolist()
+        by_f, by_zeta, by_share = sigmas[3 * k : 3 * k + 3].tolist()
+        share, swept = float(fit.modes[k, 2]), SWEPT * grid.step
         peaks.append(
-            Peak(
-                frequency_hz=Estimate(
-                    value=f, sigma=float(np.hypot(sigmas[3 * k] * f, SWEPT * grid.step))
-                ),
-                damping_ratio=Estimate(value=zeta, sigma=float(sigmas[3 * k + 1]) * zeta),
-                share=Estimate(
-                    value=float(fit.modes[k, 2]),
-                    sigma=float(np.hypot(sigmas[3 * k + 2], SHARE_BIAS)),
-                ),
-                height=heights[k],
+            MeasuredMode(
+                frequency_hz=Estimate(value=f, sigma=hypot(by_f * f, swept)),
+                damping_ratio=Estimate(value=zeta, sigma=by_zeta * zeta),
+                tcp_gain=Estimate(value=share, sigma=hypot(by_share, SHARE_BIAS)),
             )
         )
     return tuple(peaks)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.identify.formats.contents import Lines, TimeContents, refuse
@@ -73,6 +72,8 @@ class Clock:
         """Return a signal at the even times, and the standard error of its interpolation."""
         if self.is_even:
             return values, 0.0
+        from scipy.interpolate import CubicSpline  # slow to load, and most clocks are even
+
         sampled: Array = CubicSpline(self.times, values)(self.even)
         # Every other sample from its neighbours errs more than the sample between them.
         half = CubicSpline(self.times[::2], values[::2])(self.times[1:-1:2])

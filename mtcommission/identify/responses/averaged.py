@@ -21,8 +21,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import find_peaks, peak_widths
-from scipy.signal.windows import hann
 
 from mtcommission.identify.measurement import Array, ComplexArray, Output
 from mtcommission.identify.responses.excitation import NEIGHBOURS, excited_band
@@ -210,7 +208,8 @@ def segments_of(values: Array, length: int) -> ComplexArray:
     """Return the transforms of Hann-windowed segments, shape (n_segments, n_lines)."""
     parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: max(length // 2, 1)]
     parts = parts - parts.mean(axis=1, keepdims=True)
-    transformed: ComplexArray = np.fft.rfft(parts * hann(length, sym=False), axis=1)
+    hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
+    transformed: ComplexArray = np.fft.rfft(parts * hann, axis=1)
     return transformed
 
 
@@ -305,6 +304,8 @@ def _narrowest_width(signals: Signals, lines: Lines) -> float:
     """Half-power width of the sharpest clear peak [Hz], freed of the window's own; 0: none."""
     if lines.frequency_hz.size < 5:
         return 0.0
+    from scipy.signal import find_peaks, peak_widths  # slow to load
+
     spacing = float(np.median(np.diff(lines.frequency_hz)))
     # Times f the velocity's peaks stand on a level ground, and a position's nearly so.
     power = 1 if not signals.is_difference else 2

@@ -14,6 +14,7 @@ from mtcommission.identify.measurement import (
     MOTIONS,
     Array,
     Channel,
+    Finding,
     FreeVibration,
     FrequencyResponse,
     Input,
@@ -32,8 +33,6 @@ from mtcommission.identify.responses.averaged import (
     prepare,
 )
 from mtcommission.identify.responses.excitation import find_blows, find_period
-from mtcommission.identify.responses.free_vibration import begins, find_start, fit_ringing, is_decay
-from mtcommission.identify.responses.power import estimate_power, power_as_klipper
 from mtcommission.messages.message import Message
 
 _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
@@ -46,8 +45,6 @@ HOLD = 0.078
 """Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
 
 KLIPPER_RAW = "identify-format-klipper-raw"
-
-Finding = FrequencyResponse | Spectrum | FreeVibration
 
 
 def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
@@ -178,6 +175,15 @@ def _clarity(response: FrequencyResponse) -> float:
 
 
 def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
+    # With scipy.signal, which is slow to load.
+    from mtcommission.identify.responses.free_vibration import (
+        begins,
+        find_start,
+        fit_ringing,
+        is_decay,
+    )
+    from mtcommission.identify.responses.power import estimate_power, power_as_klipper
+
     reference = next((c.values for c in record.channels if c.signal is Signal.REFERENCE), None)
     found: list[Finding] = []
     for motion in motions:

@@ -1,20 +1,17 @@
-"""Power by frequency of a vibration that nobody measured the force of.
-
-Source: P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73.
-"""
+"""Power by frequency of a vibration that nobody measured the force of, by Welch's method."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.signal import welch
 
 from mtcommission.identify.measurement import AllDirections, Array, TimeRecord
 from mtcommission.identify.responses.averaged import (
     HALF_POWER_BINS,
     HIGHEST_SHARE,
     averages_of,
-    segments_of,
 )
 
 KLIPPER_WINDOW, KLIPPER_KAISER = 0.5, 6.0
@@ -25,8 +22,7 @@ WINDOW = 1.0
 """Length of the window [s], if the record has four of them: lines 1 Hz apart."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Power:
+class Power(NamedTuple):
     """A power spectrum and what it is worth."""
 
     # frequency_hz, density: Shape (n_lines,).
@@ -39,15 +35,11 @@ class Power:
 def estimate_power(values: Array, step: float) -> Power:
     """Return the power spectrum of a signal."""
     length = max(min(int(WINDOW / step), values.size // 4), 32)
-    transformed = segments_of(values - values.mean(), length)
-    frequency = np.fft.rfftfreq(length, step).astype(np.float64)
+    frequency, density = welch(values, 1.0 / step, nperseg=length, noverlap=length - length // 2)
     kept = (frequency <= HIGHEST_SHARE / step) & (np.arange(frequency.size) >= 2)
-    return Power(
-        frequency_hz=frequency[kept],
-        density=(np.abs(transformed[:, kept]) ** 2).mean(axis=0),
-        averages=averages_of(len(transformed)),
-        resolution_hz=HALF_POWER_BINS / (length * step),
-    )
+    segments = 1 + (values.size - length) // (length // 2)
+    resolution = HALF_POWER_BINS / (length * step)
+    return Power(frequency[kept], density[kept], averages_of(segments), resolution)
 
 
 def power_as_klipper(record: TimeRecord) -> AllDirections | None:
@@ -55,12 +47,8 @@ def power_as_klipper(record: TimeRecord) -> AllDirections | None:
     length = 1 << int(KLIPPER_WINDOW / record.sample_time - 1).bit_length()
     if record.size <= length:
         return None
-    window, total = np.kaiser(length, KLIPPER_KAISER), np.zeros(length // 2 + 1)
-    for channel in record.channels:
-        parts = np.lib.stride_tricks.sliding_window_view(channel.values, length)
-        parts = parts[:: length - length // 2]
-        lines = np.fft.rfft(window * (parts - parts.mean(axis=1, keepdims=True)), axis=1)
-        total += (np.abs(lines) ** 2).mean(axis=0)
-    total[1:-1] *= 2.0
-    frequency = np.fft.rfftfreq(length, record.sample_time).astype(np.float64)
-    return AllDirections(frequency_hz=frequency, density=total, is_divided=False)
+    window: Any = np.kaiser(length, KLIPPER_KAISER)
+    rate = 1.0 / record.sample_time
+    signals = np.array([channel.values for channel in record.channels])
+    frequency, density = welch(signals, rate, window, nperseg=length, noverlap=length // 2)
+    return AllDirections(frequency_hz=frequency, density=density.sum(axis=0), is_divided=False)

@@ -103,6 +103,7 @@ identify-rotary-on-linear = der Frequenzgang gehört zu einem drehenden Motor, d
 identify-linear-on-rotary = der Frequenzgang gehört zu einer linearen Bewegung, die Achse des Profils dreht
 identify-motor-to-axis = vom Motor auf die Achse umgerechnet mit { PLAIN($turn, digits: 6) } rad des Motors je Meter
 identify-sensor-assumed = { $name }: als Geber des Motors angenommen, da nichts anderes angegeben ist (--sensor)
+identify-not-collocated = bei { PLAIN($frequency) } Hz bewegt sich die Eigenform der { word-force } entgegen ({ PLAIN($share) } vom Anteil des starren Körpers), was der Geber eines Motors nie zeigt: Sitzt der Sensor an der Last? Angeben, wo er sitzt: --sensor tcp oder DATEI@tcp an Last oder Werkzeug, --sensor encoder, wenn es doch der eigene Geber des Antriebs ist
 identify-unit-assumed = die Einheit des Frequenzgangs („{ $found }“) nennt keinen Maßstab: als SI angenommen; ein falscher Faktor zeigt sich in der Masse
 identify-si-assumed = keine Einheit in der Datei, als SI angenommen: { $names }
 identify-ignored = nicht benutzte Spalten: { $names }

@@ -104,6 +104,7 @@ identify-rotary-on-linear = the response is that of a turning motor, the axis of
 identify-linear-on-rotary = the response is that of a linear motion, the axis of the profile turns
 identify-motor-to-axis = converted from the motor to the axis with { PLAIN($turn, digits: 6) } rad of the motor per metre
 identify-sensor-assumed = { $name }: taken as the motor's encoder, since nothing else is said (--sensor)
+identify-not-collocated = at { PLAIN($frequency) } Hz the mode moves against the force ({ PLAIN($share) } of the rigid body's share), which the encoder of a motor never shows: does the sensor sit at the load? Say where it sits: --sensor tcp or FILE@tcp at the load or tool, --sensor encoder for the drive's own one all the same
 identify-unit-assumed = the unit of the response ("{ $found }") does not tell its scale: taken as SI; a wrong factor shows in the mass
 identify-si-assumed = no unit in the file, taken as SI: { $names }
 identify-ignored = columns not used: { $names }

@@ -1,0 +1,396 @@
+"""What was identified -> a profile: a new, commented one, or one that exists with new modes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import log
+from pathlib import PurePath
+from typing import Any
+
+import tomlkit
+
+from mtcommission.identify.identified import Identified
+from mtcommission.identify.matching import FARTHEST, states_differ
+from mtcommission.machine.identified import (
+    LONGEST_FILE,
+    MOST_FILES,
+    Estimate,
+    MeasuredMode,
+    ShaperProposal,
+)
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.plant.modal import MOST_MODES
+from mtcommission.record.identified import IdentifiedPart, evidence_checksum
+from mtcommission.record.shape import to_plain
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.version import __version__
+
+COLUMN = 34
+"""Where comments begin, if the line leaves room."""
+PRINTER = (
+    ("drive", "max_acceleration", "10 m/s^2"),
+    ("moves", "distance", "20 mm"),
+    ("moves", "max_velocity", "200 mm/s"),
+    ("requirements", "tcp_deviation", "20 um"),
+)
+"""What a printer's resonance test does not tell, as assumed: the test itself drives the motor at
+60 mm/s^2 per Hz up to 135 Hz (klippy/extras/resonance_tester.py at 84104bbb), 8 m/s^2, older ones
+at 75 up to 133 Hz, 10 m/s^2; a short infill line; a ringing that can hardly be seen."""
+MOST_LETTERS = 70
+"""Of the name of a state."""
+LONGEST_TIME = 1.0
+"""Standard error of a delay that nothing determines [s]."""
+TO_ASK = (
+    "drive.max_force",
+    "drive.force_lag",
+    "moves[1].distance",
+    "moves[1].max_velocity",
+    "requirements.tcp_deviation",
+)
+"""What no response tells, and no profile can do without."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Writing:
+    """How a profile is written."""
+
+    file: str  # Name of the profile, for hints
+    words: Catalogue  # Language of the comments
+    # Peak at the tool by peak at the motor, as the user says; None where nobody knows.
+    tool_ratio: float | None = None
+    evidence: str = ""  # Name of the file with its points, as seen from the profile; "" for none
+    axis: str = "X"  # Letter
+
+
+def evidence_file(profile: str) -> str:
+    """Return the name of the file with points and advice that belongs beside a profile.
+
+    Examples
+    --------
+    >>> evidence_file("axes/x.toml")
+    'axes/x.identified.json'
+    """
+    return str(PurePath(profile).with_suffix(".identified.json"))
+
+
+def kind_replaced(text: str) -> list[Message]:
+    """Return that measured modes take the place of another kind of plant, if they do."""
+    kind = tomlkit.parse(text).get("plant", {}).get("kind", "modal")
+    return [] if kind == "modal" else [Message("identify-kind-replaced", kind=str(kind))]
+
+
+def write_profile(found: Identified, how: Writing) -> str:
+    """Return a new profile: what is known with its intervals, the rest as open questions."""
+    part, text = found.part, how.words.text
+    document: Any = tomlkit.document()
+    document["schema"] = 1
+    files = ", ".join(dict.fromkeys(name.rpartition("/")[2] for name in found.files))
+    shown = files if len(files) <= 300 else f"{files[:297]}..."
+    machine = {
+        "name": text("identify-document-name"),
+        "axis": how.axis,
+        "source": text("identify-document-source", files=shown, date=part.created[:10]),
+    }
+    document["machine"] = machine | ({"motion": "rotary"} if part.rotary else {})
+    document["plant"] = {"kind": "modal"}
+    if part.base_excited:
+        document["drive"] = tomlkit.table()
+        note = text("identify-document-held")
+        _set(document["drive"], "kind", "position_source", note)
+    assumed = []
+    for table, key, value in PRINTER if part.proposals else ():
+        many = table == "moves"
+        if table not in document:
+            document[table] = tomlkit.aot() if many else tomlkit.table()
+            if many:
+                document[table].append(tomlkit.table())
+        note = text(f"identify-document-printer-{key.replace('_', '-')}")
+        _set(document[table][0] if many else document[table], key, value, note)
+        assumed.append(f"{table}[1].{key}" if many else f"{table}.{key}")
+    document.setdefault("requirements", tomlkit.table())
+    if part.proposals:
+        document["control"] = {"kind": "klipper"}
+    _merge(document, found, how, assumed)
+    # A blank line before each table, however tomlkit joins them.
+    whole = re.sub(r"^(.+)\n(?=\[)", r"\1\n\n", tomlkit.dumps(document), flags=re.MULTILINE)
+    for header, note in (("[machine_states]", "states"), ("identified", "measured")):
+        comment = f"# {text(f'identify-document-{note}')}\n[{header}]\n"
+        whole = whole.replace(f"\n[{header}]\n", f"\n{comment}", 1)
+    asked = [] if part.proposals else _to_ask(part)
+    if asked:
+        question = text("identify-document-open", file=how.file)
+        whole += "\n".join(["", f"# {question}", *(f"#   {key}" for key in asked), ""])
+    return _heading(found, how) + "\n" + whole
+
+
+def _to_ask(part: IdentifiedPart) -> list[str]:
+    if part.base_excited:
+        return ["drive.max_acceleration", *TO_ASK[2:]]
+    unknown = [] if part.moving_mass else ["plant.moving_mass", "plant.modes[1].tcp_gain"]
+    return [*unknown, *TO_ASK]
+
+
+def merge_profile(text: str, found: Identified, how: Writing) -> str:
+    """Return a profile with measured modes, mass and spreads; all other lines stay.
+
+    A mode that is near a measured one keeps its name, and its share at the tool where none was
+    measured; one outside the measured band stays, one within it that does not show goes.
+    """
+    document: Any = tomlkit.parse(text)
+    if document.get("drive", {}).get("kind") != "position_source" and found.part.base_excited:
+        # Shares of a held motor's modes are none of those with the motor free.
+        modes = [replace(one, tcp_gain=None) for one in found.part.modes]
+        found = replace(found, part=replace(found.part, modes=modes))
+    if document.get("plant", {}).get("kind") != "modal":
+        document["plant"] = tomlkit.table()
+        document["plant"]["kind"] = "modal"
+    measured = ("plant.moving_mass", "plant.modes", "requirements.frequency_spread")
+    before = [str(key) for key in document.get("machine", {}).get("assumed", [])]
+    _merge(document, found, how, [key for key in before if not key.startswith(measured)])
+    return _heading(found, how) + tomlkit.dumps(document)
+
+
+def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -> None:
+    """Put what was measured into a profile; ``assumed``: its other keys that are assumptions."""
+    part, unit = found.part, _units(found.part)
+    if part.moving_mass:
+        _set_estimate(document["plant"], "moving_mass", part.moving_mass, unit.mass.si, digits=6)
+    names: dict[str, str] = {}
+    assumed = [*assumed, *_merge_modes(document["plant"], part, how, names)]
+    if states_differ(part.states, part.modes):
+        document["machine_states"] = _state_tables(part, names)
+    document["identified"] = _statement(part, how.evidence, names)
+    requirements = document.setdefault("requirements", tomlkit.table())
+    for kind, why in zip(("frequency", "damping"), part.spread.because, strict=True):
+        key, spread = f"{kind}_spread", getattr(part.spread, kind)
+        # Who stated a wider one knows more states of the machine than were measured.
+        if _share(requirements.get(key, 0.0)) < spread:
+            _set(requirements, key, f"{100 * spread:.4g} %", how.words.say(why))
+    machine = document.setdefault("machine", tomlkit.table())
+    if assumed:
+        machine["assumed"] = assumed
+    else:
+        machine.pop("assumed", None)
+
+
+def _share(value: object) -> float:
+    """A share as profiles state it, a number or per cent [-]."""
+    text = str(value).strip()
+    return float(text.removesuffix("%")) / 100.0 if text.endswith("%") else float(text)
+
+
+def _merge_modes(
+    plant: Any, part: IdentifiedPart, how: Writing, names: dict[str, str]
+) -> list[str]:
+    """Put the measured modes among those of a profile; return the keys that are assumptions."""
+    tables = list(plant.get("modes", []))
+    free = [table for table in tables if _frequency(table)]
+    taken = {str(table.get("name")) for table in tables}
+    merged: list[Any] = []
+    assumed: list[str] = []
+    for mode in _kept(part):
+        f = mode.frequency_hz.value
+        near = min(free, key=lambda table: abs(log(_frequency(table) / f)), default=None)
+        if near is not None and abs(log(_frequency(near) / f)) < FARTHEST:
+            free.remove(near)
+        else:
+            near = tomlkit.table()
+            name = mode.name
+            while name in taken:
+                name += "_measured"
+            near["name"] = name
+        assumed += [
+            f"plant.modes[{len(merged) + 1}].{key}" for key in _set_mode(near, mode, part, how)
+        ]
+        names[mode.name] = str(near["name"])
+        merged.append(near)
+    low, high = part.band_hz or (0.0, 0.0)
+    merged += [table for table in free if not low <= _frequency(table) <= high]
+    modes = tomlkit.aot()
+    for table in merged[:MOST_MODES]:
+        modes.append(table)
+    plant["modes"] = modes
+    return assumed
+
+
+def _frequency(table: Any) -> float:
+    """Of a mode in a profile [Hz]; 0 where it cannot be read."""
+    try:
+        return float(str(table.get("frequency")).split()[0])
+    except (ValueError, IndexError):
+        return 0.0
+
+
+def _kept(part: IdentifiedPart) -> list[MeasuredMode]:
+    """As many modes as a profile holds, those with the largest gains by frequency."""
+
+    def size(mode: MeasuredMode) -> float:
+        gains = [abs(gain.value) for gain in (mode.measured_gain, mode.tcp_gain) if gain]
+        return max(gains, default=0.0) / mode.frequency_hz.value**2
+
+    largest = sorted(part.modes, key=size, reverse=True)[:MOST_MODES]
+    return [mode for mode in part.modes if mode in largest]
+
+
+def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing) -> list[str]:
+    """Write a measured mode; return the keys that are assumptions.
+
+    tcp_gain: measured, by the user's word, as before, or the worst case; left out: to be asked.
+    """
+    gain, words, mass = _units(part).gain.si, how.words, part.moving_mass
+    has_old, own = "tcp_gain" in table, mode.measured_gain
+    _set_estimate(table, "frequency", mode.frequency_hz, "Hz", digits=6)
+    _set_estimate(table, "damping_ratio", mode.damping_ratio, "", digits=4)
+    assumed = False
+    if part.base_excited:
+        # A single one is the whole tool on its spring: 1, which profiles take unless told.
+        if mode.tcp_gain and len(part.modes) > 1:
+            _set_estimate(table, "tcp_gain", mode.tcp_gain, "", digits=4)
+    elif mass and mode.tcp_gain:
+        _set_estimate(table, "tcp_gain", mode.tcp_gain, gain)
+    elif mass and how.tool_ratio is not None and own and own.value:
+        assumed, ratio = True, how.tool_ratio
+        note = words.text("identify-document-tool-ratio", ratio=ratio)
+        _set(table, "tcp_gain", f"{ratio * own.value:.5g} {gain}", note)
+    elif mass and not has_old:
+        assumed, share = True, own.value if own else 0.0
+        worst = max(abs(share), 1.0 / mass.value)
+        note = words.text("identify-document-tool-worst")
+        _set(table, "tcp_gain", f"{-worst if share >= 0.0 else worst:.5g} {gain}", note)
+    if mass and own:
+        _set_estimate(table, "measured_gain", own, gain)
+    return ["tcp_gain"] if assumed else []
+
+
+def _state_tables(part: IdentifiedPart, names: Mapping[str, str]) -> Any:
+    """[[machine_states]]: what each state has of its own."""
+    tables, unit, taken = tomlkit.aot(), _units(part), set[str]()
+    kept = [mode.name for mode in _kept(part)]
+    for place, state in enumerate(part.states):
+        without_folders = re.sub(r"[^,\s]*/", "", state.name)
+        name = "".join(letter for letter in without_folders if letter.isprintable())[-MOST_LETTERS:]
+        name = f"{name} ({place + 1})" if name in taken else name
+        taken.add(name)
+        table: Any = tomlkit.table()
+        table["name"] = name
+        if part.moving_mass and state.moving_mass:
+            table["moving_mass"] = f"{state.moving_mass.value:.6g} {unit.mass.si}"
+        table["modes"] = tomlkit.aot()
+        for seen in (mode for mode in state.modes if mode.name in kept):
+            own: Any = tomlkit.table()
+            own["name"] = names.get(seen.name, seen.name)
+            own["frequency"] = f"{seen.frequency_hz.value:.6g} Hz"
+            own["damping_ratio"] = float(f"{seen.damping_ratio.value:.4g}")
+            if part.base_excited and seen.tcp_gain and len(part.modes) > 1:
+                own["tcp_gain"] = float(f"{seen.tcp_gain.value:.4g}")
+            for key in ("tcp_gain", "measured_gain") if part.moving_mass else ():
+                if gain := getattr(seen, key):
+                    own[key] = f"{gain.value:.5g} {unit.gain.si}"
+            table["modes"].append(own)
+        tables.append(table)
+    return tables
+
+
+def _statement(part: IdentifiedPart, evidence: str, names: Mapping[str, str]) -> Any:
+    """[identified]: what was measured, for the sheet, and the file with the points."""
+    unit = _units(part)
+    table: Any = tomlkit.table()
+    table["date"] = part.created[:10]
+    if part.band_hz:
+        table["band"] = [f"{f:.6g} Hz" for f in part.band_hz]
+    if part.misfit is not None:
+        table["misfit"] = float(f"{part.misfit:.3g}")
+    if part.moving_mass:
+        table["moving_mass"] = _pair(part.moving_mass, unit.mass.si)
+    for key, one in (("delay", part.delay), ("lag", part.lag)):
+        if one:
+            table[key] = [f"{one.value:.6g} s", f"{min(one.sigma, LONGEST_TIME):.3g} s"]
+    if evidence:
+        table["evidence"] = evidence
+        table["checksum"] = evidence_checksum(to_plain(part))
+    modes = part.modes[: 4 * MOST_MODES]
+    for key, rows in (
+        ("calibrate_shaper", [_proposal(one) for one in part.proposals]),
+        ("files", [_file(one) for one in part.sources[:MOST_FILES]]),
+        ("modes", [_stated_mode(one, part, names.get(one.name, one.name)) for one in modes]),
+    ):
+        if rows:
+            table[key] = tomlkit.aot()
+        for row in rows:
+            table[key].append(tomlkit.item(row))
+    return table
+
+
+def _file(one: Any) -> dict[str, str]:
+    name = "".join(letter for letter in one.name if letter.isprintable())
+    return {"name": name[-LONGEST_FILE:], "sensor": one.sensor, "sha256": one.sha256}
+
+
+def _proposal(one: ShaperProposal) -> dict[str, str | float | bool]:
+    return {
+        "shaper": one.shaper,
+        "frequency": f"{one.frequency_hz:.6g} Hz",
+        "vibration": float(f"{one.vibration:.3g}"),
+        "smoothing": f"{1e3 * one.smoothing:.3g} mm",
+        "max_acceleration": f"{one.max_acceleration:.6g} m/s^2",
+        "recommended": one.is_recommended,
+    }
+
+
+def _stated_mode(mode: MeasuredMode, part: IdentifiedPart, name: str) -> dict[str, Any]:
+    gain = "" if part.base_excited else _units(part).gain.si
+    found: dict[str, Any] = {
+        "name": name,
+        "frequency": _pair(mode.frequency_hz, "Hz"),
+        "damping_ratio": _pair(mode.damping_ratio, ""),
+    }
+    for key in ("measured_gain", "tcp_gain") if part.moving_mass or part.base_excited else ():
+        if one := getattr(mode, key):
+            found[key] = _pair(one, gain)
+    return found
+
+
+def _pair(one: Estimate, unit: str) -> list[Any]:
+    """Value and standard error; one larger than the value says that nothing determines it."""
+    value, sigma = f"{one.value:.6g}", f"{min(one.sigma, abs(one.value)):.3g}"
+    return [f"{value} {unit}", f"{sigma} {unit}"] if unit else [float(value), float(sigma)]
+
+
+def _heading(found: Identified, how: Writing) -> str:
+    """Comments above a profile: who wrote it, from which files, and why with --force."""
+    part, text = found.part, how.words.text
+    lines = []
+    if found.doubt:
+        forced = text("identify-forced", **found.doubt.values)
+        lines.append(f"{forced} {how.words.say(found.doubt)}")
+    lines.append(text("identify-document-head", version=__version__, date=part.created[:10]))
+    for file, source in found.files.items():
+        dated = {"date": source.measured_on} if source.measured_on else {}
+        kind = "identify-document-file-dated" if dated else "identify-document-file"
+        lines.append("  " + text(kind, file=file, hash=source.sha256, **dated))
+    lines.append(text("identify-document-sigma"))
+    if (left := len(part.modes) - MOST_MODES) > 0:
+        lines.append(text("identify-document-too-many", most=MOST_MODES, left=left))
+    return "".join(f"# {' '.join(line.splitlines())}\n" for line in lines)
+
+
+def _units(part: IdentifiedPart) -> AxisUnits:
+    return ROTARY if part.rotary else LINEAR
+
+
+def _set_estimate(table: Any, key: str, one: Estimate, unit: str, *, digits: int = 5) -> None:
+    value: str | float = (
+        f"{one.value:.{digits}g} {unit}" if unit else float(f"{one.value:.{digits}g}")
+    )
+    _set(table, key, value, f"± {2.0 * one.sigma:.2g} {unit}".rstrip())
+
+
+def _set(table: Any, key: str, value: str | float, comment: str) -> None:
+    item = tomlkit.item(value)
+    line = f"{key} = {item.as_string()}"
+    item.comment(comment)
+    item.trivia.comment_ws = " " * max(COLUMN - 1 - len(line), 0) + " "
+    table[key] = item
