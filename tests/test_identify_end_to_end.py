@@ -7,6 +7,7 @@ band on his machine.
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from mtcommission.plant.plant import OUTPUTS, Plant, build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
+from tests import measured_example
 from tests.test_cli import Run, run
 
 __all__ = ["run"]
@@ -151,6 +153,38 @@ def _course(run: Run, folder: Path, excited_by: str) -> Course:
     tuned = tune_loop(machine)
     choice = choose_limits(machine, build_plant(machine), tuned)
     return Course(true=true, machine=machine, tuned=tuned, choice=choice)
+
+
+def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = Path(__file__).parent.parent
+    example = root / "profiles" / "modal-two-modes.csv"
+    assert example.stat().st_size < 60_000
+    shown, made_now = (
+        np.loadtxt(text.splitlines(), delimiter=",", skiprows=5)
+        for text in (example.read_text(encoding="utf-8"), measured_example.table())
+    )
+    np.testing.assert_allclose(shown, made_now, rtol=1e-4, atol=1e-6 * np.abs(shown[:, 1]).max())
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "profiles").symlink_to(root / "profiles")
+    for command in ("identify", "check"):
+        (line,) = re.findall(rf"^mtcommission ({command} .*\.toml)$", readme, re.MULTILINE)
+        code, _, errors = run(*line.split())
+        assert code == 0, errors
+    known = parse_profile(
+        Path("identified.toml").read_text(encoding="utf-8"), where="new"
+    ).identified
+    assert known is not None
+    assert known.moving_mass is not None
+    pairs = [(known.moving_mass, measured_example.MASS)]
+    for seen, true in zip(known.modes, measured_example.MODES, strict=True):
+        own = seen.frequency_hz, seen.damping_ratio, seen.measured_gain
+        pairs += [(one, value) for one, value in zip(own, true, strict=True) if one]
+    assert len(pairs) == 7
+    for one, value in pairs:
+        assert abs(one.value - value) < 3.5 * one.sigma
 
 
 @pytest.mark.parametrize("excited_by", FROM)

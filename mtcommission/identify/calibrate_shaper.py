@@ -16,7 +16,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import AllDirections, Evidence
+from mtcommission.identify.measurement import AllDirections
 from mtcommission.machine.identified import ShaperProposal
 from mtcommission.machine.shapers import TOLERANCE, shape
 
@@ -49,12 +49,6 @@ def _by_frequency(one: AllDirections) -> Array:
     fade = np.where(low, np.exp(1.0 - (2.0 * LOWEST_LINE_HZ / shifted) ** 2), 1.0)
     found: Array = one.density / shifted * fade
     return found
-
-
-def judged_by_klipper(evidence: Evidence) -> tuple[AllDirections, ...]:
-    """Return the spectra that Klipper wrote or would compute, once for each of its data sets."""
-    found = (one.all_directions for one in evidence.spectra)
-    return tuple(one for one in found if one is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
