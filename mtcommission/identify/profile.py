@@ -209,10 +209,11 @@ def _merge_modes(
         merged.append(near)
     low, high = part.band_hz or (0.0, 0.0)
     merged += [table for table in free if not low <= _frequency(table) <= high]
-    modes = tomlkit.aot()
+    plant.pop("modes", None)
+    if merged:
+        plant["modes"] = tomlkit.aot()
     for table in merged[:MOST_MODES]:
-        modes.append(table)
-    plant["modes"] = modes
+        plant["modes"].append(table)
     return assumed
 
 
