@@ -20,8 +20,7 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band import find_band_optimum
-from mtcommission.optimal.free.curve import solve_curve
-from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.optimal.free.time_optimal import solve_forces
 from mtcommission.optimal.solution import Arc, Bound, TimeOptimum, sample_evenly, sample_trajectory
 from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
@@ -30,7 +29,6 @@ from mtcommission.plant.plant import build_plant, driven_at_once
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
-from mtcommission.sweep.peaks import curve_peaks
 
 HEAD = """schema = 1
 [machine]
@@ -249,17 +247,14 @@ def test_many_limits_at_once_are_those_one_by_one() -> None:
     machine, *_ = random_axis(7)
     plant, move = build_plant(machine), Positioning(distance=0.01, max_velocity=inf)
     limits = np.geomspace(3.0, 60.0, 9)
-    problem = moment_problem(driven_at_once(plant), move)
-    points = solve_curve(problem, problem.target / limits)
-    peaks = curve_peaks(driven_at_once(plant), points, limits)
-    for limit, point, row in zip(limits.tolist(), points, peaks, strict=True):
+    found = solve_forces(driven_at_once(plant), move, limits)
+    for limit, solved in zip(limits.tolist(), found, strict=True):
         alone = find_time_optimum(plant, move, force_limit=limit, bounds=())
-        assert point.is_proved
-        assert point.t_f == pytest.approx(alone.t_f, rel=1e-11)
-        rates = [alone.peaks[mode.rate] for mode in plant.modes]
-        vibration = alone.peaks[plant.signals.index("tcp_vibration")]
-        expected = [*rates, vibration, limit]
-        assert row == pytest.approx(expected, rel=3e-4)
+        assert solved is not None
+        assert solved[0].t_f == pytest.approx(alone.t_f, rel=1e-11)
+        expected = np.delete(alone.peaks, plant.force)
+        assert solved[0].peaks == pytest.approx(expected, rel=1e-8)
+        assert alone.peaks[plant.force] == limit
 
 
 def test_a_weight_of_the_acceleration_is_refused_with_the_way_out() -> None:

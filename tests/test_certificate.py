@@ -11,16 +11,11 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.free.bound import prove_bound
-from mtcommission.optimal.free.certificate import Claim, adjoint, certify, terminal_jacobian
-from mtcommission.optimal.free.dual import DualPoint, evaluate_dual
-from mtcommission.optimal.free.flow import adjoint_samples, dyadic_flow
+from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.mesh import build_mesh
-from mtcommission.optimal.free.moments import MomentProblem, moment_problem
-from mtcommission.optimal.free.newton_refinement import BangBang
-from mtcommission.optimal.free.search import find_bang_bang
-from mtcommission.optimal.free.switching import bracket_zeros, has_one_zero, isolate_zeros
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
+from mtcommission.optimal.free.switching import Control, isolate_zeros, prove_time
+from mtcommission.optimal.free.time_optimal import certify, find_bang_bang, solve_time_optimal
 from mtcommission.optimal.solution import (
     Bang,
     Certificate,
@@ -39,27 +34,35 @@ FORCE = 2e3
 
 
 @cache
-def solved(move: Move) -> tuple[MomentProblem, BangBang]:
+def solved(move: Move) -> tuple[MomentProblem, Control]:
     problem = moment_problem(PAPER, move)
     return problem, find_bang_bang(problem, span=problem.target / FORCE).control
 
 
-def certified(claim: Claim) -> Certificate:
-    return certify(claim, dyadic_flow(PAPER, claim.point.mesh.problem, t_f=claim.t_f))
+def proved(problem: MomentProblem, weights: np.ndarray, *, near: float) -> Control:
+    start = Control(zeros=np.empty(0), horizon=near, first_sign=1.0, weights=weights)
+    return prove_time(build_mesh(problem, 1.1 * near), start, span=problem.target / FORCE)
 
 
-def claim_of(problem: MomentProblem, control: BangBang) -> Claim:
-    return Claim(
+def motion_of(problem: MomentProblem, control: Control) -> BangBangMotion:
+    return BangBangMotion(
+        plant=PAPER,
+        problem=problem,
         switching_times=control.horizon - control.zeros[::-1],
         t_f=control.horizon,
         first_force=control.first_sign * (-1.0) ** control.zeros.size * FORCE,
-        point=point_of(problem, control.multipliers, near=control.horizon),
     )
 
 
-def point_of(problem: MomentProblem, multipliers: np.ndarray, *, near: float) -> DualPoint:
-    mesh = build_mesh(problem, 1.1 * near)
-    return evaluate_dual(mesh, multipliers, span=problem.target / FORCE, near=near)
+def certified(motion: BangBangMotion, weights: np.ndarray) -> Certificate:
+    mesh = build_mesh(motion.problem, 1.1 * motion.t_f)
+    return certify(motion, proved(motion.problem, weights, near=motion.t_f), nodes=mesh.nodes)
+
+
+def final_adjoint(problem: MomentProblem, control: Control) -> np.ndarray:
+    """λ(t_f), scaled by H = 0 at t = 0: |λ B| F_max = 1 there."""
+    sigma = control.weights @ problem.values(np.array([control.horizon]))
+    return -control.weights @ moment_rows(PAPER, problem) / (FORCE * abs(sigma[0]))
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -74,18 +77,17 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
     # A bound above t_f would refute a control that exists.
     problem, control = solved(move)
     factors = 1.0 + size * np.array(noise[: problem.size])
-    point = point_of(problem, control.multipliers * factors, near=control.horizon)
-    bound = prove_bound(point, span=problem.target / FORCE)
-    assert bound <= control.horizon
+    weights = control.weights * np.append(factors, 1.0)
+    assert proved(problem, weights, near=control.horizon).horizon <= control.horizon
 
 
 @pytest.mark.parametrize("move", [STEP, POSITIONING])
 def test_bound_is_where_the_integral_of_sigma_reaches_the_span(move: Move) -> None:
     problem, control = solved(move)
     span = problem.target / FORCE
-    bound = prove_bound(point_of(problem, control.multipliers, near=0.05), span=span)
+    bound = proved(problem, control.weights, near=0.05).horizon
     tau, weight = gauss_legendre(0.0, bound, pieces=4000)
-    sigma = problem.target_values(tau) - problem.values(tau) @ control.multipliers
+    sigma = control.weights @ problem.values(tau)
     # Pieces that hold a zero are off by the square of their length.
     assert weight @ np.abs(sigma) == pytest.approx(span, rel=1e-7)
     assert 0.0 <= control.horizon - bound < 1e-12 * control.horizon
@@ -103,9 +105,9 @@ def test_no_multipliers_prove_the_rigid_bound() -> None:
     # c = 0: m Δv / F_max for a velocity step, sqrt(2 m L / F_max) for positioning.
     for move, expected in ((STEP, 0.0375), (POSITIONING, np.sqrt(2.0 * 750.0 * 0.02 / FORCE))):
         problem = moment_problem(PAPER, move)
-        point = point_of(problem, np.zeros(problem.size), near=0.05)
-        bound = prove_bound(point, span=problem.target / FORCE)
-        assert bound == pytest.approx(expected, rel=1e-13)
+        weights = np.append(np.zeros(problem.size), 1.0)
+        bound = proved(problem, weights, near=0.05).horizon
+        assert bound == pytest.approx(expected, rel=2e-13)
         assert bound < expected
 
 
@@ -113,51 +115,31 @@ def test_no_multipliers_prove_the_rigid_bound() -> None:
 def test_hamiltonian_vanishes_along_the_whole_move(move: Move) -> None:
     problem, control = solved(move)
     optimum = solve_time_optimal(PAPER, move, force_limit=FORCE)
+    end = final_adjoint(problem, control)
     motion = sample_trajectory(PAPER, optimum.arcs, step=1e-3)
     for t, force, x in zip(motion.t, motion.force, motion.states, strict=True):
-        row = adjoint(PAPER, claim_of(problem, control), tau=optimum.t_f - float(t))
+        row = end @ expm(PAPER.A * (optimum.t_f - float(t)))
         assert 1.0 + row @ (PAPER.A @ x + PAPER.B * force) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("move", [STEP, POSITIONING])
-def test_adjoint_obeys_the_adjoint_equation(move: Move) -> None:
+def test_initial_adjoint_follows_from_the_final_one(move: Move) -> None:
     problem, control = solved(move)
-    claim = claim_of(problem, control)
-    end = adjoint(PAPER, claim, tau=0.0)
-    for tau in (1e-3, 0.01, control.horizon):
-        row = adjoint(PAPER, claim, tau=tau)
-        assert row == pytest.approx(end @ expm(PAPER.A * tau), rel=1e-9, abs=1e-14)
+    end = final_adjoint(problem, control)
+    found = certified(motion_of(problem, control), control.weights).adjoint_initial
+    assert found == pytest.approx(end @ expm(PAPER.A * control.horizon), rel=1e-9, abs=1e-14)
     if isinstance(move, VelocityStep):
         # The end position is free, so nothing is gained or lost by it.
-        assert end[PAPER.position] == 0.0
-
-
-@pytest.mark.parametrize("t_f", [0.04, 7.0])
-def test_adjoint_samples_are_dense_where_poles_live_and_exact(t_f: float) -> None:
-    # A gap would let a sign of λ B go unchecked; a wrong sample would refuse a true law.
-    problem = moment_problem(PAPER, POSITIONING)
-    end = np.array([0.3, -0.2, 0.5, 0.1, 1.0, -2.0, 0.4])
-    samples = adjoint_samples(dyadic_flow(PAPER, problem, t_f=t_f), problem, end)
-    assert samples.tau[0] == 0.0
-    assert samples.tau[-1] == pytest.approx(t_f, rel=1e-14)
-    for start, gap in zip(samples.tau[:-1], np.diff(samples.tau), strict=True):
-        alive = -problem.rates.real * start < 36.0
-        assert gap * np.max(np.abs(problem.rates) * alive, initial=0.0) <= 0.2 * (1.0 + 1e-12)
-    assert samples.tau.size < 50.0 + t_f * 452.0 / 0.1
-    chosen = np.arange(0, samples.tau.size, max(1, samples.tau.size // 23))
-    exact = [(end @ expm(PAPER.A * tau)) @ PAPER.B for tau in samples.tau[chosen].tolist()]
-    size = float(np.abs(samples.along).max())
-    assert samples.along[chosen] == pytest.approx(np.array(exact), rel=1e-10, abs=1e-12 * size)
+        assert found[PAPER.position] == 0.0
 
 
 def test_paper_adjoint_belongs_to_the_paper_times() -> None:
     # λ(0) follows from the zeros of σ; from the printed, rounded times it comes out as printed.
     problem = moment_problem(PAPER, STEP)
-    times = np.array(PAPER_SWITCHING_TIMES)
-    c = np.linalg.solve(problem.values(PAPER_T_F - times), np.ones(problem.size))
-    point = point_of(problem, c, near=PAPER_T_F)
-    claim = Claim(switching_times=times, t_f=PAPER_T_F, first_force=FORCE, point=point)
-    row = adjoint(PAPER, claim, tau=PAPER_T_F)
+    zeros = PAPER_T_F - np.array(PAPER_SWITCHING_TIMES)[::-1]
+    c = np.linalg.solve(problem.values(zeros)[:-1].T, np.ones(problem.size))
+    control = Control(zeros=zeros, horizon=PAPER_T_F, first_sign=-1.0, weights=np.append(-c, 1.0))
+    row = certified(motion_of(problem, control), control.weights).adjoint_initial
     assert row == pytest.approx(np.array(PAPER_ADJOINT), rel=0.015)
     # The exact times differ by 6e-5 s, and λ(0) by up to 7 %: it hangs on an arc of 0.3 ms.
     exact = solve_time_optimal(PAPER, STEP, force_limit=FORCE).certificate.adjoint_initial
@@ -167,34 +149,34 @@ def test_paper_adjoint_belongs_to_the_paper_times() -> None:
 
 def test_slopes_are_those_of_the_switching_function() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(problem, control)
-    certificate = certified(claim)
+    end, motion = final_adjoint(problem, control), motion_of(problem, control)
+    certificate = certified(motion, control.weights)
     step = 1e-7
-    for t, slope in zip(claim.switching_times, certificate.switching_slopes, strict=True):
-        before = adjoint(PAPER, claim, tau=claim.t_f - t + step)[PAPER.force]
-        after = adjoint(PAPER, claim, tau=claim.t_f - t - step)[PAPER.force]
-        difference = (after - before) / (2.0 * step * PAPER.force_lag)
-        assert slope == pytest.approx(difference, rel=1e-5)
+    for t, slope in zip(motion.switching_times, certificate.switching_slopes, strict=True):
+        before = end @ expm(PAPER.A * (motion.t_f - t + step)) @ PAPER.B
+        after = end @ expm(PAPER.A * (motion.t_f - t - step)) @ PAPER.B
+        assert slope == pytest.approx((after - before) / (2.0 * step), rel=1e-5)
 
 
 def test_wrong_claims_are_refused() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(problem, control)
-    late = replace(claim, switching_times=claim.switching_times + 2e-4)
-    assert not certified(late).switching_law_holds
-    mirrored = replace(claim, first_force=-claim.first_force)
-    assert not certified(mirrored).switching_law_holds
-    fewer = replace(claim, switching_times=claim.switching_times[2:])
-    assert not certified(fewer).switching_law_holds
-    slow = replace(claim, t_f=1.01 * claim.t_f)
-    assert certified(slow).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
+    motion, weights = motion_of(problem, control), control.weights
+    assert certified(motion, weights).switching_law_holds
+    late = replace(motion, switching_times=motion.switching_times + 2e-4)
+    assert not certified(late, weights).switching_law_holds
+    mirrored = replace(motion, first_force=-motion.first_force)
+    assert not certified(mirrored, weights).switching_law_holds
+    fewer = replace(motion, switching_times=motion.switching_times[2:])
+    assert not certified(fewer, weights).switching_law_holds
+    slow = replace(motion, t_f=1.01 * motion.t_f)
+    assert certified(slow, weights).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
 
 
 def test_terminal_jacobian_is_that_of_the_states() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(problem, control)
+    motion = motion_of(problem, control)
     rows = [i for i in range(PAPER.order) if i != PAPER.position]
-    times = np.append(claim.switching_times, claim.t_f)
+    times = np.append(motion.switching_times, motion.t_f)
     step = 1e-8
     columns = []
     for i in range(times.size):
@@ -203,11 +185,10 @@ def test_terminal_jacobian_is_that_of_the_states() -> None:
         columns.append((ahead - behind)[rows] / (2.0 * step))
     states = np.column_stack(columns)
     states /= np.linalg.norm(states, axis=1, keepdims=True)
-    assert np.linalg.matrix_rank(states, tol=1e-6) == problem.size + 1
-    ours = terminal_jacobian(problem, control.zeros, control.horizon)
-    assert ours.shape == states.shape
+    certificate = certified(motion, control.weights)
+    assert certificate.terminal_jacobian_rank == np.linalg.matrix_rank(states, tol=1e-6) == 6
     # Both are regular together: a direction that one maps to nothing would show in the other.
-    assert np.linalg.svd(ours, compute_uv=False)[-1] > 1e-3
+    assert certificate.terminal_jacobian_condition < 1e3
 
 
 def final_state(times: np.ndarray) -> np.ndarray:
@@ -224,8 +205,8 @@ def test_merged_switches_lower_the_rank() -> None:
     problem, control = solved(STEP)
     zeros = control.zeros.copy()
     zeros[2] = zeros[1]
-    values = np.linalg.svd(terminal_jacobian(problem, zeros, control.horizon), compute_uv=False)
-    assert np.sum(values > 1e-12 * values[0]) == problem.size
+    merged = motion_of(problem, replace(control, zeros=zeros))
+    assert certified(merged, control.weights).terminal_jacobian_rank == problem.size
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -235,27 +216,13 @@ def test_no_sign_change_is_missed(seed: int) -> None:
     generator = np.random.default_rng(seed)
     mesh = build_mesh(problem, 0.3)
     c = generator.normal(size=problem.size) * 10.0 ** generator.uniform(-1, 1)
+    weights = np.append(-c, 1.0)
     tau = np.linspace(0.0, 0.3, 300_001)
-    sigma = problem.target_values(tau) - problem.values(tau) @ c
+    sigma = weights @ problem.values(tau)
     changes = np.flatnonzero(sigma[1:] * sigma[:-1] < 0.0)
-    zeros = isolate_zeros(mesh, c).tau
+    zeros = isolate_zeros(mesh, weights).tau
     assert zeros.size == changes.size
     assert np.all((zeros >= tau[changes]) & (zeros <= tau[changes + 1]))
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_cells_that_bend_to_one_side_bracket_the_same_zeros(seed: int) -> None:
-    # One zero too few or too many in a cell would let a wrong control pass for proved.
-    plant = build_plant(random_modal_machine(seed, n_modes=1 + seed % 4))
-    problem = moment_problem(plant, STEP if seed % 2 else POSITIONING)
-    generator = np.random.default_rng(100 + seed)
-    mesh, horizon = build_mesh(problem, 0.3), 0.2
-    c = generator.normal(size=problem.size) * 10.0 ** generator.uniform(-1, 1)
-    zeros = isolate_zeros(mesh, c).tau
-    start, length = bracket_zeros(mesh, c, horizon=horizon, settled=has_one_zero).cells[:2]
-    inside = (start[:, np.newaxis] <= zeros) & (zeros <= (start + length)[:, np.newaxis])
-    assert np.all(inside.sum(axis=1) == 1)
-    assert inside.any(axis=0)[zeros < horizon].all()
 
 
 @pytest.mark.parametrize("offset", [0.0101, 0.0123, 0.0157])
@@ -265,7 +232,7 @@ def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) 
     omega = 300.0
     problem = MomentProblem(rates=np.array([1j * omega, -1e5]), degree=0, target=1.0)
     c = (1.0 + depth) * np.array([np.cos(omega * offset), np.sin(omega * offset), 0.0])
-    zeros = isolate_zeros(build_mesh(problem, 0.1), c).tau
+    zeros = isolate_zeros(build_mesh(problem, 0.1), np.append(-c, 1.0)).tau
     half_width = np.arccos(1.0 / (1.0 + depth)) / omega
     centres = offset + 2.0 * np.pi / omega * np.arange(5)
     centres = centres[centres < 0.1]
@@ -276,11 +243,11 @@ def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) 
 def test_constant_force_is_refused_by_its_bound_not_by_an_error() -> None:
     # A search that ends with no switch at all must end in a named outcome.
     problem = moment_problem(PAPER, STEP)
-    span = problem.target / 2e3
-    point = evaluate_dual(build_mesh(problem, 0.5), np.zeros(problem.size), span=span, near=0.1)
-    claim = Claim(switching_times=np.empty(0), t_f=0.4, first_force=2e3, point=point)
-    certificate = certify(claim, dyadic_flow(PAPER, problem, t_f=claim.t_f))
-    assert point.zeros.size == 0
-    assert certificate.t_f_lower_bound == pytest.approx(span, rel=1e-12)
+    weights = np.append(np.zeros(problem.size), 1.0)
+    found = proved(problem, weights, near=0.1)
+    motion = motion_of(problem, replace(found, horizon=0.4))
+    certificate = certified(motion, weights)
+    assert found.zeros.size == 0
+    assert certificate.t_f_lower_bound == pytest.approx(problem.target / FORCE, rel=1e-12)
     assert certificate.relative_gap > 0.9
     assert certificate.switching_slopes.size == 0

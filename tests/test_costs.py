@@ -21,7 +21,7 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.optimal.free import newton_refinement
+from mtcommission.optimal.free import newton
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.proof import follow_control
 from mtcommission.optimal.solution import joint_system
@@ -59,7 +59,7 @@ def test_a_tiny_force_on_an_undamped_mode_is_refused() -> None:
 def test_many_switches_are_the_same_by_a_sparse_jacobian(monkeypatch: pytest.MonkeyPatch) -> None:
     dense = solve_time_optimal(undamped(), STEP, force_limit=20.0)
     assert len(dense.arcs) > 2
-    monkeypatch.setattr(newton_refinement, "MOST_DENSE", 2)
+    monkeypatch.setattr(newton, "MOST_DENSE", 2)
     sparse = solve_time_optimal(undamped(), STEP, force_limit=20.0)
     assert sparse.switching_times == pytest.approx(dense.switching_times, rel=1e-12)
 

@@ -17,11 +17,14 @@ from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.free.dual_start import start_force
-from mtcommission.optimal.free.flow import dyadic_flow, states_at
+from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
-from mtcommission.optimal.free.search import find_bang_bang
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.free.start import start_force
+from mtcommission.optimal.free.time_optimal import (
+    find_bang_bang,
+    solve_forces,
+    solve_time_optimal,
+)
 from mtcommission.optimal.solution import (
     Bang,
     TimeOptimum,
@@ -280,28 +283,25 @@ def test_moment_rows_give_the_moment_functions() -> None:
         problem = moment_problem(PAPER, move)
         rows = moment_rows(PAPER, problem)
         for tau in (0.0, 1e-3, 2e-2):
-            expected = np.append(problem.values(np.array([tau]))[0], tau**problem.degree)
+            expected = problem.values(np.array([tau]))[:, 0]
             found = rows @ expm(PAPER.A * tau) @ PAPER.B
             assert found == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
-def test_tables_give_the_moment_functions_and_their_integrals(move: Move) -> None:
-    # Newton's method and the search for zeros rest on these tables, in an order of their own.
+def test_integrals_and_slopes_are_those_of_the_moment_functions(move: Move) -> None:
+    # Newton's method and the search for zeros rest on them.
     problem = moment_problem(PAPER, move)
     tau = np.array([1e-4, 3e-3, 4e-2])
-    psi = tau**problem.degree
-    expected = np.column_stack([problem.values(tau), psi])
-    table = problem.table(tau)
-    composed, rows = table @ problem.joint_evaluation, problem.joint_values(tau).T
-    assert composed == pytest.approx(expected, abs=1e-14)
-    assert rows == pytest.approx(expected, abs=1e-15)
+    values, integrals = problem.values_and_integrals(tau)
+    assert values == pytest.approx(problem.values(tau), abs=1e-14)
     nodes, weights = np.polynomial.legendre.leggauss(60)
-    for end, integrals in zip(tau, table @ problem.joint_integration, strict=True):
-        at = 0.5 * end * (1.0 + nodes)
-        by_sum = 0.5 * end * weights @ problem.values(at)
-        assert integrals[:-1] == pytest.approx(by_sum, rel=1e-12, abs=1e-15)
-        assert integrals[-1] == pytest.approx(end ** (1 + problem.degree) / (1 + problem.degree))
+    for end, found in zip(tau, integrals.T, strict=True):
+        by_sum = 0.5 * end * problem.values(0.5 * end * (1.0 + nodes)) @ weights
+        assert found == pytest.approx(by_sum, rel=1e-12, abs=1e-15)
+    ahead, behind = problem.values(tau + 1e-7), problem.values(tau - 1e-7)
+    slopes = problem.differentiation.T @ values
+    assert slopes == pytest.approx((ahead - behind) / 2e-7, rel=1e-5, abs=1e-5)
 
 
 @pytest.mark.parametrize("force", [0.0, -5.0, float("nan")])
@@ -351,9 +351,14 @@ def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: fl
         constant_arc(start, end, control=Bang(1 if i % 2 == 0 else -1), force=900.0 * (-1.0) ** i)
         for i, (start, end) in enumerate(pairwise(edges))
     )
-    flow = dyadic_flow(plant, moment_problem(plant, move), t_f=edges[-1])
-    instants = np.array([edges[-1], edges[-2], edges[2]])
-    found = states_at(flow, instants, switching_times=times, first_force=900.0)
+    motion = BangBangMotion(
+        plant=plant,
+        problem=moment_problem(plant, move),
+        switching_times=times,
+        t_f=edges[-1],
+        first_force=900.0,
+    )
+    found = motion.states_at(np.array([edges[-1], edges[-2], edges[2]]))
     expected = [propagate(plant, arcs[:count]) for count in (len(arcs), len(arcs) - 1, 2)]
     assert np.all(np.abs(found - expected) < 1e-11 * optimum.peaks[: plant.order])
 
@@ -375,10 +380,8 @@ def test_state_that_is_small_at_the_last_switch_is_judged_by_its_peak() -> None:
     machine = random_modal_machine(5, n_modes=4)
     plant, force = build_plant(machine), 0.01 * machine.drive.max_force
     optimum = solve_time_optimal(plant, machine.moves[0], force_limit=force)
-    flow = dyadic_flow(plant, moment_problem(plant, machine.moves[0]), t_f=optimum.t_f)
-    times = np.array(optimum.switching_times)
-    first = float(optimum.arcs[0].output[0])
-    (x,) = states_at(flow, times[-1:], switching_times=times, first_force=first)
+    assert isinstance(optimum.motion, BangBangMotion)
+    (x,) = optimum.motion.states_at(np.array(optimum.switching_times[-1:]))
     assert np.min(np.abs(x) / optimum.peaks[: plant.order]) < 1e-3
     assert relative_error(plant, optimum) < 1e-9
 
@@ -394,9 +397,8 @@ def test_start_comes_near_the_optimum_by_itself(move: Move) -> None:
         assert cells.horizon == pytest.approx(optimum.t_f, rel=5e-3)
         assert np.all(np.abs(cells.force) < 1.0)
         ends = np.minimum(cells.mesh.nodes, cells.horizon)
-        moments = np.diff(problem.integrals(ends), axis=0).T @ cells.force
-        size = np.abs(np.diff(problem.integrals(ends), axis=0)).sum(axis=0)
-        assert np.all(np.abs(moments) < 0.02 * size)
+        parts = np.diff(problem.values_and_integrals(ends)[1], axis=1)[:-1]
+        assert np.all(np.abs(parts @ cells.force) < 0.02 * np.abs(parts).sum(axis=1))
 
 
 @pytest.mark.parametrize("seed", [10, 20, 26, 56])
@@ -428,3 +430,30 @@ def test_forces_far_from_usual_ones_are_certified(move: Move, force: float) -> N
     assert optimum.certificate.switching_law_holds
     error = propagate(plant, optimum.arcs)[plant.velocity] - getattr(move, "velocity_step", 0.0)
     assert abs(error) < 1e-9 * optimum.peaks[plant.velocity]
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_forces_one_after_the_other_are_those_of_single_solves(move: Move) -> None:
+    # Rows of a sweep must be the optima of their own forces, however each was started.
+    forces = np.geomspace(300.0, 20e3, 40)
+    found = list(solve_forces(PAPER, move, forces))
+    for force, solved in list(zip(forces.tolist(), found, strict=True))[::7]:
+        alone = solve_time_optimal(PAPER, move, force_limit=force)
+        assert solved is not None
+        motion, lower_bound = solved
+        assert motion.t_f == pytest.approx(alone.t_f, rel=1e-12)
+        assert 0.0 <= motion.t_f - lower_bound < 1e-12 * alone.t_f
+        assert motion.peaks == pytest.approx(alone.peaks, rel=1e-8)
+        assert motion.switching_times == pytest.approx(
+            np.array(alone.switching_times), abs=1e-9 * alone.t_f
+        )
+
+
+def test_an_arc_that_closes_on_the_way_does_no_harm() -> None:
+    # Newton may close an arc to the last digit; dividing by its length would end the sweep.
+    machine = random_modal_machine(6, n_modes=5)
+    forces = machine.drive.max_force * np.geomspace(0.02, 0.5, 25)
+    found = list(solve_forces(build_plant(machine), Positioning(distance=1e-3), forces))
+    times = [solved[0].t_f for solved in found if solved]
+    assert len(times) == forces.size
+    assert np.all(np.diff(times) < 0.0), "more force must never take more time"

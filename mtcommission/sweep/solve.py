@@ -9,18 +9,17 @@ from collections.abc import Sequence
 from math import isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import ComputationError, InputError, MtcommissionError
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.rigid_body import require_force
-from mtcommission.optimal.free.curve import solve_curve
-from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.optimal.free.time_optimal import solve_forces
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant.plant import build_plant, driven_at_once
+from mtcommission.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.profile.read import parse_profile
-from mtcommission.sweep.peaks import curve_peaks
 from mtcommission.sweep.plan import (
     FEWEST,
     FORCE_KEY,
@@ -32,6 +31,8 @@ from mtcommission.sweep.plan import (
     vary_profile,
 )
 from mtcommission.sweep.rows import Answer, Row, Work, peak_signals, proof_cells, switch_cells
+
+Array = NDArray[np.float64]
 
 WRONG_INPUT = "wrong_input"
 INTERNAL = "internal_error"
@@ -59,7 +60,7 @@ def solve_piece(work: Work) -> tuple[Answer, ...]:
 
 
 def _without_force(settings: Settings) -> Settings:
-    # The unit stays: a force in kilograms must meet the reader, not the curve.
+    # The unit stays: a force in kilograms must meet the reader.
     return tuple((key, unit_of(text) if key == FORCE_KEY else text) for key, text in settings)
 
 
@@ -109,16 +110,21 @@ def _solve_optimal(work: Work, machine: Machine, settings: Settings) -> Row:
         force_limit=machine.drive.motion_force,
         bounds=(*work.base.bounds, *(Bound(name=item.name, value=item.bound) for item in peaks)),
     )
-    found = dict(zip(plant.signals, optimum.peaks.tolist(), strict=True))
-    return (
-        *proof_cells(optimum.t_f, optimum.certificate.t_f_lower_bound),
-        *switch_cells(optimum.switching_times),
-        *(found[name] for name in peak_signals(plant)),
+    return _optimal_cells(
+        plant,
+        optimum.peaks,
+        proof_cells(optimum.t_f, optimum.certificate.t_f_lower_bound),
+        optimum.switching_times,
     )
 
 
+def _optimal_cells(plant: Plant, peaks: Array, proof: Row, switching_times: Sequence[float]) -> Row:
+    found = dict(zip(plant.signals, peaks.tolist(), strict=True))
+    return (*proof, *switch_cells(switching_times), *(found[name] for name in peak_signals(plant)))
+
+
 def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
-    """The proved answers of cases that differ in F_max alone, by place, solved as one curve."""
+    """The answers of cases that differ in F_max alone, by place, each found from the one before."""
     texts = [dict(work.settings[number]).get(FORCE_KEY, "") for number in members]
     forces = np.array([si_number(text) for text in texts])
     if not np.all(np.isfinite(forces)):
@@ -132,18 +138,22 @@ def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         move = machine.moves[work.base.move - 1]
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             return {}
-        plant = driven_at_once(build_plant(machine))
-        problem = moment_problem(plant, move)
+        plant = build_plant(machine)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case
+    moved = driven_at_once(plant)
     left = forces - (machine.drive.max_force - machine.drive.motion_force)
-    points = solve_curve(problem, problem.target / left)
-    proved = [place for place, point in enumerate(points) if point.is_proved]
-    peaks = curve_peaks(plant, [points[place] for place in proved], left[proved])
-    found = {}
-    for place, row in zip(proved, peaks.tolist(), strict=True):
-        proof = proof_cells(points[place].t_f, points[place].lower_bound)
-        cells = (*proof, *switch_cells(points[place].switching_times.tolist()), *row)
+    found: dict[int, Answer] = {}
+    order = np.argsort(left)
+    for place, solved in zip(order.tolist(), solve_forces(moved, move, left[order]), strict=True):
+        if solved is None:
+            continue
+        motion, lower_bound = solved
+        peaks = motion.peaks
+        if plant.follows:
+            peaks = np.insert(peaks, plant.force, left[place])
+        proof = proof_cells(motion.t_f, lower_bound)
+        cells = _optimal_cells(plant, peaks, proof, motion.switching_times.tolist())
         found[members[place]] = Answer(cells=cells)
     return found
 

@@ -25,52 +25,37 @@ mode, and some where all modes have decayed but a cell-wise constant force must 
 (empirical)."""
 DENSITY_NODES = np.linspace(0.0, 1.0, 49)
 """Where the density of nodes is tabulated, in the logarithm of τ."""
-ROUNDOFF = float(np.finfo(np.float64).eps)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Grading:
-    """How fine nodes must be for cubics to err equally between them, the faster a pole the finer.
+def graded_nodes(problem: MomentProblem, horizon: float, *, radians: float) -> Array:
+    """Return nodes on [0, horizon], the finer the faster the poles that are alive there [s].
 
     The cubic through values and slopes at the ends of a cell errs by e^{Re p τ} (|p| h)⁴ / 384, so
-    h grows like e^{-Re p τ / 4} while the pole p is the fastest.
+    h grows like e^{-Re p τ / 4} while the pole p is the fastest; ``radians`` is |p| h at τ = 0 for
+    the fastest one.
+
+    Raises
+    ------
+    ComputationError
+        MOVE_TOO_LONG where they would be more than ``MOST_CELLS``.
     """
-
-    tau: Array  # Ascending from 0, shape (k,) [s]
-    # Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, or of the
-    # least density, shape (k,).
-    radians: Array
-
-    def nodes(self, horizon: float, *, radians: float) -> Array:
-        """Return nodes on [0, horizon], which must not exceed the last τ; shape (n_nodes,) [s].
-
-        ``radians`` is |p| h at τ = 0 for the fastest pole. Raises ComputationError MOVE_TOO_LONG
-        where they would be more than ``MOST_CELLS``.
-        """
-        total = float(np.interp(horizon, self.tau, self.radians))
-        if not total < radians * MOST_CELLS:
-            detail = Message(
-                "optimum-too-long", t_f=horizon, radians=total, most=radians * MOST_CELLS
-            )
-            raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
-        count = int(total / radians) + 1
-        nodes = np.interp(np.arange(count + 1) * (total / count), self.radians, self.tau)
-        nodes[-1] = horizon
-        return np.asarray(nodes)
-
-
-def grade(problem: MomentProblem, horizon: float) -> Grading:
-    """Return the grading up to a horizon."""
     magnitudes = problem.magnitudes
     fastest = max(magnitudes.tolist())
     tau = np.expm1(DENSITY_NODES * log1p(horizon * fastest)) / fastest
     tau[-1] = horizon
-    decay = np.exp((0.25 * problem.rates.real)[:, np.newaxis] * tau)
+    decay = np.exp(np.multiply.outer(0.25 * problem.rates.real, tau))
     density = np.maximum.reduce(magnitudes[:, np.newaxis] * decay)
     np.maximum(density, LEAST_RADIANS / horizon, out=density)
-    radians = np.zeros(tau.size)
-    (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=radians[1:])
-    return Grading(tau=tau, radians=radians)
+    passed = np.zeros(tau.size)
+    (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=passed[1:])
+    total = float(passed[-1])
+    if not total < radians * MOST_CELLS:
+        detail = Message("optimum-too-long", t_f=horizon, radians=total, most=radians * MOST_CELLS)
+        raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
+    count = int(total / radians) + 1
+    nodes = np.interp(np.arange(count + 1) * (total / count), passed, tau)
+    nodes[-1] = horizon
+    return np.asarray(nodes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,40 +63,38 @@ class Mesh:
     """Moment functions tabulated on [0, horizon]."""
 
     problem: MomentProblem  # The moment problem
-    grading: Grading  # Up to the horizon or beyond
     nodes: Array  # τ from 0 to the horizon, shape (n_cells + 1,) [s]
     lengths: Array  # Of the cells, shape (n_cells,) [s]
     values: Array  # φ and, last, ψ at the nodes, shape (size + 1, n_cells + 1)
     remainder: Array  # max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_rates, n_cells)
-    envelope: Array  # max |e^{pτ}| on each cell, shape (n_rates, n_cells)
 
     @property
     def horizon(self) -> float:
         """Last node [s]."""
         return float(self.nodes[-1])
 
+    def norms(self, horizon: float) -> Array:
+        """Return ∫_0^horizon |φ| as a sum, to scale moments by, shape (size,)."""
+        inside = int(self.nodes[:-1].searchsorted(horizon))
+        return np.asarray(np.abs(self.values[:-1, :inside]).dot(self.lengths[:inside]))
+
 
 def build_mesh(
     problem: MomentProblem, horizon: float, *, radians: float = RADIANS_PER_CELL
 ) -> Mesh:
-    """Return the tables that the search for zeros starts from."""
-    grading = grade(problem, horizon)
-    nodes = grading.nodes(horizon, radians=radians)
-    return tabulate(problem, grading, nodes)
+    """Return the tables on graded nodes."""
+    return tabulate(problem, graded_nodes(problem, horizon, radians=radians))
 
 
-def tabulate(problem: MomentProblem, grading: Grading, nodes: Array) -> Mesh:
+def tabulate(problem: MomentProblem, nodes: Array) -> Mesh:
     """Return the tables on given nodes."""
     lengths = nodes[1:] - nodes[:-1]
+    squared = np.multiply.outer(problem.magnitudes, lengths) ** 2
     envelope = np.exp(np.multiply.outer(problem.rates.real, nodes[:-1]))
-    radians = np.multiply.outer(problem.magnitudes, lengths)
-    squared = radians * radians
     return Mesh(
         problem=problem,
-        grading=grading,
         nodes=nodes,
         lengths=lengths,
-        values=problem.joint_values(nodes),
+        values=problem.values(nodes),
         remainder=envelope * squared * (squared / 384.0),
-        envelope=envelope,
     )

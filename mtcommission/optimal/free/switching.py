@@ -1,6 +1,10 @@
-"""The switching function σ = ψ - Σ c_i φ_i: all its zeros.
+"""The switching function σ = ψ - Σ c_i φ_i: all its zeros, and the time that they prove.
 
-No zero may be missed, since every proof rests on them: an interval is settled only when a
+For any multipliers c, no force below F_max reaches the target before the time T' with
+
+    F_max ∫_0^{T'} |σ| dτ = target.
+
+No zero may be missed, since the proof rests on them: an interval is settled only when a
 rigorous error bound of the cubic that interpolates σ and σ' at its ends shows that σ has no
 zero, or just one: σ is monotone there, or changes its sign and bends to one side only. Else it is
 divided.
@@ -11,21 +15,26 @@ the cubic's error.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.free.mesh import ROUNDOFF, Mesh
-from mtcommission.optimal.free.moments import MomentProblem
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
+from mtcommission.optimal.free.mesh import Mesh, build_mesh
+from mtcommission.optimal.free.moments import TINY, MomentProblem
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+ROUNDOFF = float(np.finfo(np.float64).eps)
+EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
+"""64 bits on x86; elsewhere perhaps only double. Where modes nearly coincide, or hardly turn during
+the move, the multipliers are large against σ and ∫|σ| loses digits."""
 PARTS = 4
-SHARES = np.arange(PARTS) / PARTS
+SHARES = np.arange(PARTS)[:, np.newaxis] / PARTS
 """Parts that an unsettled cell is divided into, and where they start."""
 MAX_DIVISIONS = 30
 """More than the bits of double precision: the search has always ended before."""
@@ -33,46 +42,126 @@ SLOPE_ERROR = 384.0 * float(np.sqrt(3.0)) / 216.0
 """Error of the cubic's slope times the length against that of its value."""
 BEND_ERROR = 384.0 / 12.0
 """Error of its second derivative times the length squared."""
-CUBIC_STEPS = 3
-EXACT_STEPS = 10
-"""Newton steps on the cubic, and at most on σ then: two are usual, more where two zeros nearly
-meet (empirical)."""
-SAME = 4.0 * ROUNDOFF
-"""Relative distance at which two places are one."""
-
-
-def values_and_slopes(
-    problem: MomentProblem, multipliers: Array, functions: Array
-) -> tuple[Array, Array]:
-    """Return σ and dσ/dτ where φ and, last, ψ have the given values of shape (size + 1, k)."""
-    phi = functions[:-1]
-    slopes = problem.degree - problem.differentiation.dot(multipliers).dot(phi)
-    return functions[-1] - multipliers.dot(phi), slopes
+LAST_STEP = 1e-9
+"""Relative length of the step after which a zero is known to the last digit."""
+NEWTON_STEPS = 60
+"""At most: three are usual, more where two zeros nearly meet."""
+FIRST_NOISE = 4
+"""Divisions before cells may be so short that |σ| there is below its rounding error."""
+NOTHING = np.empty(0)
+LENGTHENINGS = 40
+"""Doublings of a mesh before a bound counts as unlimited."""
+WITHIN = 1e-12
+"""Relative distance of a time from the end of the mesh below which it may lie beyond."""
+SLACK = 1e-14
+"""Part of the span by which a proved time stays behind, about what Newton's method leaves."""
+BOUND_STEPS = 100
+"""At most: one or two are usual."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Brackets:
-    """Cells with one sign change of σ each; none is elsewhere."""
+class Control:
+    """A bang-bang force over the remaining time, with the weights of its switching function."""
 
-    cells: Array  # In any order, shape (7, n_zeros)
-    # ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
-    # there may have been left out, at most [s] or [s²].
-    doubt: float
+    zeros: Array  # Remaining times of the switches, ascending, shape (k,) [s]
+    horizon: float  # t_f [s]
+    first_sign: float  # Sign of the force before the first zero, i.e. at the end of the move
+    weights: Array  # (-c, 1), shape (size + 1,)
 
-    def isolate(self, zeros: Array, horizon: float, end_value: float) -> bool:
-        """Return whether given zeros of σ, ascending, are all before the horizon.
 
-        ``end_value`` is σ there.
-        """
-        brackets = sorted(zip(*self.cells[:3].tolist(), strict=True))
-        brackets = [bracket for bracket in brackets if bracket[0] < horizon]
-        if len(brackets) > zeros.size and (brackets[-1][2] > 0.0) == (end_value > 0.0):
-            # The last bracket reaches beyond the horizon and changes its sign there.
-            brackets.pop()
-        return len(brackets) == zeros.size and all(
-            start <= zero <= start + length
-            for (start, length, _), zero in zip(brackets, zeros.tolist(), strict=True)
-        )
+def prove_time(mesh: Mesh, start: Control, *, span: float) -> Control:
+    """Return the force sign σ up to a time before which no force reaches the target.
+
+    Only the weights of ``start`` count; with its zeros and horizon the search begins.
+
+    Raises
+    ------
+    ComputationError
+        NO_CONVERGENCE if that lies beyond 2^40 meshes.
+
+    Source: docs/optimal-control.md, section 2.
+    """
+    weights = start.weights
+    for _ in range(LENGTHENINGS):
+        zeros = isolate_zeros(mesh, weights, guess=start.zeros)
+        near = min(start.horizon, mesh.horizon)
+        proved = _proved(mesh.problem, weights, zeros, span, near, mesh.horizon)
+        if proved < (1.0 - WITHIN) * mesh.horizon:
+            break
+        mesh = build_mesh(mesh.problem, 2.0 * mesh.horizon)
+    else:
+        detail = Message("multipliers-prove-beyond", t_f=mesh.horizon)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    return Control(
+        zeros=zeros.tau[zeros.tau < proved],
+        horizon=proved * (1.0 - 4.0 * ROUNDOFF),
+        first_sign=zeros.first_sign,
+        weights=weights,
+    )
+
+
+def _proved(
+    problem: MomentProblem, weights: Array, zeros: Zeros, span: float, time: float, end: float
+) -> float:
+    """Return where ∫|σ| is just below the span for certain, from a guess; at most the end."""
+    if zeros.doubt == inf:
+        return 0.0
+    proved, slack = 0.0, SLACK * span + 2.0 * zeros.doubt
+    slope = abs(float(weights.dot(problem.values(np.array([time])))[0]))
+    time = max(0.5 * time, time - slack / max(slope, TINY))
+    for _ in range(BOUND_STEPS):
+        inside = zeros.tau[zeros.tau < time]
+        reached = _integral(problem, weights, np.concatenate((inside, (time,))))
+        margin = zeros.doubt + 2.0 * ROUNDOFF * span + reached.allowance
+        excess = float(reached.value - span) + margin
+        proved, end = (proved, time) if excess > 0.0 else (time, end)
+        slack = max(slack, 2.0 * margin, ROUNDOFF * reached.slope * time)
+        if -2.0 * slack <= excess <= 0.0 or end - proved <= 2.0 * ROUNDOFF * end:
+            break
+        aimed = time - (excess + slack) / max(reached.slope, TINY)
+        time = aimed if proved < aimed < end else 0.5 * (proved + end)
+    return proved
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Integral:
+    """∫_0^T |σ| with what rounding may have taken from it."""
+
+    value: np.longdouble  # The integral, in extended precision [s] or [s²]
+    allowance: float  # Bound of its error
+    slope: float  # |σ(T)|
+
+
+def _integral(problem: MomentProblem, weights: Array, ends: Array) -> _Integral:
+    """Return ∫|σ| from 0 over the zeros to the last end.
+
+    The allowance counts, in units of half the roundoff, |p| τ for the product p τ as far as e^{pτ}
+    is still there, 6 for e^{pτ} - 1 and its division by p, and one for each term of a sum; and,
+    since a zero that is off by δ hides |σ'| δ², σ²/|σ'| at each of them.
+    """
+    t, rates = ends.astype(np.longdouble), problem.rates.astype(np.clongdouble)
+    modal = problem.modal(weights).astype(np.clongdouble)
+    of_one, of_tau = float(weights[problem.one]), problem.degree * float(weights[-1])
+    less_one = np.expm1(np.multiply.outer(t, rates))
+    grown = less_one + 1.0
+    primitive = (0.5 * of_tau * t + of_one) * t + (less_one @ (modal / rates)).real
+    value = of_tau * t + of_one + (grown @ modal).real
+    slope = of_tau + (grown[:-1] @ (rates * modal)).real
+    # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
+    least = np.maximum(np.abs(value[:-1]) / t[:-1], TINY)
+    hidden = value[:-1] ** 2 / np.maximum(np.abs(slope), least)
+    # Double precision will do for the sizes of errors.
+    decay = np.exp(np.multiply.outer(ends, problem.rates.real))
+    sizes = (6.0 + problem.size) * np.minimum(
+        ends[:, np.newaxis], (1.0 + decay) / problem.magnitudes
+    )
+    terms = (sizes + ends[:, np.newaxis] * decay).dot(np.abs(modal).astype(np.float64))
+    terms += (2.0 + problem.size) * (0.5 * of_tau * ends + abs(of_one)) * ends
+    return _Integral(
+        value=abs(primitive[0]) + np.add.reduce(np.abs(primitive[1:] - primitive[:-1])),
+        allowance=EXTENDED_ROUNDOFF * float(terms.sum()) + 2.0 * float(np.add.reduce(hidden)),
+        slope=abs(float(value[-1])),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -80,187 +169,123 @@ class Zeros:
     """All sign changes of a switching function."""
 
     tau: Array  # Ascending, shape (n_zeros,) [s]
-    doubt: float  # As in ``Brackets``
+    # ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
+    # there may have been left out, at most [s] or [s²].
+    doubt: float
+    first_sign: float  # Sign of σ before the first zero
 
 
-def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
-    """Return all sign changes of σ on [0, horizon]."""
-    brackets = bracket_zeros(mesh, multipliers, horizon=mesh.horizon, settled=is_monotone)
-    tau = _refine(mesh.problem, multipliers, brackets.cells)
-    tau.sort()
-    return Zeros(tau=tau[tau > 0.0], doubt=brackets.doubt)
-
-
-def bracket_zeros(
-    mesh: Mesh, multipliers: Array, *, horizon: float, settled: Callable[[Array], Mask]
-) -> Brackets:
-    """Return cells that hold the sign changes of σ up to a horizon, and perhaps some behind it.
+def isolate_zeros(mesh: Mesh, weights: Array, *, guess: Array = NOTHING) -> Zeros:
+    """Return all sign changes of σ on (0, horizon].
 
     Source: Bernstein form of the cubic Hermite interpolant with remainder |σ⁗| h⁴/384 (its
     slope: √3 |σ⁗| h³/216, its second derivative: |σ⁗| h²/12); docs/optimal-control.md, section 3.
     """
-    cells = _doubtful_cells(mesh, multipliers, horizon)
-    found: list[Array] = []
-    doubt = 0.0
-    for _ in range(MAX_DIVISIONS):
-        is_settled, crossing = settled(cells), crosses_zero(cells)
-        found.append(_chosen(cells, is_settled & crossing))
-        if all(is_settled.tolist()):
+    problem, cells = mesh.problem, _first_cells(mesh, weights)
+    found, doubt = [], 0.0
+    for division in range(MAX_DIVISIONS):
+        settled, crossing = _is_settled(cells), _crosses_zero(cells)
+        found.append(cells[:, settled & crossing])
+        if settled.all():
             break
-        cells, crossing = cells[:, ~is_settled], crossing[~is_settled]
-        rounding = rounding_bound(
-            mesh.problem, mesh.problem.amplitudes(multipliers), multipliers, cells
-        )
-        noise = is_noise(cells, rounding)
-        doubt += float(4.0 * cells[1, noise] @ rounding[noise])
-        found.append(cells[:, noise & crossing])
-        parts = _divide(mesh.problem, multipliers, cells[:, ~noise])
-        cells = parts[:, may_vanish(parts)]
+        cells, crossing = cells[:, ~settled], crossing[~settled]
+        if division >= FIRST_NOISE:
+            rounding = _rounding(problem, weights, cells)
+            noise = np.abs(cells[2:]).sum(axis=0) <= 4.0 * rounding
+            doubt += float(4.0 * cells[1, noise] @ rounding[noise])
+            found.append(cells[:, noise & crossing])
+            cells = cells[:, ~noise]
+        cells = _divided(problem, weights, cells)
     else:
         # An unsettled cell may hide anything.
         doubt = inf
-    return Brackets(
-        cells=found[0] if len(found) == 1 else np.concatenate(found, axis=1), doubt=doubt
-    )
+    brackets = np.concatenate(found, axis=1)
+    tau = _refined(problem, weights, brackets[:, brackets[0].argsort()], guess)
+    sign = 1.0 if float(weights.dot(mesh.values[:, 0])) > 0.0 else -1.0
+    return Zeros(tau=tau[tau > 0.0], doubt=doubt, first_sign=sign)
 
 
-def _chosen(cells: Array, mask: Mask) -> Array:
-    """Return some of the cells; faster than the mask itself as an index."""
-    return cells.take(mask.nonzero()[0], axis=1)
+def _first_cells(mesh: Mesh, weights: Array) -> Array:
+    """Return the cells of the mesh that may hold a zero."""
+    sigma = weights.dot(mesh.values)
+    slope = mesh.problem.differentiation.dot(weights).dot(mesh.values)
+    left, right = slope[:-1] * mesh.lengths, slope[1:] * mesh.lengths
+    remainder = mesh.problem.amplitudes(weights).dot(mesh.remainder)
+    cells = (mesh.nodes[:-1], mesh.lengths, sigma[:-1], sigma[1:], left, right, remainder)
+    return _doubtful(np.array(cells))
 
 
-def may_vanish(cells: Array) -> Mask:
-    """Return which cells may hold a zero."""
-    return within(cells[2], cells[3], cells[4], cells[5], cells[6])
-
-
-def within(left: Array, right: Array, left_slope: Array, right_slope: Array, bound: Array) -> Mask:
-    """Return where the cubic's control polygon comes nearer to 0 than a bound."""
+def _doubtful(cells: Array) -> Array:
+    """Return the cells in which the cubic's control polygon comes nearer to 0 than its error."""
+    _, _, left, right, left_slope, right_slope, remainder = cells
     inner, outer = left + left_slope / 3.0, right - right_slope / 3.0
     low = np.minimum(np.minimum(left, right), np.minimum(inner, outer))
     high = np.maximum(np.maximum(left, right), np.maximum(inner, outer))
-    return np.asarray((low <= bound) & (high >= -bound))
+    return np.asarray(cells.take(((low <= remainder) & (high >= -remainder)).nonzero()[0], axis=1))
 
 
-def is_monotone(cells: Array) -> Mask:
-    """Return on which cells σ is monotone for certain."""
-    _, _, left, right, left_slope, right_slope, remainder = cells
-    middle = 3.0 * (right - left) - left_slope - right_slope
-    low = np.minimum(np.minimum(left_slope, right_slope), middle)
-    high = np.maximum(np.maximum(left_slope, right_slope), middle)
-    error = SLOPE_ERROR * remainder
-    return np.asarray((low > error) | (high < -error))
-
-
-def has_one_zero(cells: Array) -> Mask:
-    """Return on which cells σ is monotone, or convex or concave with a sign change, for certain."""
-    monotone = is_monotone(cells)
-    if all(monotone.tolist()):
-        return monotone
-    _, _, left, right, left_slope, right_slope, remainder = cells
-    # The second derivative of a cubic is linear: its ends tell all.
-    chord, error = 3.0 * (right - left), 0.5 * BEND_ERROR * remainder
-    start, end = chord - 2.0 * left_slope - right_slope, left_slope + 2.0 * right_slope - chord
-    bends = (np.minimum(start, end) > error) | (np.maximum(start, end) < -error)
-    return np.asarray((bends & crosses_zero(cells)) | monotone)
-
-
-def is_noise(cells: Array, rounding: Array) -> Mask:
-    """Return on which cells |σ| stays below its rounding error."""
-    _, _, left, right, left_slope, right_slope, remainder = cells
-    reach = np.maximum(np.abs(left), np.abs(right))
-    reach += np.abs(left_slope) + np.abs(right_slope) + remainder
-    return np.asarray(reach <= 4.0 * rounding)
-
-
-def crosses_zero(cells: Array) -> Mask:
-    """Return on which cells σ has different signs at the ends."""
+def _crosses_zero(cells: Array) -> Mask:
     return np.asarray((cells[2] > 0.0) != (cells[3] > 0.0))
 
 
-def inner_nodes(cells: Array) -> Array:
-    """Return where cells are to be divided, shape (PARTS - 1, n_cells)."""
-    return np.asarray(cells[0] + SHARES[1:, np.newaxis] * cells[1])
+def _is_settled(cells: Array) -> Mask:
+    """Return on which cells σ is monotone, or convex or concave with a sign change, for certain."""
+    _, _, left, right, left_slope, right_slope, remainder = cells
+    chord = 3.0 * (right - left)
+    middle, error = chord - left_slope - right_slope, SLOPE_ERROR * remainder
+    low = np.minimum(np.minimum(left_slope, right_slope), middle)
+    high = np.maximum(np.maximum(left_slope, right_slope), middle)
+    monotone = (low > error) | (high < -error)
+    # The second derivative of a cubic is linear: its ends tell all.
+    start, end = chord - 2.0 * left_slope - right_slope, left_slope + 2.0 * right_slope - chord
+    error = 0.5 * BEND_ERROR * remainder
+    bends = (np.minimum(start, end) > error) | (np.maximum(start, end) < -error)
+    return np.asarray((bends & _crosses_zero(cells)) | monotone)
 
 
-def divided(cells: Array, sigma: Array, slope: Array) -> Array:
-    """Return the PARTS parts of all cells, given σ and σ' at ``inner_nodes``."""
-    count = cells.shape[1]
-    parts = np.empty((7, PARTS, count))
-    parts[0] = cells[0] + SHARES[:, np.newaxis] * cells[1]
+def _rounding(problem: MomentProblem, weights: Array, cells: Array) -> Array:
+    """Return a bound of the rounding error of σ on cells, shape (n_cells,).
+
+    Covers the products p τ inside the exponentials, the exponentials and the sum.
+    """
+    start, end = cells[0], cells[0] + cells[1]
+    envelope = np.exp(np.multiply.outer(start, problem.rates.real)) * problem.amplitudes(weights)
+    modal = envelope * (1.0 + np.multiply.outer(0.25 * end, problem.magnitudes))
+    others = abs(weights[problem.one]) + problem.degree * end
+    return np.asarray(8.0 * ROUNDOFF * (modal.sum(axis=1) + others))
+
+
+def _divided(problem: MomentProblem, weights: Array, cells: Array) -> Array:
+    """Return the ``PARTS`` parts of all cells that may hold a zero."""
+    parts = np.empty((7, PARTS, cells.shape[1]))
+    parts[0] = cells[0] + SHARES * cells[1]
     parts[1] = cells[1] / PARTS
+    values = problem.values(parts[0, 1:].ravel())
+    sigma = weights.dot(values).reshape(PARTS - 1, -1)
+    slope = problem.differentiation.dot(weights).dot(values).reshape(PARTS - 1, -1) * parts[1, 0]
     parts[2, 0], parts[2, 1:] = cells[2], sigma
     parts[3, -1], parts[3, :-1] = cells[3], sigma
-    slope = slope * parts[1, 0]
     parts[4, 0], parts[4, 1:] = cells[4] / PARTS, slope
     parts[5, -1], parts[5, :-1] = cells[5] / PARTS, slope
     parts[6] = cells[6] / PARTS**4
-    return parts.reshape(7, -1)
+    return _doubtful(parts.reshape(7, -1))
 
 
-def newton_quotient(value: Array, slope: Array) -> Array:
-    """Return value / slope; 0 where the slope vanishes, at brackets of rounding level."""
-    return np.divide(value, slope, out=np.zeros_like(value), where=slope != 0.0)
-
-
-def rounding_bound(
-    problem: MomentProblem, amplitudes: Array, multipliers: Array, cells: Array
-) -> Array:
-    """Return a bound of the rounding error of σ on cells, shape (n_cells,).
-
-    Covers the products p τ inside the exponentials, the exponentials and the sum. The multipliers
-    and their ``amplitudes`` are those of all cells, or one row for each cell.
-    """
-    start, end = cells[0], cells[0] + cells[1]
-    envelope = np.exp(start[:, np.newaxis] * problem.rates.real) * amplitudes
-    modal = (envelope * (1.0 + (0.25 * end)[:, np.newaxis] * problem.magnitudes)).sum(axis=1)
-    constant = np.abs(multipliers[..., -1]) if problem.degree else 0.0
-    return np.asarray(8.0 * ROUNDOFF * (modal + constant + problem.target_values(end)))
-
-
-def _doubtful_cells(mesh: Mesh, multipliers: Array, horizon: float) -> Array:
-    """Return the cells of the mesh that begin before the horizon and may hold a zero."""
-    problem, last = mesh.problem, int(mesh.nodes[:-1].searchsorted(horizon))
-    length = mesh.lengths[:last]
-    sigma, slope = values_and_slopes(problem, multipliers, mesh.values[:, : last + 1])
-    cells = np.empty((7, last))
-    cells[0], cells[1], cells[2], cells[3] = mesh.nodes[:last], length, sigma[:-1], sigma[1:]
-    np.multiply(slope[:-1], length, out=cells[4])
-    np.multiply(slope[1:], length, out=cells[5])
-    cells[6] = problem.amplitudes(multipliers).dot(mesh.remainder[:, :last])
-    return _chosen(cells, may_vanish(cells))
-
-
-def _divide(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:
-    tau = inner_nodes(cells)
-    sigma, slope = values_and_slopes(problem, multipliers, problem.joint_values(tau.ravel()))
-    return divided(cells, sigma.reshape(tau.shape), slope.reshape(tau.shape))
-
-
-def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Array:
-    start, length = brackets[:2]
-    tau = start + cubic_zeros(*brackets[2:6], steps=CUBIC_STEPS) * length
-    end = start + length
-    for _ in range(EXACT_STEPS):
-        sigma, slope = values_and_slopes(problem, multipliers, problem.joint_values(tau))
-        before, tau = tau, np.minimum(np.maximum(tau - newton_quotient(sigma, slope), start), end)
-        if all((np.abs(tau - before) <= SAME * tau).tolist()):
+def _refined(problem: MomentProblem, weights: Array, cells: Array, guess: Array) -> Array:
+    """Return the zero of each cell by Newton's method, kept between values of both signs."""
+    start, length, left, right = cells[:4]
+    tau, end = start + length * left / (left - right), start + length
+    if guess.size == tau.size:
+        tau = np.minimum(np.maximum(guess, start), end)
+    rates, positive = problem.differentiation.dot(weights), left > 0.0
+    for _ in range(NEWTON_STEPS):
+        values = problem.values(tau)
+        sigma, slope = weights.dot(values), rates.dot(values)
+        is_before = (sigma > 0.0) == positive
+        start, end = np.where(is_before, tau, start), np.where(is_before, end, tau)
+        step = np.divide(sigma, slope, out=np.zeros_like(sigma), where=slope != 0.0)
+        before, newton = tau, tau - step
+        tau = np.where((newton >= start) & (newton <= end), newton, 0.5 * (start + end))
+        if (np.abs(tau - before) <= LAST_STEP * tau).all():
             break
     return np.asarray(tau)
-
-
-def cubic_zeros(
-    left: Array, right: Array, left_slope: Array, right_slope: Array, *, steps: int
-) -> Array:
-    """Return where the cubics of cells with a sign change vanish, from 0 to 1.
-
-    Slopes are against the length of the cell; Newton steps from the chord.
-    """
-    quadratic = 3.0 * (right - left) - 2.0 * left_slope - right_slope
-    cubic = left_slope + right_slope - 2.0 * (right - left)
-    x = left / (left - right)
-    for _ in range(steps):
-        value = left + x * (left_slope + x * (quadratic + x * cubic))
-        slope = left_slope + x * (2.0 * quadratic + 3.0 * x * cubic)
-        x = np.minimum(np.maximum(x - newton_quotient(value, slope), 0.0), 1.0)
-    return np.asarray(x)

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgeqrf, dgesv
 
-from mtcommission.optimal.free.mesh import ROUNDOFF, Mesh, build_mesh, tabulate
-from mtcommission.optimal.free.moments import MomentProblem
+from mtcommission.optimal.free.mesh import Mesh, build_mesh, tabulate
+from mtcommission.optimal.free.moments import TINY, MomentProblem
+from mtcommission.optimal.free.switching import ROUNDOFF, Control
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,6 @@ FIRST_GUESS = 0.12
 GUESS_TOLERANCE = 0.1
 """Error of the logarithm of the span (empirical)."""
 GUESS_STEPS = 8
-TINY = 1e-300
 MEAN_TO_SQUARE = 0.9
 """Mean magnitude against root mean square of a sine."""
 
@@ -59,14 +59,29 @@ class CellForce:
     # Means of combinations of φ that are orthonormal up to the guess, shape (size, n_cells).
     basis: Array
     inverse: Array  # basis = inverse^T @ φ, upper triangular, shape (size, size)
-    coefficients: Array  # Of the basis in σ, shape (size,)
+    coefficients: Array  # Of the basis in -σ, shape (size,)
     force: Array  # In units of F_max, shape (n_cells,)
     horizon: float  # Where ∫|σ| reaches the span [s]
 
     @property
-    def multipliers(self) -> Array:
-        """Return c, shape (size,)."""
-        return np.asarray(self.inverse @ self.coefficients)
+    def weights(self) -> Array:
+        """Of σ, shape (size + 1,)."""
+        return np.append(-self.inverse @ self.coefficients, 1.0)
+
+    @property
+    def control(self) -> Control:
+        """The sign changes of σ between nodes; pairs inside a cell are left out."""
+        nodes, weights = self.mesh.nodes, self.weights
+        sigma = weights.dot(self.mesh.values[:, : int(nodes.searchsorted(self.horizon)) + 1])
+        positive = sigma > 0.0
+        at = (positive[1:] != positive[:-1]).nonzero()[0]
+        zeros = nodes[at] + self.mesh.lengths[at] * (sigma[at] / (sigma[at] - sigma[at + 1]))
+        return Control(
+            zeros=zeros[zeros < self.horizon],
+            horizon=self.horizon,
+            first_sign=1.0 if positive[0] else -1.0,
+            weights=weights,
+        )
 
 
 def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
@@ -81,91 +96,23 @@ def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> Cel
     return found
 
 
-def refine_cells(coarse: CellForce) -> CellForce:
-    """Return the force on divided cells, where σ may change sign."""
-    mesh, c = coarse.mesh, coarse.multipliers
-    sigma = mesh.values[-1] - c @ mesh.values[:-1]
-    bend = mesh.envelope * np.multiply.outer(mesh.problem.magnitudes, mesh.lengths) ** 2
-    low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
-    divided = (low <= mesh.problem.amplitudes(c) @ bend) | (sigma[:-1] * sigma[1:] <= 0.0)
-    parts = np.where(divided, PARTS, 1)
-    index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
-    fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
-    means = _means(fine)
-    psi, basis = means[-1], coarse.inverse.T @ means[:-1]
-    weight = _weights(fine, coarse.horizon)
-    force = _smooth_sign(psi - coarse.coefficients @ basis, weight, coarse.horizon)
-    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
-
-
 def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     """Return where the distance of ψ from the φ in the mean square is that of the span [s]."""
     least = 2.0 * sqrt(span) if problem.degree else span
-    longest = least + 3.0 * pi * sum((1.0 / problem.magnitudes).tolist())
+    longest = least + 3.0 * pi * float((1.0 / problem.magnitudes).sum())
     low, high = log(least), log(longest)
-    guess, known = log(least + FIRST_GUESS * (longest - least)), [False, False]
-    error = [0.0, 0.0]
+    guess, error = log(least + FIRST_GUESS * (longest - least)), [0.0, 0.0]
     for _ in range(GUESS_STEPS):
-        triangle = dgeqrf(problem.joint_values(exp(guess) * GUESS_NODES).T, overwrite_a=1)[0]
+        triangle = dgeqrf(problem.values(exp(guess) * GUESS_NODES).T, overwrite_a=1)[0]
         distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES.size)
         now = log(max(MEAN_TO_SQUARE * distance, TINY) / span)
-        side = now > 0.0
-        known[side], error[side] = True, now
-        low, high = (low, guess) if side else (guess, high)
+        error[now > 0.0] = now
+        low, high = (low, guess) if now > 0.0 else (guess, high)
         if abs(now) < GUESS_TOLERANCE or high - low < 0.5 * GUESS_TOLERANCE:
             break
-        share = error[0] / (error[0] - error[1]) if all(known) else 0.5
+        share = error[0] / (error[0] - error[1]) if all(error) else 0.5
         guess = low + min(max(share, 0.05), 0.95) * (high - low)
     return exp(guess)
-
-
-def _means(mesh: Mesh) -> Array:
-    """Return the means of φ and, last, ψ over the cells by Hermite's rule, (size + 1, n_cells)."""
-    values, count = mesh.values, len(mesh.values)
-    slopes = mesh.problem.joint_differentiation[:count, :count].T.dot(values)
-    bent = slopes[:, :-1] - slopes[:, 1:]
-    bent *= mesh.lengths / 12.0
-    means = values[:, :-1] + values[:, 1:]
-    means *= 0.5
-    means += bent
-    return np.asarray(means)
-
-
-def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
-    """Return the force that follows σ of the fit in the mean square up to the horizon."""
-    means = _means(mesh)
-    size, weight = mesh.problem.size, _weights(mesh, horizon)
-    reflectors = dgeqrf((means * np.sqrt(weight)).T, overwrite_a=1)[0]
-    triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
-    for i in range(1, size):
-        triangle[i:, i - 1] = 0.0
-    # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
-    inverse = dgesv(triangle, np.eye(size))[2]
-    psi, basis = means[-1], inverse.T.dot(means[:-1])
-    return CellForce(
-        mesh=mesh,
-        psi=psi,
-        basis=basis,
-        inverse=inverse,
-        coefficients=coefficients,
-        force=_smooth_sign(psi - coefficients.dot(basis), weight, horizon),
-        horizon=horizon,
-    )
-
-
-def _weights(mesh: Mesh, horizon: float) -> Array:
-    """Return the lengths of the cells as far as they are before the horizon."""
-    weights, last = mesh.lengths.copy(), int(mesh.nodes.searchsorted(horizon)) - 1
-    if last < weights.size:
-        weights[last] = horizon - mesh.nodes[last]
-        weights[last + 1 :] = 0.0
-    return weights
-
-
-def _smooth_sign(sigma: Array, weight: Array, horizon: float) -> Array:
-    width = FIRST_SMOOTHING * float(weight @ np.abs(sigma)) / horizon
-    return np.asarray(sigma / (np.hypot(sigma, width) + TINY))
 
 
 def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
@@ -180,12 +127,12 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     """
     mesh, basis = begun.mesh, begun.basis
     c, force, horizon, proved = begun.coefficients, begun.force, begun.horizon, 0.0
-    sigma = begun.psi - c.dot(basis)
+    sigma, reached = begun.psi - c.dot(basis), np.zeros(mesh.nodes.size)
     for _ in range(STEPS):
         size = np.abs(sigma)
-        reached = (mesh.lengths * size).cumsum()
+        (mesh.lengths * size).cumsum(out=reached[1:])
         # Any c proves its time; one that is far from the best may prove next to nothing.
-        proved = max(proved, _crossing(mesh.nodes, reached, span))
+        proved = max(proved, float(np.interp(span, reached, mesh.nodes)))
         horizon = max(proved, SHRINKING * horizon)
         weight = _weights(mesh, horizon)
         gap = float(weight.dot(size - force * sigma))
@@ -203,23 +150,61 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
         c, sigma = c + step, sigma - change
         move = sign - stiffness * change - force
         used = move / (np.copysign(FARTHEST, move) - force)
-        force = force + min(1.0, BACK_OFF / max(float(used[used.argmax()]), TINY)) * move
+        force = force + min(1.0, BACK_OFF / max(float(used.max()), TINY)) * move
+    return replace(begun, coefficients=c, force=force, horizon=horizon)
+
+
+def refine_cells(coarse: CellForce) -> CellForce:
+    """Return the force on divided cells, where σ may change sign."""
+    mesh, problem = coarse.mesh, coarse.mesh.problem
+    sigma = coarse.weights @ mesh.values
+    low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
+    turn = np.multiply.outer(problem.magnitudes, mesh.lengths)
+    bend = problem.amplitudes(coarse.weights) @ (384.0 * mesh.remainder / turn**2)
+    parts = np.where((low <= bend) | (sigma[:-1] * sigma[1:] <= 0.0), PARTS, 1)
+    index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
+    fine = tabulate(problem, np.append(starts, mesh.nodes[-1]))
+    means = _means(fine)
+    psi, basis = means[-1], coarse.inverse.T @ means[:-1]
+    force = _smooth_sign(psi - coarse.coefficients @ basis, fine, coarse.horizon)
+    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
+
+
+def _means(mesh: Mesh) -> Array:
+    """Return the means of φ and, last, ψ over the cells by Hermite's rule, (size + 1, n_cells)."""
+    values = mesh.values
+    slopes = mesh.problem.differentiation.T.dot(values)
+    bent = (slopes[:, :-1] - slopes[:, 1:]) * (mesh.lengths / 12.0)
+    return np.asarray(0.5 * (values[:, :-1] + values[:, 1:]) + bent)
+
+
+def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
+    """Return the force that follows σ of the fit in the mean square up to the horizon."""
+    means = _means(mesh)
+    size, weight = mesh.problem.size, _weights(mesh, horizon)
+    reflectors = dgeqrf((means * np.sqrt(weight)).T, overwrite_a=1)[0]
+    triangle, coefficients = np.triu(reflectors[:size, :size]), reflectors[:size, size]
+    # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
+    inverse = dgesv(triangle, np.eye(size))[2]
+    psi, basis = means[-1], inverse.T.dot(means[:-1])
     return CellForce(
         mesh=mesh,
-        psi=begun.psi,
+        psi=psi,
         basis=basis,
-        inverse=begun.inverse,
-        coefficients=c,
-        force=force,
+        inverse=inverse,
+        coefficients=coefficients,
+        force=_smooth_sign(psi - coefficients.dot(basis), mesh, horizon),
         horizon=horizon,
     )
 
 
-def _crossing(nodes: Array, reached: Array, span: float) -> float:
-    """Return where a sum over cells reaches the span, the last node where it does not."""
-    i = int(reached.searchsorted(span))
-    if i == reached.size:
-        return float(nodes[-1])
-    before = float(reached[i - 1]) if i else 0.0
-    start, end = float(nodes[i]), float(nodes[i + 1])
-    return start + (end - start) * (span - before) / (float(reached[i]) - before)
+def _weights(mesh: Mesh, horizon: float) -> Array:
+    """Return the lengths of the cells as far as they are before the horizon."""
+    inside = np.minimum(mesh.nodes, horizon)
+    return np.asarray(inside[1:] - inside[:-1])
+
+
+def _smooth_sign(sigma: Array, mesh: Mesh, horizon: float) -> Array:
+    mean = float(_weights(mesh, horizon) @ np.abs(sigma)) / horizon
+    return np.asarray(sigma / (np.hypot(sigma, FIRST_SMOOTHING * mean) + TINY))
