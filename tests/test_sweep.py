@@ -636,7 +636,8 @@ def test_peaks_of_many_forces_are_those_of_single_solves(tmp_path: Path) -> None
     together = frame.gather_every(20)
     for name in ("peak_v_b", "peak_v_phi", "peak_tcp_vibration", "peak_F"):
         assert together[name].to_list() == pytest.approx(alone[name].to_list(), rel=1e-8), name
-    assert np.all(frame["peak_F"].to_numpy() <= frame["drive.max_force"].to_numpy())
+    excess = frame["peak_F"].to_numpy() / frame["drive.max_force"].to_numpy() - 1.0
+    assert np.all(excess < 1e-12)
     machine = paper_machine(max_force=2e3)
     exact = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
     assert exact.peaks[build_plant(machine).signals.index("v_phi")] == pytest.approx(

@@ -102,6 +102,13 @@ def test_paper_claim_of_five_switches_fails_near_1_27_kn() -> None:
     assert counts == {1252.6: 5, 1252.7: 7, 1270.0: 7, 1294.5: 7, 1294.6: 5, 4e3: 5}
 
 
+def test_every_force_next_to_the_birth_of_an_arc_is_certified() -> None:
+    # Two pairs of zeros are about to meet there, and only one of them is the optimum's.
+    for force in np.linspace(1245.0, 1300.0, 111).tolist():
+        optimum = solve_time_optimal(PAPER, STEP, force_limit=force)
+        assert optimum.certificate.relative_gap < 1e-12, force
+
+
 @pytest.mark.parametrize("force", [1252.655, 1294.5447])
 def test_arc_of_some_nanoseconds_is_found_and_certified(force: float) -> None:
     optimum = solve_time_optimal(PAPER, STEP, force_limit=force)

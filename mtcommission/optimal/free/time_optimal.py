@@ -7,7 +7,7 @@ the method.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, nan
 
@@ -180,13 +180,18 @@ def _better(one: Attempt | None, other: Attempt | None) -> Attempt | None:
 def _exchange(mesh: Mesh, start: Control, span: float) -> Attempt | None:
     """Refine; where the multipliers then show other zeros than the control has, do so with those.
 
-    Next to the birth of an arc this is what adds or drops the two zeros.
+    Next to the birth of an arc this is what adds two zeros; where no control has the zeros of the
+    start, the two that are closest are dropped.
     """
     best = None
     for _ in range(EXCHANGES):
         control = refine_control(mesh, start, span=span)
         if control is None:
-            break
+            if best or start.zeros.size < 2:
+                break
+            closest = int(np.diff(start.zeros).argmin())
+            start = replace(start, zeros=np.delete(start.zeros, (closest, closest + 1)))
+            continue
         start = prove_time(mesh, control, span=span)
         attempt = Attempt(control=control, proved=start, mesh=mesh)
         best = _better(best, attempt)
