@@ -4,13 +4,28 @@ This is the paper's own method. It needs no knowledge of the structure, takes an
 serves as an independent check of the exact solutions; it is neither exact nor certified.
 Every number of a result but t_f and the adjoint belongs to the *exact* motion of the plant
 under the control that was found, so the discretisation shows as a terminal error.
+
+The control is constant on each of N equal intervals of length h = t_f / N. With Z = h A every
+scheme here is one linear relation between the ends of an interval,
+
+    D(Z) x_{k+1} = E(Z) x_k + h B u_k,
+
+    Euler               D = I                     E = I + Z                 order 1
+    trapezoidal         D = I - Z / 2             E = I + Z / 2             order 2
+    Gauss, two stages   D = I - Z / 2 + Z² / 12   E = I + Z / 2 + Z² / 12   order 4
+
+States are scaled by what F_max could cause, the force by F_max. For a given t_f the program is
+convex: it has the least functional, or reaches the largest multiple of the target. The shortest
+t_f is where that multiple is 1, which Newton's method finds.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, isfinite, nan, sqrt
+from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,31 +41,35 @@ from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
 )
-from mtcommission.optimal.transcription.discretisation import (
-    LONGEST,
-    Aim,
-    GridProblem,
-    GridSolution,
-    bounded_rows,
-    solve_grid,
-)
 from mtcommission.optimal.transcription.grid_motion import follow_grid, grid_arcs
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
+from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
-COARSEST = 500
-"""Intervals up to which t_f is an unknown of the program (empirical: IPOPT crawls from 1600 on).
-On finer grids Newton's method finds t_f: one step on each four times finer grid, and on the
-last one until the target is reached."""
+LONGEST = 100.0
+"""Longest final time that is searched, in units of its first guess."""
 
-MOST_TIMES = 12
-"""Final times that Newton's method may try (empirical: two to four are enough)."""
+COARSEST = 500
+"""Intervals up to which a grid is the first; before a finer one comes one four times coarser."""
+
+STEEPEST = 4.0
+"""Most that a step of Newton's method may lengthen the final time, as a factor."""
+
+MOST_TIMES = 20
+"""Final times that Newton's method may try (empirical: two to six are enough)."""
 
 REACHED = 0.5
 """Distance from 1, in tolerances of all intervals added, at which the target counts as reached:
 IPOPT leaves each force a gap of up to its tolerance, and the multiple errs by their sum."""
+
+ROUGHLY = 1e-4
+"""The same on coarser grids."""
+
+NO_GAIN = 1e-6
+"""Growth of the multiple with the logarithm of t_f below which more time does not help."""
+
+TINY = 1e-300
 
 SATURATED = 1e-5
 """Distance from the limit, in units of F_max, below which an interval counts as saturated:
@@ -73,16 +92,17 @@ def transcribe_time_optimal(
     Raises
     ------
     ComputationError
-        BOUND_CANNOT_HOLD if IPOPT finds the bounds infeasible, BEYOND_HORIZON if t_f reaches
-        the end of the search, NO_CONVERGENCE for IPOPT's other failures.
+        BOUND_CANNOT_HOLD if more time does not help, BEYOND_HORIZON if t_f reaches the end of the
+        search, NO_CONVERGENCE for IPOPT's failures.
     KeyError
         If a bound names no signal of the plant.
 
     Source: Christiansen, Maurer & Zirn, secs. 5 and 5.2.
     """
-    found, scales = _shortest(
-        plant, move, force_limit=force_limit, bounds=bounds, settings=settings
+    problem = _problem(
+        plant, move, force_limit, bounds, t_f=_guess_time(plant, move, force_limit=force_limit)
     )
+    found = _shortest(problem, settings)
     control = _snap(found.control) * force_limit
     motion = follow_grid(plant, control, t_f=found.t_f)
     target, fixed = terminal_target(plant, move)
@@ -96,7 +116,7 @@ def transcribe_time_optimal(
         touch_points=(),
         terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
         motion=motion,
-        certificate=_certificate(plant, found, adjoint_scale=1.0 / scales),
+        certificate=_certificate(plant, found),
     )
 
 
@@ -125,30 +145,21 @@ def transcribe_damping_optimal(
 
     Source: Christiansen, Maurer & Zirn, sec. 6.
     """
-    scales = state_scales(plant, force_limit=force_limit, t_f=t_f)
-    problem = _grid_problem(
-        plant,
-        move,
-        bounds=bounds,
-        scales=scales,
-        t_f=t_f,
-        force_limit=force_limit,
-        aim=Aim.FUNCTIONAL,
-        weights=weights,
-        intervals=settings.intervals,
-    )
+    c = np.zeros(plant.order)
+    for weight in weights:
+        c[plant.states.index(weight.state)] += weight.value
+    problem = _problem(plant, move, force_limit, bounds, t_f=t_f, weights=c)
     try:
-        found = solve_grid(problem, settings)
+        found = _solve(problem, settings)
     except ComputationError as error:
-        if not problem.rows.size:
+        if not problem.bounds:
             raise
         reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
         raise reason or error from error
     control = _snap(found.control) * force_limit
     motion = follow_grid(plant, control, t_f=t_f)
     target, fixed = terminal_target(plant, move)
-    adjoint_scale = force_limit**2 / scales
-    wanted = -found.adjoint @ (adjoint_scale * plant.B) / 2.0
+    wanted = -found.adjoint @ plant.B / 2.0
     law = np.abs(control - np.clip(wanted, -force_limit, force_limit)) / force_limit
     terms = motion.cost_terms(weights)
     return DampingOptimum(
@@ -161,55 +172,101 @@ def transcribe_damping_optimal(
         arcs=grid_arcs(control, t_f=t_f, force_limit=force_limit),
         cost=float(terms.sum()),
         cost_terms=terms,
-        adjoint_initial=found.adjoint_initial * adjoint_scale,
+        adjoint_initial=found.adjoint_initial,
         law_residual=float(law.max()),
         terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
         peaks=motion.peaks,
     )
 
 
-def _shortest(
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Problem:
+    """A move by a given time, to be solved on a grid."""
+
+    plant: Plant
+    force_limit: float  # [N]
+    bounds: tuple[Bound, ...]  # With that on the velocity of the move
+    target: Array  # State at t_f, shape (n,)
+    fixed: NDArray[np.intp]  # Indices of the states prescribed at t_f
+    t_f: float  # [s]
+    # Of the squared states in the functional, shape (n,); None: the largest multiple of the
+    # target is wanted.
+    weights: Array | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Solution:
+    """What IPOPT found."""
+
+    t_f: float  # [s]
+    control: Array  # u of each interval in units of F_max, shape (N,)
+    adjoint: Array  # λ of each interval, shape (N, n), for ∫ 1 dt or the functional
+    adjoint_initial: Array  # λ(0), shape (n,), to the order of the grid
+    reach: float  # Multiple of the target that is reached; 1 for the functional
+    reach_rate: float  # Its increase per time [1/s]
+
+
+def _problem(
     plant: Plant,
     move: Move,
-    *,
     force_limit: float,
     bounds: tuple[Bound, ...],
-    settings: TranscriptionSettings,
-) -> tuple[GridSolution, Array]:
-    """Return the shortest move on the wanted grid, and the scales of its states."""
-    grids = [settings.intervals]
+    *,
+    t_f: float,
+    weights: Array | None = None,
+) -> _Problem:
+    target, fixed = terminal_target(plant, move)
+    if isinstance(move, Positioning) and isfinite(move.max_velocity):
+        bounds = (*bounds, Bound(name=plant.states[plant.velocity], value=move.max_velocity))
+    return _Problem(
+        plant=plant,
+        force_limit=force_limit,
+        bounds=bounds,
+        target=target,
+        fixed=np.flatnonzero(fixed),
+        t_f=t_f,
+        weights=weights,
+    )
+
+
+def _shortest(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
+    """Return the move whose time just reaches the target, on coarser grids first."""
+    grids, longest = [settings.intervals], LONGEST * problem.t_f
     while grids[-1] > COARSEST:
         grids.append(grids[-1] // 4)
-    t_guess = _guess_time(plant, move, force_limit=force_limit)
-
-    def solve(t_f: float, aim: Aim, intervals: int) -> tuple[GridSolution, Array]:
-        scales = state_scales(plant, force_limit=force_limit, t_f=t_f)
-        problem = _grid_problem(
-            plant,
-            move,
-            bounds=bounds,
-            scales=scales,
-            t_f=t_f,
-            force_limit=force_limit,
-            aim=aim,
-            weights=(),
-            intervals=intervals,
+    for intervals in reversed(grids):
+        used = replace(settings, intervals=intervals)
+        near = max(
+            REACHED * settings.tolerance * intervals, 0.0 if intervals == grids[0] else ROUGHLY
         )
-        return solve_grid(problem, replace(settings, intervals=intervals)), scales
+        low, high = 0.0, inf
+        for _ in range(MOST_TIMES):
+            found = _solve(problem, used)
+            if abs(found.reach - 1.0) < near:
+                break
+            low, high = (found.t_f, high) if found.reach < 1.0 else (low, found.t_f)
+            if high == inf:
+                _require_gain(problem, found, longest=longest)
+            problem = replace(problem, t_f=_next_time(found, low, high))
+        else:
+            detail = Message("target-not-reached", reach=found.reach, t_f=found.t_f)
+            raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    return found
 
-    found, scales = solve(t_guess, Aim.TIME, grids[-1])
-    if found.t_f > 0.999 * LONGEST * t_guess:
+
+def _require_gain(problem: _Problem, found: _Solution, *, longest: float) -> None:
+    if found.t_f > longest:
         raise ComputationError(Outcome.BEYOND_HORIZON, Message("ipopt-went-far", t_f=found.t_f))
-    if len(grids) == 1:
-        return found, scales
-    t_f, near = found.t_f, REACHED * settings.tolerance * settings.intervals
-    for intervals in (*grids[-2:0:-1], *([settings.intervals] * MOST_TIMES)):
-        found, scales = solve(t_f, Aim.REACH, intervals)
-        if intervals == settings.intervals and abs(found.reach - 1.0) < near:
-            return found, scales
-        t_f += (1.0 - found.reach) / found.reach_rate
-    detail = Message("target-not-reached", reach=found.reach, t_f=found.t_f)
-    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    if problem.bounds and found.reach_rate * found.t_f < NO_GAIN:
+        detail = Message("target-not-reached", reach=found.reach, t_f=found.t_f)
+        raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+
+
+def _next_time(found: _Solution, low: float, high: float) -> float:
+    """Return the final time after a step of Newton's method, or between those that it has tried."""
+    newton = found.t_f + (1.0 - found.reach) / max(found.reach_rate, TINY)
+    low, high = max(low, found.t_f / STEEPEST), min(high, STEEPEST * found.t_f)
+    return newton if low < newton < high else sqrt(low * high)
 
 
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
@@ -225,63 +282,133 @@ def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
     return float(rigid + slowest / 2.0 + 4.0 * plant.force_lag)
 
 
-def _grid_problem(
-    plant: Plant,
-    move: Move,
-    *,
-    bounds: tuple[Bound, ...],
-    scales: Array,
-    t_f: float,
-    force_limit: float,
-    aim: Aim,
-    weights: tuple[Weight, ...],
-    intervals: int,
-) -> GridProblem:
-    velocity_limit = move.max_velocity if isinstance(move, Positioning) else inf
-    if isfinite(velocity_limit):
-        velocity = plant.states[plant.velocity]
-        bounds = (*bounds, Bound(name=velocity, value=velocity_limit))
-    c = np.zeros(plant.order)
-    for weight in weights:
-        c[plant.states.index(weight.state)] += weight.value
-    target, fixed = terminal_target(plant, move)
-    force = _rigid_force(plant, move, target=target / scales, intervals=intervals)
-    return GridProblem(
-        A=plant.A * scales / scales[:, None],
-        B=plant.B * force_limit / scales,
-        target=target / scales,
-        fixed=fixed,
-        t_guess=t_f,
-        aim=aim,
-        weights=c * (scales / force_limit) ** 2,
-        rows=bounded_rows(plant, bounds, state_scale=scales),
-        start_states=_rigid_motion(plant, force),
-        start_control=force[1:],
+def _solve(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
+    """Return the optimum of the discretised problem.
+
+    N times the objective makes the multipliers of a force or a bound on one interval about 1,
+    where IPOPT's barrier begins and ends; with multipliers of 1e-4 it loses the centre under
+    bounds, and takes hundreds of steps of 1e-3 (N = 10 000).
+
+    Raises
+    ------
+    ComputationError
+        FINAL_TIME_TOO_SHORT if IPOPT finds the move infeasible, NO_CONVERGENCE for its other
+        failures.
+    """
+    plant, F, t_f, N = problem.plant, problem.force_limit, problem.t_f, settings.intervals
+    n, scales = plant.order, state_scales(plant, force_limit=F, t_f=t_f)
+    A, B, target = plant.A * scales / scales[:, None], plant.B * F / scales, problem.target / scales
+    rows = [plant.row(bound.name) * scales / bound.value for bound in problem.bounds]
+    x, u, reach = ca.MX.sym("x", n, N + 1), ca.MX.sym("u", 1, N), ca.MX.sym("reach")
+    step = ca.MX.sym("step")  # A parameter, for the sensitivity to the final time.
+    defect = _defect(A, B, settings.scheme).map(N)
+    defects = defect(x[:, :-1], x[:, 1:], u, ca.repmat(step, 1, N))
+    ends = problem.fixed.tolist()
+    missed = x[ends, -1] - reach * ca.DM(target[problem.fixed])
+    bounded = ca.vec(ca.DM(np.array(rows).reshape(-1, n)) @ x[:, 1:])
+    if problem.weights is None:
+        cost, most = -reach, inf
+    else:
+        weights, most = problem.weights * (scales / F) ** 2, 1.0
+        cost = _functional(weights, A * (t_f / N), settings.scheme, x, u)
+    program = {
+        "x": ca.vertcat(ca.vec(x), ca.vec(u), reach),
+        "p": step,
+        "f": N * cost,
+        "g": ca.vertcat(ca.vec(defects), missed, bounded),
+    }
+    solver = ca.nlpsol("transcription", "ipopt", program, _options(settings))
+    free = np.full(n * N, inf)
+    equal, limit = np.zeros(n * N + len(ends)), np.ones(len(rows) * N)
+    answer = solver(
+        x0=np.append(np.zeros(n * (N + 1) + N), 1.0),
+        p=t_f / N,
+        lbx=np.concatenate([np.zeros(n), -free, -np.ones(N), [1.0 if most == 1.0 else -inf]]),
+        ubx=np.concatenate([np.zeros(n), free, np.ones(N), [most]]),
+        lbg=np.concatenate([equal, -limit]),
+        ubg=np.concatenate([equal, limit]),
+    )
+    _check(problem, settings, solver.stats())
+    point = np.asarray(answer["x"]).ravel()
+    multipliers = np.asarray(answer["lam_g"]).ravel()[: n * N].reshape(N, n)
+    rate = float(answer["lam_p"]) / N**2
+    # Of the functional, divided by F² t_f; or of the time that a multiple of the target takes.
+    unit = -t_f * F**2 / N if problem.weights is not None else -1.0 / (N * rate)
+    adjoint = unit * multipliers
+    _, E = _scheme_matrices(settings.scheme, t_f / N * A)
+    return _Solution(
+        t_f=t_f,
+        control=point[n * (N + 1) : -1],
+        adjoint=adjoint / scales,
+        adjoint_initial=np.asarray(E.T @ adjoint[0]) / scales,
+        reach=float(point[-1]),
+        reach_rate=rate,
     )
 
 
-def _rigid_force(plant: Plant, move: Move, *, target: Array, intervals: int) -> Array:
-    """Return the scaled force that moves the rigid mass in the guessed time, shape (N + 1,)."""
-    if not isinstance(move, Positioning):
-        return np.full(intervals + 1, target[plant.velocity])
-    tau = np.linspace(0.0, 1.0, intervals + 1)
-    return np.asarray(4.0 * target[plant.position] * np.where(tau < 0.5, 1.0, -1.0))
+def _scheme_matrices(scheme: Scheme, Z: Any) -> tuple[Any, Any]:
+    one = np.eye(Z.shape[0])
+    if scheme is Scheme.EULER:
+        return one, one + Z
+    second = Z @ Z / 12 if scheme is Scheme.GAUSS else 0.0
+    return one - Z / 2 + second, one + Z / 2 + second
 
 
-def _rigid_motion(plant: Plant, force: Array) -> Array:
-    """Return the scaled motion of the rigid mass in the guessed time, shape (N + 1, n).
+def _defect(A: Array, B: Array, scheme: Scheme) -> Any:
+    x, x_next = ca.SX.sym("x", B.size), ca.SX.sym("x_next", B.size)
+    u, step = ca.SX.sym("u"), ca.SX.sym("step")
+    # sparsified, so that the derivatives carry only the plant's own couplings
+    D, E = _scheme_matrices(scheme, step * ca.SX(ca.sparsify(ca.DM(A))))
+    return ca.Function("defect", [x, x_next, u, step], [D @ x_next - E @ x - step * B * u])
 
-    A scaled unit of force moves it by a scaled unit of velocity in the guessed time, and
-    bends each mode by a scaled unit.
-    """
-    intervals = force.size - 1
-    motion = np.zeros((force.size, plant.order))
-    motion[:, plant.lagged] = force[:, np.newaxis]
-    for mode in plant.modes:
-        motion[:, mode.deflection] = np.sign(mode.scale) * force
-    motion[1:, plant.velocity] = np.cumsum(force[:-1]) / intervals
-    motion[1:, plant.position] = np.cumsum(motion[1:, plant.velocity]) / intervals
-    return motion
+
+def _functional(c: Array, Z: Array, scheme: Scheme, x: Any, u: Any) -> Any:
+    """Return the functional divided by F_max² t_f, with a quadrature of the scheme's order."""
+    weights, start, end = ca.DM(c).T, x[:, :-1], x[:, 1:]
+    if scheme is Scheme.EULER:
+        squares = weights @ start**2
+    elif scheme is Scheme.TRAPEZOIDAL:
+        squares = weights @ (start**2 + end**2) / 2
+    else:
+        middle = (start + end) / 2 + ca.DM(Z) @ (start - end) / 8
+        squares = weights @ (start**2 + 4 * middle**2 + end**2) / 6
+    return (ca.sumsqr(u) + ca.sum2(squares)) / u.shape[1]
+
+
+def _options(settings: TranscriptionSettings) -> dict[str, Any]:
+    return {
+        "print_time": False,
+        "error_on_fail": False,
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "ipopt.max_iter": settings.max_iterations,
+        "ipopt.tol": settings.tolerance * settings.intervals,
+        # not scaled with the objective: errors of all intervals add up at t_f
+        "ipopt.constr_viol_tol": settings.tolerance,
+        "ipopt.acceptable_iter": 0,
+        "ipopt.honor_original_bounds": "yes",
+        "ipopt.jac_c_constant": "yes",
+        "ipopt.jac_d_constant": "yes",
+        "ipopt.hessian_constant": "yes",
+        "ipopt.nlp_scaling_method": "none",  # it would undo the factor
+    }
+
+
+def _check(problem: _Problem, settings: TranscriptionSettings, stats: dict[str, Any]) -> None:
+    status = str(stats["return_status"])
+    if status == "Solve_Succeeded":
+        return
+    detail = Message(
+        "ipopt-ended",
+        status=status,
+        iterations=int(stats["iter_count"]),
+        scheme=settings.scheme.value,
+        intervals=settings.intervals,
+    )
+    if status != "Infeasible_Problem_Detected" or problem.weights is None:
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    ended = Message("ipopt-ended-at", t_f=problem.t_f, ended=detail)
+    raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, ended)
 
 
 def _snap(control: Array) -> Array:
@@ -289,15 +416,15 @@ def _snap(control: Array) -> Array:
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
 
 
-def _certificate(plant: Plant, found: GridSolution, *, adjoint_scale: Array) -> Certificate:
-    switching = found.adjoint @ (adjoint_scale * plant.B)
+def _certificate(plant: Plant, found: _Solution) -> Certificate:
+    switching = found.adjoint @ plant.B
     changes = np.flatnonzero(np.sign(switching[1:]) != np.sign(switching[:-1]))
     step = found.t_f / found.control.size
     violation = np.abs(found.control + np.sign(switching)) * np.abs(switching)
     return Certificate(
         t_f_lower_bound=nan,
         relative_gap=nan,
-        adjoint_initial=found.adjoint_initial * adjoint_scale,
+        adjoint_initial=found.adjoint_initial,
         switching_slopes=(switching[changes + 1] - switching[changes]) / step,
         switching_law_holds=bool(violation.max() <= LAW_TOLERANCE * np.abs(switching).max()),
         terminal_jacobian_rank=-1,
