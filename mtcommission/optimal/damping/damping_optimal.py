@@ -53,7 +53,7 @@ def solve_damping_optimal(
     Raises
     ------
     ComputationError
-        FINAL_TIME_TOO_SHORT, proved by weak duality; NO_CONVERGENCE.
+        NO_CONVERGENCE, also where t_f is below the shortest time.
     ValueError
         If a weight names no state of the plant.
 

@@ -73,10 +73,7 @@ class SaturatedProblem:
     force_limit: float  # F_max, the unit of the scaled force [N]
     force_unit: str  # N, or N·m on a rotary axis; for messages
     t_f: float  # [s]
-    # rate, plant_rate: Largest modulus of the eigenvalues of all generators, and of the plant
-    # alone [1/s].
-    rate: float
-    plant_rate: float
+    rate: float  # Largest modulus of the eigenvalues of all generators [1/s]
 
     @property
     def order(self) -> int:
@@ -162,8 +159,7 @@ def scale_problem(
     control_row[n : 2 * n] = -0.5 * T * B
     generators[1, :n] += np.outer(B, control_row)
     target, fixed = terminal_target(plant, move)
-    rates = np.abs(np.linalg.eigvals(generators[1:])).max(axis=1).tolist()
-    rate = float(max(rates))
+    rate = float(np.abs(np.linalg.eigvals(generators[1:])).max())
     return SaturatedProblem(
         generators=generators,
         control_row=control_row,
@@ -177,7 +173,6 @@ def scale_problem(
         force_unit=plant.force_unit,
         t_f=t_f,
         rate=rate,
-        plant_rate=float(rates[1]),
     )
 
 

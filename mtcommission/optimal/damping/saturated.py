@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
-from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
@@ -52,16 +51,8 @@ STEPS = 120
 """Limits tried on the way to F_max (empirical; a move at 1.0001 t_f,min takes about fifteen, one
 of 30 000 radians with five modes some seventy)."""
 
-FORCE_MARGIN = 1e-6
-"""Relative shortage of force that proves a final time too short; covers the quadrature error
-of the moment integral."""
-
 SHORTEST_ARC = 1e-12
 """Arcs shorter than this share of t_f are left out: rounding of the time decides about them."""
-
-BOUND_ANGLE = 0.05
-"""Sampling of the moment integral, step times the fastest pole [-]: cubic interpolation
-then errs by 2e-8 of the amplitude."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -169,48 +160,6 @@ def _settle(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float, goal:
     return best
 
 
-def least_bound(problem: SaturatedProblem, flow: PiecewiseFlow) -> float:
-    """Return a force below which no control reaches the target in time, in units of F_max.
-
-    Source: weak duality; x(t_f) = ∫ exp(A (t_f - t)) B F_set dt, so λ(t_f) x(t_f) is at most
-    max |F_set| times the integral.
-    """
-    n = problem.order
-    end = np.where(problem.fixed, flow.end[n : 2 * n], 0.0)
-    adjoint = problem.generators[0, n : 2 * n, n : 2 * n]
-    count = int(np.ceil(problem.t_f * problem.plant_rate / BOUND_ANGLE))
-    step = problem.t_f / count
-    p = np.empty((count + 1, n))
-    p[0] = end
-    done, power = 1, expm(-adjoint * step)
-    while done <= count:
-        more = min(done, count + 1 - done)
-        p[done : done + more] = p[:more] @ power.T
-        done, power = done + more, power @ power
-    gain = problem.generators[2, :n, -1]
-    moment, rate = p @ gain, -p @ adjoint.T @ gain
-    cubics = unit_cubics(
-        np.full(count, step), moment[:-1], moment[1:], start_rate=rate[:-1], end_rate=rate[1:]
-    )
-    reach = step * _absolute_integral(cubics)
-    return abs(float(end @ problem.target)) / reach if reach > 0.0 else 0.0
-
-
-def _absolute_integral(cubics: Array) -> float:
-    """Return ∫ |y| over cells of unit length; roots are looked for only where there may be some."""
-    hull = _hull(cubics)
-    mixed = (hull.min(axis=0) < 0.0) & (hull.max(axis=0) > 0.0)
-    c3, c2, c1, c0 = cubics[:, ~mixed]
-    total = float(np.abs(c3 / 4 + c2 / 3 + c1 / 2 + c0).sum())
-    if mixed.any():
-        ends = np.arange(np.count_nonzero(mixed) + 1.0)
-        side_by_side = PPoly(cubics[:, mixed], ends)
-        roots = side_by_side.roots(discontinuity=False, extrapolate=False)
-        edges = np.sort(np.concatenate([ends, roots[np.isfinite(roots)]]))
-        total += float(np.abs(np.diff(side_by_side.antiderivative()(edges))).sum())
-    return total
-
-
 def _hull(cubics: Array) -> Array:
     """Return the Bernstein coefficients of cubics on the unit interval: they enclose the values."""
     c3, c2, c1, c0 = cubics
@@ -223,12 +172,12 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     Raises
     ------
     ComputationError
-        FINAL_TIME_TOO_SHORT, proved by weak duality; NO_CONVERGENCE.
+        NO_CONVERGENCE, also where t_f is below the shortest time.
     """
     free = ArcSequence(edges=np.array([0.0, problem.t_f]), labels=np.zeros(1, dtype=np.int64))
     reached = _judge(problem, free, bound=1.0)
     limit = 1.0 + reached.violation
-    trial, fraction, floor = 1.0, 1.0, 0.0
+    trial, fraction = 1.0, 1.0
     for _ in range(STEPS):
         is_last = trial == 1.0
         goal = LAW_GOAL if is_last else NEAR_ENOUGH
@@ -236,23 +185,18 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
         settled = now.violation <= (LAW_TOLERANCE if is_last else NEAR_ENOUGH) * trial
         if settled and is_last:
             return now
-        floor = max(floor, least_bound(problem, now.flow))
-        if floor > 1.0 + FORCE_MARGIN:
-            break
         if settled:
             limit, reached, fraction = trial, now, min(0.9, 1.5 * fraction)
         else:
             fraction /= 2.0
             # a better start of the next step, before steps get small
             reached = _settle(problem, reached.arcs, bound=limit, goal=LAW_GOAL)
-        trial = max(1.0, limit - fraction * (limit - floor))
-    F, unit = problem.force_limit, problem.force_unit
-    if floor > 1.0 + FORCE_MARGIN:
-        raise ComputationError(
-            Outcome.FINAL_TIME_TOO_SHORT,
-            Message("damping-needs-force", t_f=problem.t_f, needed=floor * F, force=F, unit=unit),
-        )
-    raise ComputationError(
-        Outcome.NO_CONVERGENCE,
-        Message("damping-not-solved", t_f=problem.t_f, force=F, solved=limit * F, unit=unit),
+        trial = max(1.0, limit * (1.0 - fraction))
+    detail = Message(
+        "damping-not-solved",
+        t_f=problem.t_f,
+        force=problem.force_limit,
+        solved=limit * problem.force_limit,
+        unit=problem.force_unit,
     )
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)

@@ -24,7 +24,6 @@ band-program-gave-up = das lineare Programm des Optimums mit dem Band kam zu kei
 band-exchange-goes-on = weitere Spitzen der freien Bewegung verlassen das Band, so viele auch gehalten werden
 band-exceeds-velocity = zwischen den überwachten Punkten erreicht die Geschwindigkeit das { PLAIN($times, digits: 6) }-fache von max_velocity
 
-damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s braucht mehr als { PLAIN($needed, digits: 9) } { $unit }, vorhanden sind { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = dämpfungsoptimale Steuerung für t_f = { PLAIN($t_f, digits: 6) } s und { PLAIN($force, digits: 6) } { $unit }: nur bis zu einer Grenze von { PLAIN($solved, digits: 6) } { $unit } gelöst
 
 ipopt-ended = IPOPT endete mit { $status } nach { PLAIN($iterations, digits: 9) } Iterationen, Schema { $scheme }, { PLAIN($intervals, digits: 9) } Intervalle

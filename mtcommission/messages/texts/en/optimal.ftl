@@ -24,7 +24,6 @@ band-program-gave-up = the linear program of the optimum with the band did not e
 band-exchange-goes-on = further peaks of the free motion leave the band however many are held
 band-exceeds-velocity = between the points at which it is watched the velocity reaches { PLAIN($times, digits: 6) } times max_velocity
 
-damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s takes more than { PLAIN($needed, digits: 9) } { $unit }, there are { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = damping-optimal control for t_f = { PLAIN($t_f, digits: 6) } s and { PLAIN($force, digits: 6) } { $unit }: solved down to a limit of { PLAIN($solved, digits: 6) } { $unit } only
 
 ipopt-ended = IPOPT ended with { $status } after { PLAIN($iterations, digits: 9) } iterations, { $scheme } scheme, { PLAIN($intervals, digits: 9) } intervals
