@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.exchange import (
@@ -43,9 +44,10 @@ from mtcommission.optimal.proof import (
     Found,
     dual_value,
     prove,
+    require_followable,
     stretches,
 )
-from mtcommission.optimal.refine import Seen, cell_arcs, finishes, refined
+from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finishes, refined
 from mtcommission.optimal.smallest_bound import smallest_factor_by
 from mtcommission.optimal.solution import (
     Bound,
@@ -62,6 +64,8 @@ LONG, CERTAIN = 20, 1e-5
 programs prove more and more."""
 ENOUGH = 7e-7
 """Gap at which cells are fine enough where no exact sequence exists."""
+SLOW = 10.0
+"""Times the move without bounds from which on the search begins at that of the rigid axis."""
 SAME_TIME = 1e-7
 """Relative distance at which a zero of σ and a switching time count as the same."""
 UNDECIDED = 2e-3
@@ -104,13 +108,17 @@ def solve_bounded_time_optimal(
     """
     every = all_bounds(plant, move, bounds)
     refuse_impossible(plant, move, every)
+    least = least_motion_time(move, force_limit / plant.moving_mass)
+    require_followable(least, plant.fastest_rate, most=MOST_RADIANS)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     if all(peaks[bound.name] <= bound.value for bound in every):
         # It keeps the bounds, and so is the answer under them.
         return replace(free, bounds=every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
-    found = _under_force_bound(problem, move) or _search(problem, t_free=free.t_f)
+    found = _under_force_bound(problem, move) or _search(
+        problem, t_free=least if least > SLOW * free.t_f else free.t_f
+    )
     return _as_optimum(problem, move, every, found)
 
 
@@ -199,7 +207,8 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     """
     best: Seen | None = None
     gap = inf
-    for seen in refined(problem, first_cells(problem, t_free=t_free)):
+    first = first_cells(problem, t_free=t_free)
+    for seen in refined(problem, first):
         guess = detect_sequence(problem, seen.structure, seen.parts, seen.zeros, seen.mesh)
         # Newton's method on a long sequence that is not yet right costs more than a finer program.
         if seen.gap > 0.5 * gap or len(guess.pieces) <= LONG or seen.gap < CERTAIN:
@@ -211,10 +220,11 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
             best, gap = seen, seen.gap
         if gap < ENOUGH and not may_be_exact:
             break
-    if best is not None:
-        for cells in finishes(problem, best.cells):
-            arcs = cell_arcs(problem, cells)
-            found = prove(problem, arcs, best.cells.measure, (), is_exact=False)
+    # Where an arc is held too long for a control that has to enter it, the first cells hold none.
+    measure = first.measure if best is None else best.cells.measure
+    for known in (first,) if best is None else (best.cells, first):
+        for cells in finishes(problem, known):
+            found = prove(problem, cell_arcs(problem, cells), measure, (), is_exact=False)
             if found is not None:
                 return found
     told, unit = describe_bounds(problem.plant, problem.bounds), problem.plant.force_unit
