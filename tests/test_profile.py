@@ -496,12 +496,20 @@ velocity_step =  ->  dwell = 0 #
     in s, ms, us or min, or "auto"
 "5 um"  ->  "5 um"\n[control]\ntcp_sensor = "laser"
   25: control.tcp_sensor: got "laser", must be "none" or "position"
+"5 um"  ->  "5 um"\npayload = ["-1 kg", 5]
+  24: requirements.payload[1]: got -1 kg, must be >= 0 kg
 schema = 1  ->  schema = 2
   1: schema: got 2, must be 1
+schema = 1  ->  schema = true
+  1: schema: got true, must be 1
 schema = 1  ->  #
   1: schema: missing; add schema = 1
 name = "m"  ->  name = " "
   3: machine.name: got an empty text, give a name
+name = "m"  ->  name = "MMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMMM"
+  3: machine.name: got 81 characters, at most 80 are allowed
+name = "m"  ->  name = "m\u0007"
+  3: machine.name: got control characters, remove them
 name = "m"  ->  name = 7
   3: machine.name: got 7, must be a text in quotes
 "2 kN"  ->  "2 kN"\ngear = 2
@@ -564,6 +572,22 @@ def test_equal_poles_are_said_with_their_remedy() -> None:
         "p.toml:16: plant.modes[2].frequency: modes beam and ram at 40 Hz: two modes have the "
         "same poles, so one force cannot bring both to rest independently; merge them into one "
         "mode (add their tcp_gain and measured_gain)"
+    ]
+
+
+def test_an_unknown_control_and_too_many_modes_are_refused() -> None:
+    control = MANIPULATOR + '[control]\nkind = "siemens"\n'
+    *first, last = KINDS
+    kinds = ", ".join(f'"{kind}"' for kind in first)
+    assert faults_in(control) == [
+        f'p.toml:25: control.kind: got "siemens", must be {kinds} or "{last}"'
+    ]
+    more = "".join(
+        f'[[plant.modes]]\nname = "m{i}"\nfrequency = {100 + i}\ndamping_ratio = 0\ntcp_gain = 0\n'
+        for i in range(7)
+    )
+    assert faults_in(MODAL + more) == [
+        "p.toml:9: plant.modes: got too many elements, at most 8 allowed"
     ]
 
 
