@@ -164,6 +164,15 @@ def test_the_feed_forward_is_what_the_machine_would_need(name: str, tmp_path: Pa
     assert fed.after < 0.1 * fed.before
 
 
+def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path: Path) -> None:
+    """At standstill the axis sticks and answers no force: those samples took it for half."""
+    found = verified("honing-z", tmp_path, Spoilt(coulomb=240.0, repeats=4, step=2.5e-4, dwell=0.5))
+    fed = suggest_feedforward(found)
+    new = {one.key: one.new.value for one in fed.values}
+    assert 0.6 * 240.0 < new["friction_feedforward"] < 1.1 * 240.0
+    assert fed.after < 0.6 * fed.before
+
+
 @pytest.mark.parametrize("factor", [0.85, 0.9, 0.92, 1.06, 1.1, 1.15])
 def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) -> None:
     found = verified(GANTRY, tmp_path, Spoilt(frequency=factor, noise=1e-7))

@@ -10,7 +10,7 @@ from math import ceil
 from mtcommission.control_kinds.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
 from mtcommission.control_kinds.row import Key, Row, Setting, Values
 from mtcommission.control_kinds.syntax import Layout
-from mtcommission.control_kinds.wording import DEGREE, MILLI, name_mode, show_value
+from mtcommission.control_kinds.wording import name_mode, show_value
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import LINEAR, AxisUnits
@@ -39,9 +39,9 @@ class Axis:
     """The step of velocity that keeps the band behind whichever of some shapers [m/s]."""
 
     @property
-    def small_unit(self) -> tuple[str, float]:
-        """Unit of a position that most controls have: its name, and its size in SI."""
-        return ("deg", DEGREE) if self.is_rotary else ("mm", MILLI)
+    def small_unit(self) -> str:
+        """Unit of a position that most controls have."""
+        return "deg" if self.is_rotary else "mm"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,8 +63,9 @@ class Control:
     that it has no row for are written as remarks."""
     layout: Layout
     shapers: tuple[str, ...] = ()  # tried where the run's filter is none of the control's
-    notes: Callable[[Axis, Typed], tuple[Message, ...]] = lambda _axis, _typed: ()
-    """Sentences for the header."""
+    notes: tuple[str, ...] = ()  # sentences for the header, by the kinds of their messages
+    notes_of: Callable[[Axis, Typed], tuple[Message, ...]] = lambda _axis, _typed: ()
+    """Those that depend on the axis, or on what is typed in."""
     in_degrees: bool = True  # else its angles are radians
 
     @property
@@ -79,15 +80,15 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
     They are the rows of ``generic``, and what another control's text can only say in a remark;
     their names have a place for the number of a filter.
     """
-    time = partial(Row, unit="ms", scale=MILLI)
+    time = partial(Row, unit="ms")
     loops: dict[float | str, str] = {loop.value: loop.value for loop in PositionLoop}
     kinds: dict[float | str, str] = {kind: kind for kind in (NOTCH, LOW_PASS)}
     shapers: dict[float | str, str] = {kind: kind for kind in SHAPERS}
     rows = (
         Row(Setting.ACCELERATION, "acceleration", unit=units.acceleration.si),
         Row(Setting.JERK, "jerk", unit=units.jerk.si),
-        Row(Setting.AVERAGE, "moving average", unit="ms", scale=MILLI, digits=9),
-        Row(Setting.SECOND_AVERAGE, "second moving average", unit="ms", scale=MILLI, digits=9),
+        Row(Setting.AVERAGE, "moving average", unit="ms", digits=9),
+        Row(Setting.SECOND_AVERAGE, "second moving average", unit="ms", digits=9),
         Row(Setting.SHAPER, "setpoint shaper", codes=shapers),
         Row(Setting.SHAPER_FREQUENCY, "shaper frequency", unit="Hz", digits=9),
         Row(Setting.SHAPER_DAMPING, "shaper damping ratio", digits=9),
@@ -141,19 +142,17 @@ def complete(rows: Iterable[Row], loop: Values, units: AxisUnits) -> tuple[Row, 
 
 
 def acceleration_row(
-    axis: Axis, name: str, meaning: Message | None = None, *, section: str = ""
+    axis: Axis, name: str, meaning: Message | str = "", *, section: str = "", step: float = 0.0
 ) -> Row:
     """Return a row of the acceleration in the small unit."""
-    (length, scale), setting = axis.small_unit, Setting.ACCELERATION
-    unit = f"{length}/s^2"
-    return Row(setting, name, unit=unit, scale=scale, meaning=meaning, section=section)
+    unit = f"{axis.small_unit}/s^2"
+    return Row(Setting.ACCELERATION, name, unit=unit, meaning=meaning, section=section, step=step)
 
 
-def jerk_row(axis: Axis, name: str, meaning: Message, *, section: str = "") -> Row:
+def jerk_row(axis: Axis, name: str, meaning: Message | str, *, section: str = "") -> Row:
     """Return a row of the jerk in the small unit."""
-    length, scale = axis.small_unit
-    unit = f"{length}/s^3"
-    return Row(Setting.JERK, name, unit=unit, scale=scale, meaning=meaning, section=section)
+    unit = f"{axis.small_unit}/s^3"
+    return Row(Setting.JERK, name, unit=unit, meaning=meaning, section=section)
 
 
 def cycles(axis: Axis, unit: float) -> int:

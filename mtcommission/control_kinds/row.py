@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from enum import Enum
-from functools import partial
+from functools import cache, partial
 from typing import TypeAlias
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
+from mtcommission.units.quantities import NUMBER
+from mtcommission.units.symbols import read_unit
 
 DIGITS = 4
 """Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
@@ -75,12 +77,12 @@ class Row:
     name: str  # as the control spells it
     _: KW_ONLY
     index: str = ""  # which one of several, see Key
-    unit: str = ""  # the control's
-    scale: float = 1.0  # one of it in SI
+    unit: str = ""  # the control's, e.g. "mm/s^2" or "0.01/s"; of several, the first one counts
+    at_shaft: float = 1.0  # SI at the axis of one SI unit of it, where it counts at the motor
     digits: int = DIGITS  # significant ones
     step: float = 0.0  # whole multiples of this only, in its unit; 0: any number
     codes: Mapping[float | str, str] = field(default_factory=dict)  # how it writes certain values
-    meaning: Message | None = None  # what it does; None: what its setting always does
+    meaning: Message | str = ""  # what it does, or the kind of that message; "": its setting's
     section: str = ""  # of a structured file, parts separated by "/"
     is_verified: bool = True  # whether name and unit were read in a maker's text or source file
     is_elsewhere: bool = False  # a remark in the text: set in the drive, or to be left as it is
@@ -88,7 +90,13 @@ class Row:
     @property
     def text(self) -> Message | None:
         """What it does; None where the name says it."""
-        return self.meaning or (Message(self.setting.value[2]) if self.setting.value[2] else None)
+        meaning = self.meaning or self.setting.value[2]
+        return Message(meaning) if meaning and isinstance(meaning, str) else meaning or None
+
+    @property
+    def scale(self) -> float:
+        """One of its unit in SI at the axis."""
+        return self.at_shaft * si_of(self.unit)
 
     @property
     def key(self) -> Key:
@@ -104,7 +112,7 @@ class Row:
 
         Examples
         --------
-        >>> kv = Row(Setting.POSITION_GAIN,"kv", unit="0.01/s", scale=0.01, step=1)
+        >>> kv = Row(Setting.POSITION_GAIN, "kv", unit="0.01/s", step=1)
         >>> kv.encode(31.4159), kv.decode("3141")
         ('3141', 31.41)
         """
@@ -133,12 +141,21 @@ class Row:
             raise unreadable(f"{self.name} {text}") from None
 
 
+@cache
+def si_of(unit: str) -> float:
+    """Return one of a control's unit in SI."""
+    first, _, _ = unit.partition(",")
+    number = NUMBER.match(first)
+    symbols = read_unit(first[number.end() :] if number else first)
+    return (float(number[0]) if number else 1.0) * symbols[0].si_value
+
+
 doubted = partial(Row, is_verified=False)
 """A row whose name or unit was not read in a maker's text."""
 
 
 def fixed(
-    name: str, text: str, meaning: Message | None = None, *, unit: str = "", section: str = ""
+    name: str, text: str, meaning: Message | str = "", *, unit: str = "", section: str = ""
 ) -> Row:
     """Return a row that must be just so for the others to act as they were simulated."""
     codes: dict[float | str, str] = {"set": text}

@@ -70,7 +70,8 @@ def compose_header(
         *say_ceiling(subject, judged),
         Message("export-safe-side"),
         *_shaft(subject, rows),
-        *control.notes(subject.axis, typed),
+        *map(Message, control.notes),
+        *control.notes_of(subject.axis, typed),
     ]
     warned = {words.say(warning) for warning in record.warnings}
     own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]

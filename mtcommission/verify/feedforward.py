@@ -86,9 +86,12 @@ def _tells(one: Recorded) -> bool:
 def _rows(rebuilt: Rebuilt, one: Recorded) -> _Rows:
     signal, motion = one.find(Role.ENCODER), one.motion
     assert signal is not None
-    moving = signal.after(motion.begin)
+    # An axis that sticks once it has arrived answers no force, whatever a linear loop does there.
+    tau = rebuilt.controller.reference_delay
+    stop = motion.until if motion.coasts else motion.end + tau
+    moving = signal.after(motion.begin) & (signal.t <= stop)
     t = signal.t[moving]
-    late = motion.sample(t - rebuilt.controller.reference_delay)
+    late = motion.sample(t - tau)
     # A unit of force per unit of what stands in place of the setpoint's acceleration; the same
     # without any takes off what else the setpoint's acceleration does.
     plain = replace(rebuilt.controller, acceleration_feedforward=1.0, jerk_feedforward=0.0)

@@ -13,9 +13,9 @@ from mtcommission.control_kinds.kind import (
     believed,
     read,
 )
-from mtcommission.control_kinds.row import Row, Setting, Values, doubted
+from mtcommission.control_kinds.row import Row, Setting, Values, doubted, si_of
 from mtcommission.control_kinds.syntax import TABLE
-from mtcommission.control_kinds.wording import HUNDREDTH, MILLI
+from mtcommission.control_kinds.wording import MILLI
 from mtcommission.messages.message import Message
 
 FANUC_MANUAL = "check against FANUC AC Servo Motor Parameter Manual B-65270EN"
@@ -69,26 +69,20 @@ FANUC = ControlKind(
 
 
 def _fanuc(axis: Axis, _loop: Values) -> list[Row]:
-    length, size = axis.small_unit
     return [
-        Row(Setting.RISE_TIME, "1620", unit="ms", scale=MILLI, step=1),
-        Row(Setting.JERK_TIME, "1774", unit="ms", scale=MILLI, step=cycles(axis, MILLI)),
+        Row(Setting.RISE_TIME, "1620", unit="ms", step=1),
+        Row(Setting.JERK_TIME, "1774", unit="ms", step=cycles(axis, MILLI)),
         doubted(
-            Setting.POSITION_GAIN,
-            "1825",
-            unit="0.01/s",
-            scale=HUNDREDTH,
-            step=1,
-            meaning=Message("gain-kv-name-and-unit"),
+            Setting.POSITION_GAIN, "1825", unit="0.01/s", step=1, meaning="gain-kv-name-and-unit"
         ),
-        doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", scale=1e-4, step=1),
-        Row(Setting.RAPID, "1420", unit=f"{length}/min", scale=size / 60.0, is_elsewhere=True),
+        doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", step=1),
+        Row(Setting.RAPID, "1420", unit=f"{axis.small_unit}/min", is_elsewhere=True),
     ]
 
 
 def _fanuc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
-    length, size = axis.small_unit
-    a = typed.acceleration / size
+    length = axis.small_unit
+    a = typed.acceleration / si_of(length)
     return (
         Message("fanuc-no-jerk", length=length),
         Message("fanuc-rapid", length=length, acceleration=a),
@@ -98,4 +92,4 @@ def _fanuc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=FANUC, rows=_fanuc, layout=TABLE, notes=_fanuc_notes)
+CONTROL = Control(kind=FANUC, rows=_fanuc, layout=TABLE, notes_of=_fanuc_notes)

@@ -49,4 +49,4 @@ def _fluidnc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=FLUIDNC, rows=_fluidnc, layout=YAML, notes=_fluidnc_notes)
+CONTROL = Control(kind=FLUIDNC, rows=_fluidnc, layout=YAML, notes_of=_fluidnc_notes)

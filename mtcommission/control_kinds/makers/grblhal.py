@@ -14,7 +14,6 @@ from mtcommission.control_kinds.kind import Jerk, read
 from mtcommission.control_kinds.makers.stepping import sends_steps
 from mtcommission.control_kinds.row import Row, Values
 from mtcommission.control_kinds.syntax import MACHINE_DATA
-from mtcommission.messages.message import Message
 
 GRBLHAL_SOURCE = "grblHAL core at f80fc34d: settings, planner, stepper"
 
@@ -46,7 +45,7 @@ def _grblhal(axis: Axis, _loop: Values) -> list[Row]:
     index = LETTERS.index(letter_of(axis, LETTERS[:6], "grblHAL"))
     return [
         acceleration_row(axis, f"${120 + index}"),
-        jerk_row(axis, f"${800 + index}", Message("limit-jerk")),
+        jerk_row(axis, f"${800 + index}", "limit-jerk"),
     ]
 
 
@@ -54,9 +53,5 @@ CONTROL = Control(
     kind=GRBLHAL,
     rows=_grblhal,
     layout=MACHINE_DATA,
-    notes=lambda _axis, _typed: (
-        Message("grblhal-builds"),
-        Message("grblhal-corners"),
-        Message("export-segments"),
-    ),
+    notes=("grblhal-builds", "grblhal-corners", "export-segments"),
 )

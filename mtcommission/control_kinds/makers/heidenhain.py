@@ -16,8 +16,6 @@ from mtcommission.control_kinds.kind import (
 )
 from mtcommission.control_kinds.row import Row, Setting, Values
 from mtcommission.control_kinds.syntax import TABLE
-from mtcommission.control_kinds.wording import DEGREE
-from mtcommission.messages.message import Message
 
 TECHNICAL = "HEIDENHAIN MANUALplus 620 Technical Manual 01/2012, 6.16"
 
@@ -111,12 +109,12 @@ HEIDENHAIN = ControlKind(
 
 
 def _heidenhain(axis: Axis, _loop: Values) -> list[Row]:
-    length, size = ("deg", DEGREE) if axis.is_rotary else ("m", 1.0)
+    length = "deg" if axis.is_rotary else "m"
     # The manual states m/s^2 for linear axes; degrees for rotary ones are inferred, and so are
     # columns for the machining modes.
     rows = []
     for mode in ("", "surface", "accuracy", "speed"):
-        row = partial(Row, index=mode, is_verified=not (axis.is_rotary or mode), scale=size)
+        row = partial(Row, index=mode, is_verified=not (axis.is_rotary or mode))
         for_mode = f", {mode}" if mode else ""
         rows += [
             row(
@@ -129,13 +127,13 @@ def _heidenhain(axis: Axis, _loop: Values) -> list[Row]:
                 Setting.JERK,
                 f"axPathJerk{for_mode}",
                 unit=f"{length}/s^3",
-                meaning=Message("limit-axis-jerk"),
+                meaning="limit-axis-jerk",
             ),
             row(
                 Setting.JERK,
                 f"axPathJerkHi{for_mode}",
                 unit=f"{length}/s^3",
-                meaning=Message("limit-axis-jerk-at-rapid"),
+                meaning="limit-axis-jerk-at-rapid",
             ),
         ]
     return [
@@ -149,10 +147,5 @@ CONTROL = Control(
     kind=HEIDENHAIN,
     rows=_heidenhain,
     layout=TABLE,
-    notes=lambda _axis, _typed: (
-        Message("heidenhain-path"),
-        Message("heidenhain-filters"),
-        Message("heidenhain-speed-gains"),
-        Message("heidenhain-itnc"),
-    ),
+    notes=("heidenhain-path", "heidenhain-filters", "heidenhain-speed-gains", "heidenhain-itnc"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.control_kinds.control import Axis, Control, cycles
+from mtcommission.control_kinds.control import Axis, Control, acceleration_row, cycles
 from mtcommission.control_kinds.kind import (
     MOVING_AVERAGE,
     ControlKind,
@@ -16,8 +16,7 @@ from mtcommission.control_kinds.kind import (
 )
 from mtcommission.control_kinds.row import Row, Setting, Values, doubted, fixed
 from mtcommission.control_kinds.syntax import NAMED_LIST
-from mtcommission.control_kinds.wording import HUNDREDTH, MICRO
-from mtcommission.messages.message import Message
+from mtcommission.control_kinds.wording import MICRO
 
 AXIS = "TwinCAT TF5200 axis parameters (ISG kernel)"
 
@@ -107,73 +106,53 @@ ISG = ControlKind(
 )
 
 RAMPS = (
-    ("tr_beschl_zu", Message("isg-acceleration-rises")),
-    ("tr_beschl_ab", Message("isg-acceleration-falls")),
-    ("tr_brems_zu", Message("isg-deceleration-rises")),
-    ("tr_brems_ab", Message("isg-deceleration-falls")),
-    ("tr_grenz", Message("isg-ramp-at-rapid")),
+    ("tr_beschl_zu", "isg-acceleration-rises"),
+    ("tr_beschl_ab", "isg-acceleration-falls"),
+    ("tr_brems_zu", "isg-deceleration-rises"),
+    ("tr_brems_ab", "isg-deceleration-falls"),
+    ("tr_grenz", "isg-ramp-at-rapid"),
 )
 """P-AXIS-00196, 195, 198, 197 and 200 of the kernel."""
 
 
 def _isg(axis: Axis, loop: Values) -> Iterator[Row]:
-    length, size = axis.small_unit
+    slope = "getriebe[0].slope_profil"
     for name, meaning in (
-        ("a_beschl", Message("limit-acceleration")),
-        ("a_brems", Message("limit-deceleration")),
-        ("a_grenz", Message("isg-acceleration-at-rapid")),
+        ("a_beschl", "limit-acceleration"),
+        ("a_brems", "limit-deceleration"),
+        ("a_grenz", "isg-acceleration-at-rapid"),
     ):
-        yield Row(
-            Setting.ACCELERATION,
-            f"getriebe[0].slope_profil.{name}",
-            unit=f"{length}/s^2",
-            scale=size,
-            step=1,
-            meaning=meaning,
-        )
+        yield acceleration_row(axis, f"{slope}.{name}", meaning, step=1)
+    step = cycles(axis, MICRO)
     for name, meaning in RAMPS:
-        yield Row(
-            Setting.JERK_TIME,
-            f"getriebe[0].slope_profil.{name}",
-            unit="us",
-            scale=MICRO,
-            step=cycles(axis, MICRO),
-            meaning=meaning,
-        )
+        yield Row(Setting.JERK_TIME, f"{slope}.{name}", unit="us", step=step, meaning=meaning)
     yield Row(
         Setting.POSITION_LOOP,
         "antr.operation_mode",
         codes={"drive": "DSC_POSITION_CONTROL", "control": "CNC_POSITION_CONTROL"},
-        meaning=Message("isg-operation-mode"),
+        meaning="isg-operation-mode",
     )
     if loop[Setting.POSITION_LOOP, ""] != "drive":
-        yield Row(Setting.POSITION_GAIN, "getriebe[0].kv", unit="0.01/s", scale=HUNDREDTH, step=1)
+        yield Row(Setting.POSITION_GAIN, "getriebe[0].kv", unit="0.01/s", step=1)
     yield doubted(
         Setting.FEEDFORWARD,
         "vorsteuer.vorsteuerung",
         codes={"none": "0", "velocity": "0x101", "force": "0x303"},
-        meaning=Message("isg-feedforward"),
+        meaning="isg-feedforward",
     )
     if axis.shaft:
         yield Row(
             Setting.FORCE_FEEDFORWARD,
             "getriebe[0].load",
             unit="kg m^2",
-            scale=axis.shaft**-2,
-            meaning=Message("row-feedforward-inertia"),
+            at_shaft=axis.shaft**-2,
+            meaning="row-feedforward-inertia",
         )
     if loop.get((Setting.AVERAGE, "")):
-        yield fixed("filter_fir.type", "1", Message("isg-moving-average"))
-        yield Row(Setting.AVERAGE, "filter_fir.order_time", unit="us", scale=MICRO, digits=9)
+        yield fixed("filter_fir.type", "1", "isg-moving-average")
+        yield Row(Setting.AVERAGE, "filter_fir.order_time", unit="us", digits=9)
 
 
 CONTROL = Control(
-    kind=ISG,
-    rows=_isg,
-    layout=NAMED_LIST,
-    notes=lambda _axis, _typed: (
-        Message("isg-gear-sets"),
-        Message("isg-own-limits"),
-        Message("isg-slope"),
-    ),
+    kind=ISG, rows=_isg, layout=NAMED_LIST, notes=("isg-gear-sets", "isg-own-limits", "isg-slope")
 )

@@ -18,7 +18,6 @@ from mtcommission.control_kinds.makers.stepping import (
 )
 from mtcommission.control_kinds.row import Row, Setting, Values, fixed
 from mtcommission.control_kinds.syntax import CONFIG
-from mtcommission.control_kinds.wording import MILLI
 from mtcommission.messages.message import Message
 
 KLIPPER_SOURCE = "Klipper at 84104bbb: Config_Reference, input_shaper, kin_shaper.c"
@@ -74,8 +73,7 @@ def _klipper(axis: Axis, _loop: Values) -> list[Row]:
             Setting.ACCELERATION,
             "max_accel",
             unit="mm/s^2",
-            scale=MILLI,
-            meaning=Message("klipper-tool-head"),
+            meaning="klipper-tool-head",
             section="printer",
         ),
         *_klipper_corner(axis),
@@ -119,4 +117,6 @@ def _klipper_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=KLIPPER, rows=_klipper, layout=CONFIG, shapers=USUAL, notes=_klipper_notes)
+CONTROL = Control(
+    kind=KLIPPER, rows=_klipper, layout=CONFIG, shapers=USUAL, notes_of=_klipper_notes
+)

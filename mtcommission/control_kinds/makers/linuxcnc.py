@@ -68,7 +68,7 @@ NANO = 1e-9
 def _linuxcnc(axis: Axis, loop: Values) -> list[Row]:
     letter = letter_of(axis, LETTERS, "LinuxCNC")
     joint = f"JOINT_{LETTERS.index(letter)}"
-    rows = [fixed("PLANNER_TYPE", "1", Message("linuxcnc-planner"), section="TRAJ")]
+    rows = [fixed("PLANNER_TYPE", "1", "linuxcnc-planner", section="TRAJ")]
     if not axis.is_rotary:
         ceiling = Message("linuxcnc-path-acceleration")
         path = Message("linuxcnc-path-jerk")
@@ -76,21 +76,13 @@ def _linuxcnc(axis: Axis, loop: Values) -> list[Row]:
             acceleration_row(axis, "MAX_LINEAR_ACCELERATION", ceiling, section="TRAJ"),
             jerk_row(axis, "MAX_LINEAR_JERK", path, section="TRAJ"),
         ]
-    rows.append(
-        Row(Setting.POSITION_CYCLE, "SERVO_PERIOD", unit="ns", scale=NANO, step=1, section="EMCMOT")
-    )
+    rows.append(Row(Setting.POSITION_CYCLE, "SERVO_PERIOD", unit="ns", step=1, section="EMCMOT"))
     for section in (joint, f"AXIS_{letter}"):
         rows.append(acceleration_row(axis, "MAX_ACCELERATION", section=section))
-        rows.append(jerk_row(axis, "MAX_JERK", Message("linuxcnc-jerk"), section=section))
+        rows.append(jerk_row(axis, "MAX_JERK", "linuxcnc-jerk", section=section))
     if loop[Setting.POSITION_LOOP, ""] == "control":
         rows.append(
-            Row(
-                Setting.POSITION_GAIN,
-                "P",
-                unit="1/s",
-                meaning=Message("linuxcnc-gain"),
-                section=joint,
-            )
+            Row(Setting.POSITION_GAIN, "P", unit="1/s", meaning="linuxcnc-gain", section=joint)
         )
         rows.append(Row(Setting.VELOCITY_FEEDFORWARD, "FF1", section=joint))
     return rows
@@ -100,9 +92,5 @@ CONTROL = Control(
     kind=LINUXCNC,
     rows=_linuxcnc,
     layout=INI,
-    notes=lambda _axis, _typed: (
-        Message("linuxcnc-units"),
-        Message("linuxcnc-joints"),
-        Message("linuxcnc-least-jerk"),
-    ),
+    notes=("linuxcnc-units", "linuxcnc-joints", "linuxcnc-least-jerk"),
 )

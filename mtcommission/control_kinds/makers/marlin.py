@@ -99,12 +99,12 @@ def _marlin(axis: Axis, _loop: Values) -> list[Row]:
     return [
         acceleration_row(axis, f"M201 {letter}"),
         *_marlin_corner(axis, letter),
-        fixed("M493 S", "1", Message("marlin-fixed-time")),
+        fixed("M493 S", "1", "marlin-fixed-time"),
         Row(
             Setting.SHAPER,
             f"M493 {letter} C",
             codes={kind: MARLIN_SHAPERS[kind] for kind in MARLIN_SHAPERS},
-            meaning=Message("marlin-shaper"),
+            meaning="marlin-shaper",
         ),
         Row(
             Setting.SHAPER_FREQUENCY,
@@ -154,4 +154,4 @@ def _marlin_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=MARLIN, rows=_marlin, layout=G_CODE, shapers=USUAL, notes=_marlin_notes)
+CONTROL = Control(kind=MARLIN, rows=_marlin, layout=G_CODE, shapers=USUAL, notes_of=_marlin_notes)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from mtcommission.control_kinds.control import Axis, Control, identifier
+from mtcommission.control_kinds.control import Axis, Control, acceleration_row, identifier, jerk_row
 from mtcommission.control_kinds.kind import EARLIER, ControlKind, PositionLoop, believed, read
-from mtcommission.control_kinds.row import Row, Setting, Values
+from mtcommission.control_kinds.row import Row, Values
 from mtcommission.control_kinds.syntax import CONSTANTS
-from mtcommission.messages.message import Message
 
 POSITION_CONTROL = "CODESYS SoftMotion, SM_Drive_PosControl"
 
@@ -69,14 +68,11 @@ PLCOPEN = ControlKind(
 
 def constants(axis: Axis, _loop: Values) -> list[Row]:
     """Return the limits as constants of a program."""
-    (length, size), name = axis.small_unit, identifier(axis)
+    name = identifier(axis)
     return [
-        Row(setting, f"c{name}_{what}", unit=f"{length}/s^{power}", scale=size, meaning=meaning)
-        for setting, what, power, meaning in (
-            (Setting.ACCELERATION, "Acceleration", 2, Message("limit-acceleration")),
-            (Setting.ACCELERATION, "Deceleration", 2, Message("limit-deceleration")),
-            (Setting.JERK, "Jerk", 3, Message("limit-jerk")),
-        )
+        acceleration_row(axis, f"c{name}_Acceleration", "limit-acceleration"),
+        acceleration_row(axis, f"c{name}_Deceleration", "limit-deceleration"),
+        jerk_row(axis, f"c{name}_Jerk", "limit-jerk"),
     ]
 
 
@@ -84,9 +80,5 @@ CONTROL = Control(
     kind=PLCOPEN,
     rows=constants,
     layout=CONSTANTS,
-    notes=lambda _axis, _typed: (
-        Message("plcopen-unit"),
-        Message("plcopen-jerk-of-zero"),
-        Message("plcopen-quadratic"),
-    ),
+    notes=("plcopen-unit", "plcopen-jerk-of-zero", "plcopen-quadratic"),
 )

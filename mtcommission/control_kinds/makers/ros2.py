@@ -6,7 +6,6 @@ from mtcommission.control_kinds.control import Axis, Control, identifier
 from mtcommission.control_kinds.kind import EARLIER, ControlKind, PositionLoop, believed, read
 from mtcommission.control_kinds.row import Row, Setting, Values, fixed
 from mtcommission.control_kinds.syntax import YAML
-from mtcommission.messages.message import Message
 
 CONTROLLERS_SOURCE = "ros2_controllers at 02aa3725: joint_trajectory_controller"
 
@@ -69,7 +68,7 @@ def _ros(axis: Axis, loop: Values) -> list[Row]:
         return rows
     return [
         *rows,
-        Row(Setting.POSITION_GAIN, "p", unit="1/s", meaning=Message("ros-gain"), section=gains),
+        Row(Setting.POSITION_GAIN, "p", unit="1/s", meaning="ros-gain", section=gains),
         Row(Setting.VELOCITY_FEEDFORWARD, "ff_velocity_scale", section=gains),
     ]
 

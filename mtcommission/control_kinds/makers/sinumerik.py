@@ -18,7 +18,6 @@ from mtcommission.control_kinds.kind import (
 )
 from mtcommission.control_kinds.row import Row, Setting, Values, doubted, fixed
 from mtcommission.control_kinds.syntax import MACHINE_DATA
-from mtcommission.control_kinds.wording import GAIN_PER_MINUTE, MICRO, MILLI, TURN
 from mtcommission.messages.message import Message
 
 AXES_2019 = "SINUMERIK Axes and Spindles 06/2019, B2 pp. 371, 377"
@@ -149,14 +148,13 @@ takes the recommendation."""
 
 
 def _sinumerik(axis: Axis, loop: Values) -> list[Row]:
-    length, size = ("rev", TURN) if axis.is_rotary else ("m", 1.0)
+    length = "rev" if axis.is_rotary else "m"
     rows = [
         Row(
             Setting.ACCELERATION,
             f"N32300 $MA_MAX_AX_ACCEL[{index}]",
             index=mode,
             unit=f"{length}/s^2",
-            scale=size,
             meaning=Message("sinumerik-mode", dynamic=dynamic, about=say_mode(axis, mode)),
         )
         for index, (dynamic, mode) in enumerate(DYNAMIC_MODES)
@@ -167,7 +165,6 @@ def _sinumerik(axis: Axis, loop: Values) -> list[Row]:
             f"N32431 $MA_MAX_AX_JERK[{index}]",
             index=mode,
             unit=f"{length}/s^3",
-            scale=size,
             meaning=Message("sinumerik-mode-unit", dynamic=dynamic),
         )
         for index, (dynamic, mode) in enumerate(DYNAMIC_MODES)
@@ -175,27 +172,21 @@ def _sinumerik(axis: Axis, loop: Values) -> list[Row]:
     return [
         *rows,
         *_sinumerik_average(loop),
-        Row(
-            Setting.POSITION_GAIN,
-            "N32200 $MA_POSCTRL_GAIN[0]",
-            unit="1000/min",
-            scale=GAIN_PER_MINUTE,
-        ),
+        Row(Setting.POSITION_GAIN, "N32200 $MA_POSCTRL_GAIN[0]", unit="1000/min"),
         *_sinumerik_feedforward(axis, loop),
         doubted(
             Setting.POSITION_LOOP,
             "N32640 $MA_STIFFNESS_CONTROL_ENABLE[0]",
             codes={"drive": "1", "control": "0"},
-            meaning=Message("sinumerik-dsc"),
+            meaning="sinumerik-dsc",
         ),
         *_sinamics(axis, loop),
         Row(
             Setting.POSITION_CYCLE,
             "N10050 x N10060",
             unit="us",
-            scale=MICRO,
             digits=9,
-            meaning=Message("sinumerik-position-cycle"),
+            meaning="sinumerik-position-cycle",
             is_elsewhere=True,
         ),
     ]
@@ -208,10 +199,10 @@ def _sinumerik_average(loop: Values) -> Iterator[Row]:
             Setting.AVERAGE,
             "N32400 $MA_AX_JERK_ENABLE",
             codes={0.0: "0"},
-            meaning=Message("sinumerik-filter-off"),
+            meaning="sinumerik-filter-off",
         )
         return
-    yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", Message("sinumerik-filter-on"))
+    yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", "sinumerik-filter-on")
     has_two = (Setting.SECOND_AVERAGE, "") in loop
     kind = "sinumerik-two-averages" if has_two else "sinumerik-moving-average"
     yield fixed("N32402 $MA_AX_JERK_MODE", "4" if has_two else "2", Message(kind))
@@ -225,7 +216,7 @@ def _sinumerik_feedforward(axis: Axis, loop: Values) -> Iterator[Row]:
         Setting.FEEDFORWARD,
         "N32620 $MA_FFW_MODE",
         codes={"none": "0", "velocity": "3", "force": "4"},
-        meaning=Message("sinumerik-ffw-mode"),
+        meaning="sinumerik-ffw-mode",
     )
     yield Row(Setting.VELOCITY_FEEDFORWARD, "N32610 $MA_VELO_FFW_WEIGHT[0]")
     if axis.shaft:
@@ -233,8 +224,8 @@ def _sinumerik_feedforward(axis: Axis, loop: Values) -> Iterator[Row]:
             Setting.FORCE_FEEDFORWARD,
             "N32650 $MA_AX_INERTIA",
             unit="kg m^2",
-            scale=axis.shaft**-2,
-            meaning=Message("row-feedforward-inertia"),
+            at_shaft=axis.shaft**-2,
+            meaning="row-feedforward-inertia",
         )
     if which != "none":
         data = "32800 $MA_EQUIV_CURRCTRL" if which == "force" else "32810 $MA_EQUIV_SPEEDCTRL"
@@ -243,7 +234,7 @@ def _sinumerik_feedforward(axis: Axis, loop: Values) -> Iterator[Row]:
             f"N{data}_TIME[0]",
             unit="s",
             digits=6,
-            meaning=Message("sinumerik-delay"),
+            meaning="sinumerik-delay",
         )
 
 
@@ -254,17 +245,15 @@ def _sinamics(axis: Axis, loop: Values) -> Iterator[Row]:
             Setting.VELOCITY_GAIN,
             "p1460",
             unit="N m s/rad",
-            scale=axis.shaft**-2,
-            meaning=Message("gain-kp-at-shaft"),
+            at_shaft=axis.shaft**-2,
+            meaning="gain-kp-at-shaft",
         )
-    yield doubted(
-        Setting.INTEGRAL_TIME, "p1462", unit="ms", scale=MILLI, meaning=Message("gain-tn-unit")
-    )
+    yield doubted(Setting.INTEGRAL_TIME, "p1462", unit="ms", meaning="gain-tn-unit")
     yield doubted(
         Setting.FILTERS,
         "p1656",
         codes={float(count): str(2**count - 1) for count in range(5)},
-        meaning=Message("sinumerik-filters"),
+        meaning="sinumerik-filters",
     )
     for number in range(1, 5):
         index, first = str(number), 1652 + 5 * number
@@ -274,7 +263,7 @@ def _sinamics(axis: Axis, loop: Values) -> Iterator[Row]:
             f"p{first}",
             index=index,
             codes={"low_pass": "1", "notch": "2"},
-            meaning=Message("sinumerik-filter-kind"),
+            meaning="sinumerik-filter-kind",
         )
         # The damping of a notch is that of the numerator, its width that of the denominator.
         own, other = Setting.FILTER_DAMPING, Setting.FILTER_WIDTH
@@ -305,4 +294,4 @@ def _sinumerik_notes(axis: Axis, _typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=SINUMERIK, rows=_sinumerik, layout=MACHINE_DATA, notes=_sinumerik_notes)
+CONTROL = Control(kind=SINUMERIK, rows=_sinumerik, layout=MACHINE_DATA, notes_of=_sinumerik_notes)

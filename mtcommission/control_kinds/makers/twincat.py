@@ -9,8 +9,6 @@ from mtcommission.control_kinds.kind import ControlKind, PositionLoop, believed,
 from mtcommission.control_kinds.makers.plcopen import constants
 from mtcommission.control_kinds.row import Row, Setting, Values
 from mtcommission.control_kinds.syntax import CONSTANTS, INLINE
-from mtcommission.control_kinds.wording import GAIN_PER_MINUTE
-from mtcommission.messages.message import Message
 
 NC_LOOP = "Beckhoff TF50x0 NC PTP, position control loop"
 
@@ -91,14 +89,13 @@ TWINCAT = ControlKind(
 
 
 def _twincat(axis: Axis, loop: Values) -> list[Row]:
-    length, size = axis.small_unit
+    length = axis.small_unit
     path = [
         Row(
             setting,
             f"#set paramPathDynamics[{number}]",
             unit=f"{length}/s^2, {length}/s^3",
-            scale=size,
-            meaning=Message("limit-path-nci"),
+            meaning="limit-path-nci",
             section=INLINE,
         )
         for number, setting in enumerate(
@@ -111,25 +108,16 @@ def _twincat(axis: Axis, loop: Values) -> list[Row]:
 def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
     """The position controller of the NC or of an AX5000, and the drive's velocity controller."""
     row = partial(Row, is_elsewhere=True)
-    rows = [
-        row(
-            Setting.INTEGRAL_TIME,
-            "S-0-0101",
-            unit="0.1 ms",
-            scale=1e-4,
-            step=1,
-            meaning=Message("twincat-tn"),
-        )
-    ]
+    rows = [row(Setting.INTEGRAL_TIME, "S-0-0101", unit="0.1 ms", step=1, meaning="twincat-tn")]
     if axis.shaft:
         rows.append(
             row(
                 Setting.VELOCITY_GAIN,
                 "S-0-0100",
                 unit="Nm/(rad/s)",
-                scale=axis.shaft**-2,
+                at_shaft=axis.shaft**-2,
                 step=1e-3,
-                meaning=Message("twincat-kp"),
+                meaning="twincat-kp",
             )
         )
     if loop[Setting.POSITION_LOOP, ""] == "drive":
@@ -139,11 +127,10 @@ def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
                 Setting.POSITION_GAIN,
                 "S-0-0104",
                 unit="1000/min",
-                scale=GAIN_PER_MINUTE,
                 step=1e-2,
-                meaning=Message("twincat-kv-in-drive"),
+                meaning="twincat-kv-in-drive",
             ),
-            row(Setting.VELOCITY_FEEDFORWARD, "S-0-0296", unit="%", scale=1e-2, step=1e-2),
+            row(Setting.VELOCITY_FEEDFORWARD, "S-0-0296", unit="%", step=1e-2),
         ]
     return [
         *rows,
@@ -151,7 +138,7 @@ def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
             Setting.POSITION_GAIN,
             "NC position controller Kv",
             unit="1/s",
-            meaning=Message("twincat-kv-in-nc"),
+            meaning="twincat-kv-in-nc",
         ),
         row(Setting.VELOCITY_FEEDFORWARD, "NC velocity pre-control weight"),
     ]
@@ -161,5 +148,5 @@ CONTROL = Control(
     kind=TWINCAT,
     rows=_twincat,
     layout=CONSTANTS,
-    notes=lambda _axis, _typed: (Message("twincat-jerk-unit"), Message("twincat-no-jerk-filter")),
+    notes=("twincat-jerk-unit", "twincat-no-jerk-filter"),
 )
