@@ -16,7 +16,6 @@ import sys
 import threading
 import time
 import tomllib
-from collections.abc import Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from functools import partial
@@ -53,7 +52,7 @@ from mtcommission.sweep.plan import (
     vary_profile,
 )
 from mtcommission.sweep.request import check_plan, read_plan
-from mtcommission.sweep.rows import Answer, Work, columns, key_unit
+from mtcommission.sweep.rows import Answer, Work, columns
 from mtcommission.sweep.solve import solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
 from mtcommission.sweep.table import read_table, summarise, write_table
@@ -165,8 +164,9 @@ def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
     machine = parse_profile(changed, where="p")
     assert machine.mechanics.slider_mass == 800.0  # type: ignore[attr-defined]
     assert machine.moves[0].velocity_step == 0.2  # type: ignore[union-attr]
-    with pytest.raises(InputError, match="there is no such key"):
-        vary_profile(TEXT, (("schema.dwell", "1 s"),), where="p")
+    for key in ("schema.dwell", "moves.0"):
+        with pytest.raises(InputError, match="there is no such key"):
+            vary_profile(TEXT, ((key, "1"),), where="p")
     for key in ("moves.3.dwell", "requirements.payload[2]"):
         with pytest.raises(InputError, match="has no such element"):
             vary_profile(TEXT, ((key, "1"),), where="p")
@@ -241,13 +241,6 @@ def test_rows_written_by_a_sweep_are_cases_of_the_next(tmp_path: Path) -> None:
     assert again.keys == keys
     frame = read_table(again, run_sweep(again, folder=tmp_path / "again")).frame
     assert frame.drop("inputs").equals(table.frame.drop("inputs"))
-
-
-def test_units_of_keys_come_from_the_schema() -> None:
-    assert key_unit("drive.max_force", rotary=False) == "N"
-    assert key_unit("drive.max_force", rotary=True) == "N m"
-    assert key_unit("plant.modes.1.frequency", rotary=False) == "Hz"
-    assert key_unit("requirements.frequency_spread", rotary=False) == ""
 
 
 def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame) -> None:
@@ -591,7 +584,9 @@ def test_elements_of_arrays_count_from_one_in_brackets() -> None:
     one = vary_profile(TEXT, (("moves[1].velocity_step", "0.3"),), where="p")
     assert one == vary_profile(TEXT, (("moves.0.velocity_step", "0.3"),), where="p")
     assert parse_profile(one, where="p").moves[0].velocity_step == 0.3  # type: ignore[union-attr]
-    assert key_unit("moves[1].velocity_step", rotary=False) == "m/s"
+    keys = ("moves[1].velocity_step", "drive.max_force", "requirements.frequency_spread")
+    named = columns(plan_of(Axis(keys=keys, rows=(("1", "2", "0.1"),))))
+    assert [column.unit for column in named[2:5]] == ["m/s", "N", ""]
 
 
 def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path: Path) -> None:
@@ -674,12 +669,6 @@ def test_work_is_cut_so_that_each_piece_is_soon_on_disk() -> None:
     assert [piece_size(replace(honing, move=move)) for move in (1, 2)] == [1, 99], (
         "the first move has a greatest velocity, the second is a step"
     )
-
-
-def test_columns_name_every_cell() -> None:
-    for quantity in Quantity:
-        names: Sequence[str] = [column.name for column in columns(plan_of(quantity=quantity))]
-        assert len(set(names)) == len(names)
 
 
 def page_data(page: str) -> dict[str, Any]:
@@ -829,50 +818,6 @@ def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: b
     assert (int(brightest[1]) > 140) == is_bright
 
 
-FRONT = """<script>
-const boxes = [], write = CanvasRenderingContext2D.prototype.fillText;
-CanvasRenderingContext2D.prototype.fillText = function (word, x, y) {
-  if (this.canvas.closest("#trade") && this.textAlign === "left")
-    boxes.push([x, y - 10, x + this.measureText(word).width, y]);
-  write.call(this, word, x, y);
-};
-const look = () => {
-  const caption = document.querySelector("#trade figcaption").textContent;
-  // On a busy machine the curve is drawn later; a caption that is not written yet is its title.
-  if (caption === "Trade-off") { setTimeout(look, 200); return; }
-  const meet = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
-  const clashes = boxes.filter((a, i) => boxes.slice(i + 1).some((b) => meet(a, b)));
-  document.documentElement.dataset.caption = caption;
-  document.documentElement.dataset.numbers = boxes.length;
-  document.documentElement.dataset.clashes = clashes.length;
-};
-setTimeout(look, 500);
-</script></body>"""
-
-
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
-@pytest.mark.parametrize(
-    ("varied", "is_named"),
-    [
-        (["drive.max_force=log:300:20e3:300"], True),
-        (["drive.force_lag=2ms,3ms", "drive.max_force=1kN:4kN:101"], False),
-    ],
-)
-def test_a_long_curve_names_its_force_along_the_front(
-    tmp_path: Path, varied: list[str], is_named: bool
-) -> None:
-    """Without legible numbers nobody sees which force buys which vibration."""
-    plan = plan_of(*(read_axis(text, where="") for text in varied))
-    table = read_table(plan, run_sweep(plan, folder=tmp_path))
-    seen = opened(print_sweep(plan, table, WORDS, created=""), FRONT, tmp_path)
-    caption = html.unescape(re.findall(r'data-caption="([^"]*)"', seen)[0])
-    assert caption.startswith("peak_tcp_vibration [µm] over t_f [ms]")
-    assert ("numbers: drive.max_force [kN]" in caption) == is_named
-    numbers = int(re.findall(r'data-numbers="([0-9]+)"', seen)[0])
-    assert numbers >= 10 if is_named else numbers == 0
-    assert 'data-clashes="0"' in seen, "numbers lie on each other"
-
-
 CHOICES = """<script>
 const chosen = { x: document.querySelector("#x").value, log: document.querySelector("#log").checked,
   names: [...document.querySelectorAll("#x option")].map((option) => option.textContent),
@@ -998,22 +943,6 @@ def test_waiting_for_workers_ends_at_the_first_ctrl_c(tmp_path: Path) -> None:
     assert stopped.value.exit_code == 130
 
 
-def test_what_no_worker_computes_does_not_hold_up_the_end() -> None:
-    """Dask's executor waits at its end for all that was submitted, unless it is told not to."""
-    distributed = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=50) as cluster,
-        pytest.raises(KeyboardInterrupt),
-    ):
-        _submit_and_stop(cluster.scheduler_address)
-
-
-def _submit_and_stop(address: str) -> None:
-    with open_lane(Engine(scheduler=address)) as lane:
-        lane.executor.submit(time.sleep, 0.0)
-        raise KeyboardInterrupt
-
-
 def test_lost_scheduler_names_resume(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
     pytest.importorskip("distributed")
     with closing(socket.create_server(("127.0.0.1", 0))) as free:
@@ -1110,12 +1039,6 @@ def test_links_in_the_folder_reach_no_foreign_file(tmp_path: Path, name: str) ->
         with pytest.raises(InputError, match="give another folder"):
             run_sweep(masses_plan(), folder=folder, resume=resume)
     assert theirs.read_text() == "mine"
-
-
-def test_an_element_of_an_array_of_tables_is_no_value() -> None:
-    """It ended as an internal error."""
-    with pytest.raises(InputError, match="there is no such key"):
-        vary_profile(TEXT, (("moves.0", "1"),), where="machine.toml")
 
 
 @pytest.mark.parametrize(

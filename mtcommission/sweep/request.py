@@ -174,17 +174,16 @@ def _companies(plan: Plan, axis: Axis, row: int) -> Iterator[Settings]:
     if plan.is_paired:
         yield plan.settings(row)
         return
-    rows = [[row] if other is axis else _outermost(other) for other in plan.axes]
-    for places in islice(product(*rows), MOST_COMPANIES):
-        pairs = zip(plan.axes, places, strict=True)
+    rows = [axis.rows[row : row + 1] if other is axis else _outermost(other) for other in plan.axes]
+    for met in islice(product(*rows), MOST_COMPANIES):
         yield tuple(
             pair
-            for other, place in pairs
-            for pair in zip(other.keys, other.rows[place], strict=True)
+            for other, texts in zip(plan.axes, met, strict=True)
+            for pair in zip(other.keys, texts, strict=True)
         )
 
 
-def _outermost(axis: Axis) -> list[int]:
+def _outermost(axis: Axis) -> list[tuple[str, ...]]:
     columns = zip(*axis.rows, strict=True)
     places = {place for texts in columns for group in _ends(texts) for place in group}
-    return sorted(places, reverse=True)
+    return [axis.rows[place] for place in sorted(places, reverse=True)]

@@ -25,19 +25,30 @@ from mtcommission.sweep.plan import (
 )
 
 DONE = "done"
+PEAK = "peak_"
+"""What columns of the peaks of signals begin with."""
 
 Cell = float | int | str | bool | None
 Row = tuple[Cell, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Column:
     """One column of the table: named as in the record, or by the dotted key of what varies."""
 
     name: str
-    meaning: Message
     unit: str = ""  # SI
     kind: str = "float"  # or "int", "bool", "str"
+    varies: bool = False
+
+    @property
+    def meaning(self) -> Message:
+        """What it holds."""
+        if self.varies:
+            return Message("sweep-column-key")
+        if self.name.startswith(PEAK) and self.name != "peak_deviation":
+            return Message("sweep-column-peak", name=self.name.removeprefix(PEAK))
+        return Message(f"sweep-column-{self.name.replace('_', '-')}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,9 +96,6 @@ def fill_rows(table: Sequence[Column], work: Work, answers: Sequence[Answer]) ->
     return tuple(rows)
 
 
-PEAK = "peak_"
-
-
 def peak_signals(plant: Plant) -> tuple[str, ...]:
     """Return the signals whose peaks are in a row: modes' rates, TCP vibration, motor force."""
     rates = tuple(plant.states[mode.rate] for mode in plant.modes)
@@ -100,81 +108,57 @@ def columns(plan: Plan) -> tuple[Column, ...]:
     plant, rotary = build_plant(machine), machine.motion is Motion.ROTARY
     varied = []
     for axis in plan.axes:
-        for place, key in enumerate(axis.keys):
-            words = any(isnan(si_number(row[place])) for row in axis.rows)
-            unit = "" if words else _unit_of_key(key, plant, rotary=rotary)
-            kind = "str" if words else "float"
-            varied.append(
-                Column(name=key, meaning=Message("sweep-column-key"), unit=unit, kind=kind)
-            )
+        for key, texts in zip(axis.keys, zip(*axis.rows, strict=True), strict=True):
+            if any(isnan(si_number(text)) for text in texts):
+                varied.append(Column(key, kind="str", varies=True))
+            else:
+                varied.append(Column(key, _unit_of_key(key, plant, rotary=rotary), varies=True))
     return (
-        Column(name="case", meaning=Message("sweep-column-case"), kind="int"),
-        Column(name="inputs", meaning=Message("sweep-column-inputs"), kind="str"),
+        Column("case", kind="int"),
+        Column("inputs", kind="str"),
         *varied,
         *_result_columns(plan.quantity, plant, rotary=rotary),
-        Column(name="outcome", meaning=Message("sweep-column-outcome"), kind="str"),
-        Column(name="message", meaning=Message("sweep-column-message"), kind="str"),
+        Column("outcome", kind="str"),
+        Column("message", kind="str"),
     )
 
 
 def _result_columns(quantity: Quantity, plant: Plant, *, rotary: bool) -> tuple[Column, ...]:
     """The columns that a quantity fills."""
     proof = (
-        Column(name="t_f", meaning=Message("sweep-column-t-f"), unit="s"),
-        Column(name="t_f_lower_bound", meaning=Message("sweep-column-t-f-lower-bound"), unit="s"),
-        Column(name="relative_gap", meaning=Message("sweep-column-relative-gap")),
-        Column(name="certified", meaning=Message("sweep-column-certified"), kind="bool"),
+        Column("t_f", "s"),
+        Column("t_f_lower_bound", "s"),
+        Column("relative_gap"),
+        Column("certified", kind="bool"),
     )
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
-    peaks = tuple(
-        Column(name=PEAK + name, meaning=Message("sweep-column-peak", name=name), unit=units[name])
-        for name in peak_signals(plant)
-    )
+    peaks = tuple(Column(PEAK + name, units[name]) for name in peak_signals(plant))
     if quantity is Quantity.OPTIMAL:
-        times = Message("sweep-column-switching-times")
-        return (
-            *proof,
-            Column(name="switches", meaning=Message("sweep-column-switches"), kind="int"),
-            Column(name="switching_times", meaning=times, unit="s", kind="str"),
-            *peaks,
-        )
+        switches = Column("switches", kind="int"), Column("switching_times", "s", kind="str")
+        return (*proof, *switches, *peaks)
     length, force = ("rad", "N m") if rotary else ("m", "N")
-    residual, peak = Message("sweep-column-residual"), Message("sweep-column-peak-deviation")
     found = (
         *proof,
-        Column(
-            name="acceleration", meaning=Message("sweep-column-acceleration"), unit=f"{length}/s^2"
-        ),
-        Column(name="jerk", meaning=Message("sweep-column-jerk"), unit=f"{length}/s^3"),
-        Column(name="jerk_time", meaning=Message("sweep-column-jerk-time"), unit="s"),
-        Column(name="settling_time", meaning=Message("sweep-column-settling-time"), unit="s"),
-        Column(name="residual_deviation", meaning=residual, unit=length),
-        Column(name="peak_deviation", meaning=peak, unit=length),
+        Column("acceleration", f"{length}/s^2"),
+        Column("jerk", f"{length}/s^3"),
+        Column("jerk_time", "s"),
+        Column("settling_time", "s"),
+        Column("residual_deviation", length),
+        Column("peak_deviation", length),
         *peaks,
-        Column(name="peak_F_set", meaning=Message("sweep-column-peak", name="F_set"), unit=force),
-        Column(name="requirements_met", meaning=Message("sweep-column-met"), kind="bool"),
-        Column(name="bound_by", meaning=Message("sweep-column-bound-by"), kind="str"),
-        Column(name="obstacle", meaning=Message("sweep-column-obstacle"), kind="str"),
+        Column("peak_F_set", force),
+        Column("requirements_met", kind="bool"),
+        Column("bound_by", kind="str"),
+        Column("obstacle", kind="str"),
     )
-    record = Column(name="record", meaning=Message("sweep-column-record"), kind="str")
-    return (*found, record) if quantity is Quantity.RUN else found
+    return (*found, Column("record", kind="str")) if quantity is Quantity.RUN else found
 
 
 def _unit_of_key(key: str, plant: Plant, *, rotary: bool) -> str:
+    """SI unit of a key of the profile; "SI" where nothing tells."""
     name = key.removeprefix(PEAKS_KEY)
     if name != key and name in plant.signals:
         return plant.signal_units[plant.signals.index(name)]
-    return key_unit(key, rotary=rotary)
-
-
-def key_unit(key: str, *, rotary: bool) -> str:
-    """Return the SI unit of a key of the profile; "SI" where it depends on the plant.
-
-    Examples
-    --------
-    >>> key_unit("plant.slider_mass", rotary=False), key_unit("moves.0.distance", rotary=True)
-    ('kg', 'rad')
-    """
     unit = unit_of(plain_key(key).split("."), rotary=rotary)
     return "SI" if unit is None else unit
 
