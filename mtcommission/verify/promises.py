@@ -240,7 +240,8 @@ def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     drive, unit = rebuilt.machine.drive, rebuilt.machine.axis_units.force.si
     limit, is_limited = drive.continuous_force, isfinite(drive.continuous_force)
     one, motion, number = recorded.find(Role.FORCE), recorded.motion, recorded.number
-    if one is None:
+    stop = motion.end + (rebuilt.machine.moves[number - 1].dwell if number else 0.0)
+    if one is None or not (one.after(motion.begin) & (one.t <= stop)).any():
         shows = not drive.follows  # a motor that follows has no force anybody could record
         missing = partial(Check, move=number, unit=unit, reason=Message("verify-no-force"))
         return [
@@ -254,7 +255,6 @@ def _force_checks(rebuilt: Rebuilt, recorded: Recorded) -> list[Check]:
     verdict = judge(value - one.noise, value + one.noise, -inf, drive.max_force)
     first = row("max force", unit, largest.tolist(), verdict, measured=value,
                 uncertainty=one.noise, limit=drive.max_force)  # fmt: skip
-    stop = motion.end + (rebuilt.machine.moves[number - 1].dwell if number else 0.0)
     window = moving & (one.t <= stop)
     rms = [hypot(float(np.sqrt(np.mean(values[window] ** 2))), load) for values in one.predicted]
     measured = float(np.sqrt(np.mean(one.raw[window] ** 2)))

@@ -38,6 +38,9 @@ HELD = 0.05
 SPLINE = 5
 """Degree: the jerk of the setpoint is then continuous, as the position cycle sees it."""
 
+LEAST_SAMPLES = 2 * SPLINE + 2
+"""Of a move and its rest."""
+
 SPACINGS = (64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2)
 """Samples between knots that are tried, the smoothest first."""
 
@@ -105,6 +108,8 @@ def find_motions(
             continue
         following = pairs[place + 1][0] if place + 1 < len(pairs) else x.size
         before = pairs[place - 1][1] if place else 0
+        if following - before < LEAST_SAMPLES:
+            continue  # a jump
         own = _Stretch(
             x[before:following], h, float(setpoint.t[before]), first - before, last - before, noise
         )
@@ -179,7 +184,7 @@ class _Stretch:
         level = CALM * self.noise
         start = float(np.median(x[: self.first]))
         off = np.flatnonzero(np.abs(x - start) > level)
-        begin = int(off[0]) - 1 if off.size else self.first
+        begin = max(int(off[0]) - 1, 0) if off.size else self.first
         top = float(np.ptp(x)) / (x.size * h)
         velocity = self._reached(1, slice(begin, x.size), wanted=WANTED * top)
         last, until, speed = min(self.last, x.size - 1), x.size - 1, 0.0
@@ -192,6 +197,7 @@ class _Stretch:
             goal = float(np.median(x[last:]))
             away = np.flatnonzero(np.abs(x - goal) > level)
             last = min(int(away[-1]) + 1, x.size - 1) if away.size else last
+        last = max(last, begin)
         part = slice(max(begin - 8, 0), min(last + 9, x.size))
         reached = [
             self._reached_by_filter(order, part, limit=limit)
