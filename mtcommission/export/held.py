@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import pi
+from typing import Any
 
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
 from mtcommission.control_kinds.row import Key, Setting, Values, unreadable
@@ -19,19 +20,18 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
 
-ALWAYS = (
-    Setting.POSITION_LOOP,
-    Setting.POSITION_CYCLE,
-    Setting.VELOCITY_CYCLE,
-    Setting.POSITION_GAIN,
-    Setting.VELOCITY_GAIN,
-    Setting.INTEGRAL_TIME,
-)
-"""Settings without which there is no loop."""
-
+ALWAYS = {
+    Setting.POSITION_CYCLE: "position_cycle",
+    Setting.VELOCITY_CYCLE: "velocity_cycle",
+    Setting.POSITION_GAIN: "position_gain",
+    Setting.VELOCITY_GAIN: "velocity_gain",
+    Setting.INTEGRAL_TIME: "integral_time",
+}
+"""Numbers without which there is no loop, and what they are called there."""
 
 NOT_OF_A_SETPOINT = (
     *ALWAYS,
+    Setting.POSITION_LOOP,
     Setting.VELOCITY_FEEDFORWARD,
     Setting.FORCE_FEEDFORWARD,
     Setting.JERK_FEEDFORWARD,
@@ -51,35 +51,20 @@ def without_loop(values: Values) -> dict[Key, float | str]:
 def loop_of(subject: Subject) -> dict[Key, float | str]:
     """Return the settings of the record's loop, as far as the control has them."""
     kind, loop = subject.kind, subject.controller
-    values: dict[Key, float | str] = {
-        (Setting.POSITION_LOOP, ""): subject.position_loop.value,
-        (Setting.POSITION_CYCLE, ""): loop.position_cycle,
-        (Setting.VELOCITY_CYCLE, ""): loop.velocity_cycle,
-        (Setting.POSITION_GAIN, ""): loop.position_gain,
-        (Setting.VELOCITY_GAIN, ""): loop.velocity_gain,
-        (Setting.INTEGRAL_TIME, ""): loop.integral_time,
-    }
+    values: dict[Key, float | str] = {(Setting.POSITION_LOOP, ""): subject.position_loop.value}
+    values |= {(setting, ""): getattr(loop, name) for setting, name in ALWAYS.items()}
     if loop.reference_model_time:
         values[Setting.REFERENCE_MODEL, ""] = loop.reference_model_time
-    mass = loop.feedforward_mass
+    mass, filters = loop.feedforward_mass, min(len(loop.force_filters), kind.force_filters)
+    force = loop.acceleration_feedforward * mass
+    jerk = loop.jerk_feedforward * mass * loop.force_lag
+    delay = max(loop.reference_delay, subject.own_delay)
     for setting, value, has in (
         (Setting.VELOCITY_FEEDFORWARD, loop.velocity_feedforward, kind.velocity_feedforward),
-        (
-            Setting.FORCE_FEEDFORWARD,
-            loop.acceleration_feedforward * mass,
-            kind.acceleration_feedforward,
-        ),
-        (
-            Setting.JERK_FEEDFORWARD,
-            loop.jerk_feedforward * mass * loop.force_lag,
-            kind.jerk_feedforward,
-        ),
-        (
-            Setting.REFERENCE_DELAY,
-            max(loop.reference_delay, subject.own_delay),
-            kind.reference_delay,
-        ),
-        (Setting.FILTERS, min(len(loop.force_filters), kind.force_filters), kind.force_filters > 0),
+        (Setting.FORCE_FEEDFORWARD, force, kind.acceleration_feedforward),
+        (Setting.JERK_FEEDFORWARD, jerk, kind.jerk_feedforward),
+        (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
+        (Setting.FILTERS, filters, kind.force_filters),
     ):
         if has:
             values[setting, ""] = float(value)
@@ -223,7 +208,8 @@ def hold(subject: Subject, values: Values) -> Held:
 
 def _control(values: Values, subject: Subject) -> Control:
     numbers = [index for setting, index in values if setting is Setting.FILTER_KIND]
-    missing = [setting for setting in ALWAYS if (setting, "") not in values]
+    needed = (Setting.POSITION_LOOP, *ALWAYS)
+    missing = [setting for setting in needed if (setting, "") not in values]
     if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
         missing.append(Setting.FILTERS)
     if missing:
@@ -242,20 +228,17 @@ def _control(values: Values, subject: Subject) -> Control:
     )
     force, jerk = given(Setting.FORCE_FEEDFORWARD), given(Setting.JERK_FEEDFORWARD)
     mass = force or (jerk / lag if lag else 0.0)
+    cycles_and_gains: dict[str, Any] = {name: given(one) for one, name in ALWAYS.items()}
     return Control(
         kind=subject.kind,
         position_loop=PositionLoop(values[Setting.POSITION_LOOP, ""]),
-        position_gain=given(Setting.POSITION_GAIN),
-        velocity_gain=given(Setting.VELOCITY_GAIN),
-        integral_time=given(Setting.INTEGRAL_TIME),
         reference_model_time=given(Setting.REFERENCE_MODEL),
         velocity_feedforward=given(Setting.VELOCITY_FEEDFORWARD),
         acceleration_feedforward=1.0 if force else 0.0,
         jerk_feedforward=jerk / (mass * lag) if jerk else 0.0,
         feedforward_mass=mass,
         reference_delay=given(Setting.REFERENCE_DELAY),
-        position_cycle=given(Setting.POSITION_CYCLE),
-        velocity_cycle=given(Setting.VELOCITY_CYCLE),
+        **cycles_and_gains,
         state_feedback=StateFeedback.GIVEN if fed_back else StateFeedback.OFF,
         state_gains=fed_back,
         force_filters=tuple(
