@@ -26,6 +26,9 @@ a wrong unit."""
 FINEST = 1e-11
 """Share of the range below which a step of the values is rounding."""
 
+NEAR = 1e4
+"""Steps of which a difference may be told whole: beyond it the rounding of the step counts."""
+
 WHOLE = 0.05
 """Distance from a whole multiple of the step, as share of it, that rounding may have."""
 
@@ -201,7 +204,8 @@ def resolution(values: Array) -> float:
     steps = np.sort(steps[steps > least])[:2000]
     grain = float(steps[0]) if steps.size else 0.0
     while grain > least:
-        rest = np.abs(steps - grain * np.rint(steps / grain))
+        near = steps[steps < NEAR * grain]
+        rest = np.abs(near - grain * np.rint(near / grain))
         off = rest[rest > max(WHOLE * grain, least)]
         if not off.size:
             return grain
