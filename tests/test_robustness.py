@@ -239,7 +239,7 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
         "residual deviation (where they are lower) and set force (where they are higher) and "
         "peak v_φ (where they are higher)"
     )
-    assert f"off by {english}. Missed outside this range: {lost}. State requirements" in said
+    assert f"off by {english}. Missed outside this range: {lost}. State a frequency spread" in said
     translated = unspaced(Catalogue("de").say(warning))
     assert german in translated
     lost = (

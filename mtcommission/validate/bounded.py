@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import expm
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.errors import Outcome
 from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Boundary,
     TimeOptimum,
@@ -418,11 +418,8 @@ def _law(cases: Cases) -> list[Row]:
 
 
 def _least_time(cases: Cases) -> Row:
-    move, refused = cases.machine.moves[0], "solved"
-    try:
-        solve_damping_optimal(cases.plant, move, force_limit=FORCE_LIMIT, t_f=T_F, weights=WEIGHTS)
-    except ComputationError as error:
-        refused = error.outcome.name
+    least = solve_time_optimal(cases.plant, cases.machine.moves[0], force_limit=FORCE_LIMIT).t_f
+    refused = Outcome.FINAL_TIME_TOO_SHORT.name if least > T_F else "solved"
     return claim(
         "sec. 4",
         "t_f must be larger than the minimal time",
