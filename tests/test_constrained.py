@@ -219,8 +219,9 @@ def test_dual_point_proves_more_than_the_time_that_it_is_from() -> None:
     ("move", "value"),
     [
         (PAPER_STEP, 100.0),
+        (Positioning(distance=0.02), 100.0),
         (Positioning(distance=0.02), 300.0),
-        (Positioning(distance=0.05, max_velocity=0.1), 400.0),
+        (Positioning(distance=0.05, max_velocity=0.1), 100.0),
     ],
 )
 def test_tight_bound_on_the_force_is_solved_and_lies_between_two_free_optima(

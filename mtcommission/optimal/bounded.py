@@ -108,17 +108,17 @@ def solve_bounded_time_optimal(
     """
     every = all_bounds(plant, move, bounds)
     refuse_impossible(plant, move, every)
-    least = least_motion_time(move, force_limit / plant.moving_mass)
-    require_followable(least, plant.fastest_rate, most=MOST_RADIANS)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     if all(peaks[bound.name] <= bound.value for bound in every):
         # It keeps the bounds, and so is the answer under them.
         return replace(free, bounds=every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
-    found = _under_force_bound(problem, move) or _search(
-        problem, t_free=least if least > SLOW * free.t_f else free.t_f
-    )
+    found = _under_force_bound(problem, move)
+    if found is None:
+        least = least_motion_time(move, force_limit / plant.moving_mass)
+        require_followable(least, problem.rate, most=MOST_RADIANS)
+        found = _search(problem, t_free=least if least > SLOW * free.t_f else free.t_f)
     return _as_optimum(problem, move, every, found)
 
 
