@@ -535,3 +535,16 @@ def test_what_a_file_lacks_is_said_with_the_remedy(head: str, kind: str, tmp_pat
     with pytest.raises(InputError) as caught:
         read_trace(str(file), {}, axis_of(rebuilt))
     assert caught.value.faults[0].message.kind == kind
+
+
+def test_values_that_no_measurement_gives_are_refused(tmp_path: Path) -> None:
+    """Their squares once ended the page in a traceback."""
+    t = 1e-3 * np.arange(400)
+    x = np.clip(t - 0.1, 0.0, 0.1)
+    torn = x.copy()
+    torn[200] = 1e300
+    file = tmp_path / "torn.csv"
+    head = "t [s],x_ref [m],encoder [m]"
+    np.savetxt(file, np.column_stack([t, x, torn]), delimiter=",", header=head, comments="")
+    with pytest.raises(InputError, match="encoder holds values that no measurement gives"):
+        read_trace(str(file), {}, axis_of(rebuilt_of(GANTRY)))

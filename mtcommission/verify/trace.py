@@ -29,6 +29,9 @@ FINEST = 1e-11
 NEAR = 1e4
 """Steps of which a difference may be told whole: beyond it the rounding of the step counts."""
 
+ABSURD = 1e30
+"""Of no signal in its own unit: its squares, summed, might be no numbers any more."""
+
 WHOLE = 0.05
 """Distance from a whole multiple of the step, as share of it, that rounding may have."""
 
@@ -119,6 +122,8 @@ def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
         for meaning, column in zip(own, item.columns, strict=True):
             if meaning:
                 values, error = clock.sample(column.values)
+                if not np.all(np.abs(values) < ABSURD):
+                    raise refuse(name, "identify-series-not-finite", name=column.name)
                 channels.append(
                     Channel(
                         role=meaning.role,

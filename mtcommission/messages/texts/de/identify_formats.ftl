@@ -41,7 +41,7 @@ identify-series-cut = endet mitten in einer Zahl
 identify-series-sign = enthält ein Zeichen, das für keine Ziffer steht
 identify-series-short = { $name } hat { $got } Werte, es müssen { $wanted } sein; die Datei ist abgeschnitten, die Messung neu speichern
 identify-series-missing = { $name } fehlt; die Messung mit ihren Daten speichern
-identify-series-not-finite = { $name } enthält Werte, die keine endlichen Zahlen sind; neu messen
+identify-series-not-finite = { $name } enthält Werte, die keine Messung liefert (nicht endlich oder über alle Maßen groß); neu messen
 identify-record-broken = Datensatz { $row }: „{ $got }“ angegeben, muss eine Zahl sein
 identify-response-taken = { $name } wird genommen: Motordrehzahl je { $axis ->
     [rotary] Moment

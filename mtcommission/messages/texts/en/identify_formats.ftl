@@ -42,7 +42,7 @@ identify-series-cut = ends inside a number
 identify-series-sign = has a sign that stands for no digit
 identify-series-short = { $name } has { $got } values, must have { $wanted }; the file is cut, save the measurement again
 identify-series-missing = { $name } is missing; save the measurement with its data
-identify-series-not-finite = { $name } holds values that are no finite numbers; measure again
+identify-series-not-finite = { $name } holds values that no measurement gives (not finite, or beyond all size); measure again
 identify-record-broken = record { $row }: got "{ $got }", must be a number
 identify-response-taken = { $name } is taken: motor speed per { $axis ->
     [rotary] torque
