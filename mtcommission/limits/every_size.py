@@ -10,9 +10,9 @@ step passes a sample; it exceeds the larger of its neighbours by no more than
 K: largest second derivative by T at any phase; κ: change of the slope by one more or one less
 sample that sees the acceleration, summed over the steps that may pass one within h; J: the same of
 the value, where the control feeds the jerk forward. All three are residuals of other inputs to the
-same loop. Where J is not nothing, or κ asks for sizes closer than a part of a cycle, those on
-either side of each such place are looked at instead. h is laid so that what is left is little; the
-sum stands in the result, and counts.
+same loop. Where J is not nothing, or κ asks for more sizes than are laid, those on either side of
+each such place are looked at instead. h is laid so that what is left is little; the sum stands in
+the result, and counts.
 """
 
 from __future__ import annotations
@@ -56,10 +56,6 @@ LEFT = 1.3
 
 MOST_SIZES = 3000
 """Sizes of a move in each of its families; where more would be needed the bound is wider."""
-
-CROWDED = 0.25
-"""Position cycles between two sizes, below which those just before and after a step of the setpoint
-passes a sample are fewer: between them only K is left [-]."""
 
 SAMPLES = 48
 """Samples per period of free motion: the peak of a swing is missed by 0.2 % at most."""
@@ -189,8 +185,10 @@ class _Sizes:
         for share in (COARSE, UNPROVED):
             between = list(families)
             close = [one.spacing(share * allowed) for one in between]
-            is_crowded = families[0].jump > 0.0 or min(close) < CROWDED * poles.dt
-            is_cut = is_crowded and seen / poles.dt < MOST_SIZES
+            is_open = families[0].jump > 0.0 or any(
+                h < low for h, low in zip(close, least, strict=True)
+            )
+            is_cut = is_open and seen / poles.dt < MOST_SIZES
             if is_cut:
                 between, close = smooth, [one.spacing(share * allowed) for one in smooth]
             spacings = np.maximum(close, least)
