@@ -104,17 +104,16 @@ def _cell_peaks(problem: BoundedProblem, cells: Cells, off: NDArray[np.bool_]) -
     at, limit = np.nonzero((inner > 1.0 - NEAR) & (inner >= size[:-2]) & (inner >= size[2:]))
     here = np.minimum(at // SAMPLES, part.size - 1)
     rows = problem.rows[limit] * np.sign(along[at, limit])[:, np.newaxis]
-    # A peak at the start of a part may lie in the part before.
     places, heights = _tops(problem, starts, push, span, here, step[here] * (at % SAMPLES), rows)
-    back = np.maximum(here - 1, 0)
-    others, beyond = _tops(problem, starts, push, span, back, span[back], rows)
-    takes = (at % SAMPLES == 0) & (beyond > heights)
-    t = np.where(takes, elapsed[back] + others, elapsed[here] + places)
-    return Peaks(
-        remaining=np.maximum(cells.t_f - t, 0.0),
-        limit=limit,
-        level=np.where(takes, beyond, heights),
-    )
+    t = elapsed[here] + places
+    # A peak at the start of a part may lie in the part before.
+    first = np.flatnonzero(at % SAMPLES == 0)
+    back = np.maximum(here[first] - 1, 0)
+    others, beyond = _tops(problem, starts, push, span, back, span[back], rows[first])
+    higher = beyond > heights[first]
+    t[first] = np.where(higher, elapsed[back] + others, t[first])
+    heights[first] = np.maximum(beyond, heights[first])
+    return Peaks(remaining=np.maximum(cells.t_f - t, 0.0), limit=limit, level=heights)
 
 
 def _tops(
