@@ -23,6 +23,7 @@ from mtcommission.optimal.free.moments import all_moment_rows
 from mtcommission.optimal.free_motion import free_gains, free_peaks, free_rates, free_row
 from mtcommission.optimal.problem import BoundedProblem, all_bounds, bounded_problem
 from mtcommission.optimal.program import Cells
+from mtcommission.optimal.proof import require_followable
 from mtcommission.optimal.refine import cell_arcs, finer, finishes, observe, refined
 from mtcommission.optimal.solution import Arc, Boundary, Interior, constant_arc
 from mtcommission.plant.plant import Plant
@@ -37,6 +38,9 @@ MACHINES, EXCHANGES, ROUNDS = 5, 30, 1
 and how often cells become finer."""
 ROUGH = 1e-3
 """What they may miss of the band."""
+MOST_RADIANS = 1e4
+"""Of the fastest vibration within a robust force, beyond which its programs, of the modes of all
+machines, would take minutes (empirical)."""
 MARGIN = 5e-3
 """Share of the band that a robust force keeps free for machines between those looked at."""
 
@@ -110,7 +114,7 @@ def find_robust_force(
     Raises
     ------
     ComputationError
-        NO_CONVERGENCE if a program or an exchange does not end.
+        MOVE_TOO_LONG; NO_CONVERGENCE if a program or an exchange does not end.
     """
     room, every = (1.0 - MARGIN) * band, _every_tool(plants, band)
     chosen = np.unique(np.linspace(0, len(plants) - 1, MACHINES).round().astype(int)).tolist()
@@ -120,6 +124,7 @@ def find_robust_force(
         return band_problem(some, move, force_limit=force_limit, band=room, horizon=guess)
 
     problem, rounds = asked(), 0
+    require_followable(guess, problem.vibration_rate, most=MOST_RADIANS)
     plan, start = first_cells(problem, t_free=guess).plan, None
     for _ in range(EXCHANGES):
         cells = exchange(problem, plan, tolerance=ROUGH, start=start)
