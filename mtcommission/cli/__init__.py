@@ -17,6 +17,7 @@ import typer
 from mtcommission.cli.arguments import LANGUAGE, flag
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
+from mtcommission.cli.group import group
 from mtcommission.cli.help import SpokenCommand, SpokenGroup
 from mtcommission.cli.language import choose, find_language, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
@@ -53,6 +54,7 @@ for command in (
     limits,
     optimal,
     simulate,
+    group,
     export,
     sheet,
     verify,

@@ -57,6 +57,8 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         The same with powers of ten as printed; with its SI unit.
     ``SHARE($x)``, ``PERCENT($x)``, ``CHANGE($x)``
         A share in per cent with three digits, in whole per cent, and a change with its sign.
+    ``FEED($x)``
+        A velocity along a path, in m/min.
     ``SYMBOL($name)``
         A state or output, with Greek letters.
 
@@ -90,6 +92,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         "SHARE": lambda value, digits=3: form.percent_if_known(_number(value), digits=int(digits)),
         "PERCENT": lambda value: form.with_unit(f"{100.0 * (_number(value) or 0.0):.0f}", "%"),
         "CHANGE": lambda value: form.signed_percent(_number(value) or 0.0),
+        "FEED": lambda value: form.feed(_number(value) or 0.0),
         "SYMBOL": lambda name: symbol(str(name)),
     }
 

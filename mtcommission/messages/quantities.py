@@ -112,6 +112,16 @@ class Formatter:
         unit = motion_unit(unit, rotary=self.rotary)
         return self.quantity(value, unit, missing=missing, digits=digits)
 
+    def feed(self, value: float, *, digits: int = 3) -> str:
+        """Return a velocity along a path as it is programmed, from m/s.
+
+        Examples
+        --------
+        >>> Formatter().feed(0.1).split(THIN_SPACE)
+        ['6', 'm/min']
+        """
+        return self.with_unit(self.number(60.0 * value, digits=digits), "m/min")
+
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""
         gap = "" if unit[:1] in ("", "°", "″") else THIN_SPACE

@@ -302,8 +302,8 @@ def limits_answer(found: Recommendation | Commissioning) -> LimitsAnswer:
     return entry_of(
         LimitsAnswer,
         found,
-        recommended=_recommended(RecommendedEntry, machine, choice),
-        today=today and _today(machine, today),
+        recommended=recommended_entry(RecommendedEntry, machine, choice),
+        today=today and today_entry(machine, today),
         warnings=[
             *describe_loop(found.tuned.controller),
             *choice.warnings,
@@ -320,7 +320,7 @@ def limits_part(found: Commissioning) -> LimitsPart:
     return entry_of(
         LimitsPart,
         found,
-        recommended=_recommended(
+        recommended=recommended_entry(
             LimitsEntry,
             machine,
             choice,
@@ -329,7 +329,7 @@ def limits_part(found: Commissioning) -> LimitsPart:
         ),
         listed_only=listed
         and entry_of(ListedEntry, listed, valid_for=_sizes(machine, every=False)),
-        today=today and _today(machine, today),
+        today=today and today_entry(machine, today),
         modes=[_mode_entry(mode) for mode in found.modes],
         warnings=[*choice.warnings, *_failure(today)],
         would_bring=[
@@ -343,7 +343,8 @@ def _failure(today: TodaysValues | None) -> list[Message]:
     return [today.failure] if today and today.failure else []
 
 
-def _recommended(form: type[Any], machine: Machine, choice: Choice, **more: object) -> Any:
+def recommended_entry(form: type[Any], machine: Machine, choice: Choice, **more: object) -> Any:
+    """Return a choice as the entry of some form that is one of recommended limits."""
     best = choice.candidate
     return entry_of(
         form,
@@ -362,8 +363,8 @@ def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
     return [SizesEntry(smallest=0.0 if every else size, largest=size) for size in sizes]
 
 
-def _today(machine: Machine, found: TodaysValues) -> TodayEntry:
-    """What the values now in the control do; nothing is judged where that cannot be told."""
+def today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
+    """Return what the values now in the control do; nothing is judged where that cannot be told."""
     judged = found.judged
     verdict = judged.assessment if judged else None
     limiting = verdict.limiting_requirement if verdict else None

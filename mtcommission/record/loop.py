@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.rules import long, named, one_of
@@ -33,10 +34,7 @@ from mtcommission.record.values import (
     mode_names,
 )
 from mtcommission.requirements.set_force import SET_FORCE
-from mtcommission.study.loops import LoopTrial
-
-if TYPE_CHECKING:
-    from mtcommission.commission import Commissioning
+from mtcommission.study.loops import LoopChoice, LoopTrial
 
 BODE = ("open_loop_db", "open_loop_deg", "closed_velocity_db")
 LOOPS = ("without-state-feedback", "with-state-feedback", "loop-in-use")
@@ -239,7 +237,22 @@ NOT_WITHOUT_LOOP = (
 NO_SERIES = Series(t=[], signals={})
 
 
-def loop_part(found: Commissioning) -> LoopPart:
+class LoopFound(Protocol):
+    """An axis with the loop that is used, and how it gives way to a force."""
+
+    @property
+    def machine(self) -> Machine: ...  # noqa: D102
+    @property
+    def plant(self) -> Plant: ...  # noqa: D102
+    @property
+    def loop(self) -> LoopChoice: ...  # noqa: D102
+    @property
+    def tuned(self) -> TunedLoop: ...  # noqa: D102
+    @property
+    def disturbed(self) -> dict[str, DisturbanceStep]: ...  # noqa: D102
+
+
+def loop_part(found: LoopFound) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant, machine = found.tuned, found.plant, found.machine
     controller, control, outputs = tuned.controller, machine.control, tuned.loops[0].outputs

@@ -118,3 +118,11 @@ help-profiles-show = Eine Beispielmaschine ausgeben.
 help-profiles-copy = Eine Beispielmaschine als Anfang kopieren; überschreibt nie eine Datei.
 help-name = Aus profiles list.
 help-file = Vorgabe: NAME.toml hier.
+
+help-group = Achsen, die zusammen fahren: ein Filter, eine Verzögerung, Grenzwerte; Kreis und Ecke.
+help-group-more = DIR bekommt group.json, sheet.html und sheet.pdf.
+help-profiles-of-axes = Profil jeder Achse, zwei oder drei.
+help-tolerance = Größte Konturabweichung, z. B. 10um; Vorgabe: die kleinste der Profile.
+help-plane = Die Achsen der Kreise und Ecken, z. B. XY.
+help-feed = Schnellster Vorschub für Konturen, z. B. 6m/min.
+help-radius = Eines Kreises, der dabei die Toleranz hält, z. B. 10mm.

@@ -1,0 +1,106 @@
+"""Axes that move together, as the terminal shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mtcommission.cli.terminal import Line, heading, heads, table, warn
+from mtcommission.group.record import AngleEntry, GroupRecord
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.sheet.tables import SETTLING, say_filter, show
+
+
+def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
+    """Return verdict, limits, circles and corners."""
+    text, form, path = spoken.text, spoken.format, record.path
+    names = ", ".join(axis.name for axis in record.axes)
+    kind, style = ("verdict-met", "green") if record.assessment.met else ("verdict-not-met", "red")
+    limits = f"{show(path.acceleration, spoken, 'm/s^2')}, {show(path.jerk, spoken, 'm/s^3')}"
+    told, feeds = record.corner_rule, record.feed_over_radius
+    return [
+        heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),
+        (text(kind), f"bold {style}"),
+        *_missed(record, spoken),
+        *_axes(record, spoken),
+        f"{text('group-filter')}: {say_filter(record.filter, spoken)}; "
+        f"{text('group-path')}: {limits}",
+        text("group-tolerance", tolerance=record.tolerance, feed=record.feed),
+        *_circles(record, spoken),
+        *_transposed(
+            [text("group-radius"), *(form.quantity(one.radius, "m") for one in feeds)],
+            [text("group-feed"), *(_feed(one.feed, spoken) for one in feeds)],
+        ),
+        *_transposed(
+            [text("group-angle"), *(f"{one.angle_deg:g}°" for one in record.speed_over_angle)],
+            [text("group-speed"), *(_feed(one.speed, spoken) for one in record.speed_over_angle)],
+            [text("group-unslowed"), *(_unslowed(one, spoken) for one in record.speed_over_angle)],
+        ),
+        text("group-corner-told", kind=told.kind, name=told.name, value=told.value),
+        *warn(spoken, record.warnings),
+    ]
+
+
+def _missed(record: GroupRecord, spoken: Catalogue) -> Iterator[Line]:
+    for check in record.assessment.checks:
+        if not check.met:
+            found = show(check.value, spoken, check.unit, "not-settled")
+            limit = show(check.limit, spoken, check.unit)
+            yield f"{spoken.say(check.label)}: {found} > {limit}", "red"
+
+
+def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
+    names = heads(
+        spoken, "group-axis", "acceleration", "jerk", "group-wait", "group-delay", "settling"
+    )
+    rows = []
+    for axis in record.axes:
+        best = axis.limits.recommended
+        rows.append(
+            [
+                axis.name,
+                show(best.acceleration, spoken, "m/s^2"),
+                show(best.jerk, spoken, "m/s^3"),
+                show(axis.wait, spoken, "s"),
+                show(record.feedforward[axis.name].delay, spoken, "s"),
+                SETTLING.show(best, spoken),
+            ]
+        )
+    return table(names, rows)
+
+
+def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
+    text, form = spoken.text, spoken.format
+    first = record.circle[0]
+    peaks = list(first.quadrant_peak)
+    names = [
+        text("group-circle-of", radius=first.radius),
+        text("group-radius-deviation"),
+        text("group-form-deviation"),
+        *(text("group-peak", name=axis) for axis in peaks),
+    ]
+    rows = [
+        [
+            form.feed(one.feed),
+            show(one.radius_deviation, spoken, "m"),
+            show(one.form_deviation, spoken, "m"),
+            *(show(one.quadrant_peak[axis], spoken, "m") for axis in peaks),
+        ]
+        for one in record.circle
+    ]
+    return table(names, rows)
+
+
+def _feed(value: float, spoken: Catalogue) -> str:
+    """In m/min, which the row's head says."""
+    return spoken.format.number(60.0 * value, digits=3)
+
+
+def _unslowed(one: AngleEntry, spoken: Catalogue) -> str:
+    """In micrometres."""
+    return spoken.format.number(1e6 * one.deviation_without_slowing, digits=3)
+
+
+def _transposed(*columns: list[str]) -> list[Line]:
+    """A table whose rows are given as columns."""
+    heads_, *rows = columns
+    return table(heads_, rows)

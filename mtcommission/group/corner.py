@@ -1,0 +1,203 @@
+"""Corners of two axes: how far the tool is from the corner, and how fast it may go there.
+
+A control lets the velocity turn at once, or on an arc that it puts into the corner. An axis answers
+a step of velocity with s(t), filter, delay and loop together; the tool is then at
+
+    x_i(t) = v u_i (t - T_i) + Σ_k Δv_ik s_i(t - t_k)
+
+with T_i the delay of axis i and Δv_ik the steps in which the velocity turns. The deviation is the
+larger of the distances from the path to the corner's two lines and from the corner to the path.
+Without an arc it is proportional to v; behind a moving average alone v T/4 sin(α/2).
+
+Source: derived here; the rules of the controls as ``rules`` names them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import ceil, cos, pi, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.respond import TOOL, outputs_at, set_in_motion, swing_times
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
+
+Array = NDArray[np.float64]
+
+ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
+"""Changes of direction that are looked at [degrees]."""
+
+DIRECTIONS = 4
+"""Directions in which the corner is entered, over half a turn (design choice)."""
+
+PERIODS, LONGEST = 2.0, 0.6
+"""Of each pole that a corner is followed, and the longest [s] (empirical)."""
+
+SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+"""Of the tolerance that an arc may take, the rest is the loop's."""
+
+HALVINGS = 9
+"""Of the range of speeds: to 0.2 % of it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Turning:
+    """How an axis answers a step of velocity of 1 m/s, in every corner of the machine."""
+
+    step: float  # of time [s]
+    tool: Array  # its position, (n_corners, n_times) [m per m/s]
+    lag: Array  # of slow motion behind the setpoint, (n_corners,) [s]
+
+
+def find_turning(poles: LoopPoles, item: SetpointFilter | None, wait: float) -> Turning:
+    """Return the answer of an axis behind a filter that begins some time [s] later."""
+    single = JerkSteps(times=np.zeros((1, 1)), steps=np.ones((1, 1)), order=1)
+    rings = [swing_times(pole, PERIODS)[0] for pole in poles.rates[0] if np.isfinite(pole)]
+    own = item.duration if item else 0.0
+    span = own + poles.delay + wait + min(max(rings, default=0.0), LONGEST)
+    n = np.arange(ceil(span / poles.dt) + 2)
+    late = n - round(wait / poles.dt)
+    motions = set_in_motion(poles, filter_steps(single, item))
+    row = np.eye(poles.outputs)[TOOL]
+    found = outputs_at(motions, np.maximum(late, 0)[None], row)[0, :, :, 0, 0]
+    found[:, late < 0] = 0.0
+    mean = filter_lag(item)
+    lag = mean + wait - poles.steady[:, 0, TOOL, 1]
+    return Turning(step=poles.dt, tool=found, lag=lag)
+
+
+def filter_lag(item: SetpointFilter | None) -> float:
+    """Return by how much a filter delays slow motion [s]."""
+    if item is None:
+        return 0.0
+    shares = zip(item.impulses.delays, item.impulses.shares, strict=True)
+    return sum(d * share for d, share in shares) + 0.5 * sum(item.averages)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arc:
+    """What a control puts into a corner; no arc: the velocity turns at once."""
+
+    radius: float  # [m]; 0: none
+    deviation: float  # of the arc from the corner [m]
+
+
+def arc_within(deviation: float, angle: float) -> Arc:
+    """Return the arc that passes a corner of a change of direction [rad] at some distance [m]."""
+    s = cos(0.5 * angle)
+    return Arc(radius=deviation * s / (1.0 - s), deviation=deviation)
+
+
+NO_ARC = Arc(radius=0.0, deviation=0.0)
+
+
+def corner_deviation(axes: tuple[Turning, Turning], angle: float, speed: float, arc: Arc) -> float:
+    """Return the largest deviation at a corner [m], every direction and pair of corners.
+
+    ``angle``: change of direction [rad]; ``speed``: constant, along the path [m/s].
+    """
+    first, second = axes
+    return max(
+        _deviation((a, b), (first.step, first.lag[i], second.lag[k]), angle, speed, arc)
+        for i, a in enumerate(first.tool)
+        for k, b in enumerate(second.tool)
+    )
+
+
+def _nominal(axis: Turning) -> Turning:
+    return replace(axis, tool=axis.tool[:1], lag=axis.lag[:1])
+
+
+def _deviation(
+    tools: tuple[Array, Array],
+    times: tuple[float, float, float],
+    angle: float,
+    speed: float,
+    arc: Arc,
+) -> float:
+    step, *lags = times
+    # The arc begins before the corner, by the length of its tangent.
+    turns = angle * arc.radius / speed
+    count = max(ceil(turns / step), 1)
+    begin = -arc.radius * sin(0.5 * angle) / max(cos(0.5 * angle), 1e-9) / speed
+    headings = angle * np.minimum(np.arange(count + 1) / count, 1.0)
+    length = max(len(tool) for tool in tools) + count
+    t = begin + step * np.arange(length)
+    worst = 0.0
+    for direction in np.arange(DIRECTIONS) * pi / DIRECTIONS:
+        path = []
+        for tool, lag, quarter in zip(tools, lags, (0.0, 0.5 * pi), strict=True):
+            # Cosine of the heading for the first axis, its sine for the second.
+            u = np.cos(direction + headings - quarter)
+            held = np.append(tool, tool[-1] + step * np.arange(1, length - len(tool) + 1))
+            moved = u[0] * (t - lag) + np.convolve(np.diff(u), held)[:length]
+            path.append(speed * moved)
+        worst = max(worst, _hausdorff(np.array(path), direction, angle))
+    return worst
+
+
+def _hausdorff(path: Array, direction: float, angle: float) -> float:
+    """Distance between a path, (2, n), and the corner at the origin, either way."""
+    from_corner = np.hypot(*path)
+    nearest = from_corner.copy()
+    for heading, sign in ((direction, -1.0), (direction + angle, 1.0)):
+        along = sign * (cos(heading) * path[0] + sin(heading) * path[1])
+        beside = np.abs(sin(heading) * path[0] - cos(heading) * path[1])
+        nearest = np.minimum(nearest, np.where(along > 0.0, beside, from_corner))
+    # Between two instants the path comes nearer to the corner than at either.
+    legs = np.diff(path, axis=1)
+    share = -np.sum(path[:, :-1] * legs, axis=0) / np.maximum(np.sum(legs**2, axis=0), 1e-300)
+    closest = np.hypot(*(path[:, :-1] + np.clip(share, 0.0, 1.0) * legs)).min()
+    return float(max(nearest.max(), closest))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CornerSpeed:
+    """How fast a corner is passed within the tolerance."""
+
+    angle: float  # change of direction [rad]
+    speed: float  # [m/s]
+    arc: Arc
+    deviation: float  # without slowing down, at the feed [m]
+
+
+def speeds_at_once(
+    axes: tuple[Turning, Turning], *, tolerance: float, feed: float
+) -> Iterator[CornerSpeed]:
+    """Yield the largest speed over the angle where the velocity turns at once."""
+    for degrees in ANGLES:
+        angle = degrees * pi / 180.0
+        off = corner_deviation(axes, angle, feed, NO_ARC)
+        speed = min(feed, feed * tolerance / off)
+        yield CornerSpeed(angle=angle, speed=speed, arc=NO_ARC, deviation=off)
+
+
+def speeds_on_arcs(
+    axes: tuple[Turning, Turning],
+    *,
+    tolerance: float,
+    feed: float,
+    acceleration: float,
+) -> Iterator[CornerSpeed]:
+    """Yield the same where the control puts an arc in: v² <= acceleration times its radius."""
+    first, second = axes
+    nominal = _nominal(first), _nominal(second)
+    for plain in speeds_at_once(axes, tolerance=tolerance, feed=feed):
+        best = plain
+        for share in SHARES:
+            arc = arc_within(share * tolerance, plain.angle)
+            low, high = best.speed, min(feed, sqrt(acceleration * arc.radius))
+            if high <= low or corner_deviation(nominal, plain.angle, low, arc) > tolerance:
+                continue
+            for _ in range(HALVINGS):
+                middle = 0.5 * (low + high)
+                off = corner_deviation(nominal, plain.angle, middle, arc)
+                low, high = (middle, high) if off <= tolerance else (low, middle)
+            off = corner_deviation(axes, plain.angle, low, arc)
+            if low > best.speed and off <= tolerance:
+                best = CornerSpeed(angle=plain.angle, speed=low, arc=arc, deviation=plain.deviation)
+        yield best

@@ -1,0 +1,500 @@
+"""From axes that were judged alone to what they are told together; read ``join`` first.
+
+own loop and limits -> one position gain where lag counts -> one filter -> one delay
+        -> path limits -> circles, corners, verdict
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, inf, isfinite, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.control_kinds.kind import MOVING_AVERAGE
+from mtcommission.group.circle import (
+    Deviation,
+    ToolResponse,
+    deviate,
+    filter_response,
+    find_response,
+    peak_bound,
+    reversal_peak,
+)
+from mtcommission.group.corner import (
+    CornerSpeed,
+    Turning,
+    find_turning,
+    speeds_at_once,
+    speeds_on_arcs,
+)
+from mtcommission.group.rules import Corner, CornerRule, rule_of
+from mtcommission.group.task import Task
+from mtcommission.limits.choose import Choice
+from mtcommission.limits.explore import Found
+from mtcommission.loop.disturbance import encoder_noise
+from mtcommission.loop.poles import LoopPoles, find_poles
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import largest_velocity
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
+from mtcommission.machine.variations import Corner as MachineCorner
+from mtcommission.messages.message import Message
+from mtcommission.recommend import Progress, Recommendation, recommend
+from mtcommission.study.variations import Row, choose, look
+
+Array = NDArray[np.float64]
+
+RADII = (1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
+"""Of the circles over which the feed is listed [m]; the last three are a ballbar's."""
+
+FEEDS = (1.0 / 60.0, 3.0 / 60.0, 6.0 / 60.0)
+"""Feeds of the circle test [m/s]."""
+
+TESTED_RADIUS = 50e-3
+"""Of the circle test where none is asked for [m]: the shortest usual ballbar."""
+
+UNTOUCHED = 0.999
+"""Share of the axes' acceleration from which circles do not bind it [-]."""
+
+SHORT = 0.8
+"""Of the path acceleration without a filter, what an average must leave to be tried; the longest of
+these and one half as long are (design choice) [-]."""
+
+LADDER = np.geomspace(1.0, 1e-3, 700)
+"""Shares of the axes' acceleration at which circles are looked at, the largest first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AxisAlone:
+    """An axis before the group: its loop, its limits, and how it answers circles."""
+
+    found: Recommendation
+    poles: LoopPoles
+    response: ToolResponse
+
+    @property
+    def machine(self) -> Machine:
+        """The axis."""
+        return self.found.machine
+
+    @property
+    def tuned(self) -> TunedLoop:
+        """Its loop, in every corner."""
+        return self.found.tuned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterTrial:
+    """A setpoint filter for all axes, and what it costs and gives, at a first look."""
+
+    setpoint_filter: SetpointFilter | None
+    settling_time: float  # of the slowest axis, without the wait of the others [s]; inf: none found
+    axes_acceleration: float  # the smallest of the axes' limits [m/s²]
+    acceleration: float  # along the path, with which every circle keeps the tolerance [m/s²]
+
+    @property
+    def leaves_circles_alone(self) -> bool:
+        """Whether circles may use all the acceleration that the axes have."""
+        return self.acceleration >= UNTOUCHED * self.axes_acceleration
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """Smaller is better: limits are found, circles are left alone, moves settle soon."""
+        by = self.settling_time if self.leaves_circles_alone else -self.acceleration
+        return not isfinite(self.settling_time), not self.leaves_circles_alone, by
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Circle:
+    """A circle, worst over every corner of both axes."""
+
+    radius: float  # [m]
+    feed: float  # [m/s]
+    radius_deviation: float  # of the mean radius, negative: too small [m]
+    form_deviation: float  # largest less smallest radius [m]
+    quadrant_peak: dict[str, float]  # by axis, where it reverses [m]; empty without friction
+    corner: tuple[MachineCorner, MachineCorner]
+
+    @property
+    def largest(self) -> float:
+        """How far the tool is from the circle, friction apart [m]."""
+        return abs(self.radius_deviation) + 0.5 * self.form_deviation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedOverRadius:
+    """The largest feed of circles of some radius, and what forbids more."""
+
+    radius: float  # [m]
+    feed: float  # [m/s]
+    bound_by: Message
+    axis: str  # "" where no single one does
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GroupAxis:
+    """What one axis is told in the group."""
+
+    name: str
+    alone: AxisAlone
+    choice: Choice  # with the group's filter
+    wait: int  # position cycles by which its setpoint is held back
+    peak_bound: float  # no reversal throws the tool off further [m]
+
+    @property
+    def delay(self) -> float:
+        """From setpoint to tool, the filter apart [s]."""
+        return self.alone.response.delay + self.wait * self.alone.poles.dt
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Group:
+    """Axes that move together: what they are told, and what circles and corners then do."""
+
+    task: Task
+    axes: tuple[GroupAxis, ...]
+    setpoint_filter: SetpointFilter | None
+    trials: tuple[FilterTrial, ...]  # that were compared, the one in use first
+    acceleration: float  # along the path [m/s²]
+    jerk: float  # [m/s³]
+    reserve: float  # share of the tolerance that circles and corners may use [-]
+    encoder_noise: float  # what the encoders of the plane add [m]
+    rule: CornerRule
+    circles: tuple[Circle, ...]
+    feeds: tuple[FeedOverRadius, ...]
+    corners: tuple[CornerSpeed, ...]
+
+    @property
+    def allowed(self) -> float:
+        """What is left of the tolerance for circles and corners [m]."""
+        return max(self.reserve * self.task.tolerance - self.encoder_noise, 0.0)
+
+    @property
+    def drawn(self) -> tuple[GroupAxis, GroupAxis]:
+        """The two axes of the plane."""
+        first, second = self.task.plane
+        return self.axes[first], self.axes[second]
+
+    @property
+    def responses(self) -> tuple[ToolResponse, ToolResponse]:
+        """How these answer circles, their wait included."""
+        first, second = self.drawn
+        return _waiting(first), _waiting(second)
+
+
+def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
+    """Return what axes are told together.
+
+    Raises
+    ------
+    ComputationError
+        A stage ended with a named outcome; the message tells the remedy.
+    """
+    alone = _match_gains([_stand_alone(machine, progress) for machine in task.machines], progress)
+    progress(Message("stage-group"))
+    waits, noise = _find_waits(alone), _encoder_noise(task, alone)
+    reserve = min(machine.requirements.reserve.band for machine in task.machines)
+    allowed = max(reserve * task.tolerance - noise, 0.0)
+    responses = _pair(task, alone, waits)
+    trials = _compare_filters(task, alone, responses, allowed)
+    item = trials[0].setpoint_filter
+    axes = tuple(
+        GroupAxis(
+            name=one.machine.axis,
+            alone=one,
+            choice=_with_filter(one, item),
+            wait=wait,
+            peak_bound=peak_bound(one.tuned.loops, one.machine.drive),
+        )
+        for one, wait in zip(alone, waits, strict=True)
+    )
+    largest = min(axis.choice.limits.acceleration for axis in axes)
+    jerk = min(axis.choice.limits.jerk for axis in axes)
+    found = Group(
+        task=task,
+        axes=axes,
+        setpoint_filter=item,
+        trials=trials,
+        acceleration=path_acceleration(task, responses, item, allowed, largest, jerk),
+        jerk=jerk,
+        reserve=reserve,
+        encoder_noise=noise,
+        rule=rule_of(task.machines[0].control.kind.key),
+        circles=(),
+        feeds=(),
+        corners=(),
+    )
+    radius = task.radius or TESTED_RADIUS
+    feeds = sorted({*FEEDS, task.feed})
+    return replace(
+        found,
+        circles=tuple(draw_circle(found, radius, feed) for feed in feeds),
+        feeds=tuple(largest_feed(found, radius) for radius in sorted({*RADII, radius})),
+        corners=tuple(_corner_speeds(found)),
+    )
+
+
+def _stand_alone(machine: Machine, progress: Progress) -> AxisAlone:
+    found = recommend(machine, progress=progress)
+    poles = find_poles(found.tuned.loops)
+    return AxisAlone(found=found, poles=poles, response=find_response(poles))
+
+
+def _match_gains(alone: Sequence[AxisAlone], progress: Progress) -> list[AxisAlone]:
+    """The axes with the position gain of the slowest, where they lag behind by 1/Kv at all."""
+    controllers = [one.tuned.controller for one in alone]
+    if all(one.follows or one.velocity_feedforward == 1.0 for one in controllers):
+        return list(alone)
+    common = min(one.position_gain for one in controllers)
+    matched = []
+    for one, controller in zip(alone, controllers, strict=True):
+        if controller.position_gain > common:
+            control = replace(one.machine.control, position_gain=common)
+            one = _stand_alone(replace(one.machine, control=control), progress)
+        matched.append(one)
+    return matched
+
+
+def _find_waits(alone: Sequence[AxisAlone]) -> list[int]:
+    """Position cycles by which each axis waits for the slowest."""
+    delays, cycle = [one.response.delay for one in alone], alone[0].poles.dt
+    return [round((max(delays) - delay) / cycle) for delay in delays]
+
+
+def _encoder_noise(task: Task, alone: Sequence[AxisAlone]) -> float:
+    """What the steps of both encoders of the plane do to the contour at most [m]."""
+    noise = 0.0
+    for i in task.plane:
+        resolution, loops = alone[i].machine.drive.encoder_resolution, alone[i].tuned.loops
+        noise += max(encoder_noise(loop, resolution=resolution).tool for loop in loops)
+    return noise
+
+
+def _compare_filters(
+    task: Task,
+    alone: Sequence[AxisAlone],
+    responses: tuple[ToolResponse, ToolResponse],
+    allowed: float,
+) -> tuple[FilterTrial, ...]:
+    """Filters for all axes, at a first look, best first."""
+    trials = []
+    for item in _filters_to_try(task, alone, responses, allowed):
+        found = [_look(one, item) for one in alone]
+        if not all(found):
+            trials.append(
+                FilterTrial(
+                    setpoint_filter=item, settling_time=inf, axes_acceleration=0.0, acceleration=0.0
+                )
+            )
+            continue
+        best = [each[0] for each in found]
+        largest = min(one.acceleration for one in best)
+        jerk = min(one.acceleration / one.jerk_time for one in best)
+        delays = [one.poles.delay for one in alone]
+        trials.append(
+            FilterTrial(
+                setpoint_filter=item,
+                settling_time=max(t.duration + d for t, d in zip(best, delays, strict=True)),
+                axes_acceleration=largest,
+                acceleration=path_acceleration(task, responses, item, allowed, largest, jerk),
+            )
+        )
+    return tuple(sorted(trials, key=lambda trial: trial.rank))
+
+
+def _pair(
+    task: Task, alone: Sequence[AxisAlone], waits: Sequence[int]
+) -> tuple[ToolResponse, ToolResponse]:
+    first, second = (
+        replace(alone[i].response, wait=waits[i] * alone[i].poles.dt) for i in task.plane
+    )
+    return first, second
+
+
+def _waiting(axis: GroupAxis) -> ToolResponse:
+    return replace(axis.alone.response, wait=axis.wait * axis.alone.poles.dt)
+
+
+def _filters_to_try(
+    task: Task,
+    alone: Sequence[AxisAlone],
+    responses: tuple[ToolResponse, ToolResponse],
+    allowed: float,
+) -> list[SetpointFilter | None]:
+    """The filter that a profile gives; else the axes' own ones, none, and shorter averages."""
+    controls = [one.machine.control for one in alone]
+    given = [one.setpoint_filter for one in controls if not one.seeks_setpoint_filter]
+    if given:
+        return given[:1]
+    own = [one.found.choice.limits.setpoint_filter for one in alone]
+    found: list[SetpointFilter | None] = [*own, None]
+    limits = [one.found.choice.limits for one in alone]
+    largest, jerk = min(one.acceleration for one in limits), min(one.jerk for one in limits)
+    choice = controls[0].kind.find_filter(MOVING_AVERAGE)
+    if choice is not None:
+        unit = choice.unit(controls[0].position_cycle)
+        least, most = choice.times(controls[0].position_cycle)
+        lengths = np.arange(max(ceil(least / unit - 1e-9), 1), int(most / unit + 1e-9) + 1)
+        kept = SHORT * path_acceleration(task, responses, None, allowed, largest, jerk)
+        short = [
+            item
+            for item in (moving_average(float(k * unit)) for k in lengths)
+            if path_acceleration(task, responses, item, allowed, largest, jerk) >= kept
+        ]
+        found += short[-1:] + short[(len(short) - 1) // 2 :][:1]
+    return list(dict.fromkeys(found))
+
+
+def _behind(one: AxisAlone, item: SetpointFilter | None) -> Row:
+    control = replace(one.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
+    return Row(machine=replace(one.machine, control=control), tuned=one.tuned, refined=1)
+
+
+def _look(one: AxisAlone, item: SetpointFilter | None) -> tuple[Found, ...]:
+    """What the search sees of an axis behind a filter."""
+    return look(_behind(one, item))
+
+
+def _with_filter(one: AxisAlone, item: SetpointFilter | None) -> Choice:
+    """The limits of an axis behind a filter."""
+    own = one.found.choice
+    return own if own.limits.setpoint_filter == item else choose(_behind(one, item))
+
+
+def worst_deviation(
+    responses: tuple[ToolResponse, ToolResponse], omega: Array, item: SetpointFilter | None
+) -> tuple[Deviation, Array]:
+    """Return the worst deviation of every pair of corners, and which pair it is, shape of omega."""
+    first, second = (one.at(omega, item) for one in responses)
+    every = deviate(first[:, None], second[None])
+    flat = every.largest.reshape(-1, *omega.shape)
+    worst = flat.argmax(axis=0)
+    at = worst[None]
+    return Deviation(
+        radius=np.take_along_axis(every.radius.reshape(flat.shape), at, axis=0)[0],
+        form=np.take_along_axis(every.form.reshape(flat.shape), at, axis=0)[0],
+    ), worst
+
+
+def path_acceleration(
+    task: Task,
+    responses: tuple[ToolResponse, ToolResponse],
+    item: SetpointFilter | None,
+    allowed: float,
+    largest: float,
+    jerk: float,
+) -> float:
+    """Return the acceleration with which every circle up to the feed keeps the tolerance [m/s²].
+
+    The largest circle of an angular velocity ω that the limits permit has the radius
+    min(v/ω, a/ω², j/ω³). At most ``largest``; 0 where no circle keeps it. A radius that is asked
+    for counts alone, at the feed.
+    """
+    if task.radius is not None:
+        omega = np.array([task.feed / task.radius])
+        off = worst_deviation(responses, omega, item)[0].largest[0] * task.radius
+        return largest if off <= allowed else 0.0
+    omega = responses[0].omega
+    off = worst_deviation(responses, omega, item)[0].largest
+    others = off * np.minimum(task.feed / omega, jerk / omega**3)
+    worst = np.minimum(others, off / omega**2 * largest * LADDER[:, None]).max(axis=1)
+    kept = np.flatnonzero(worst <= allowed)
+    return float(largest * LADDER[kept[0]]) if len(kept) else 0.0
+
+
+def draw_circle(group: Group, radius: float, feed: float) -> Circle:
+    """Return how a circle of some radius [m] at a feed [m/s] comes out, in the worst corners."""
+    off, worst = worst_deviation(group.responses, np.array([feed / radius]), group.setpoint_filter)
+    first, second = group.drawn
+    i, k = divmod(int(worst[0]), len(second.alone.tuned.corners))
+    peaks = {
+        axis.name: reversal_peak(
+            axis.alone.tuned.loops[0],
+            axis.alone.machine.drive,
+            item=group.setpoint_filter,
+            radius=radius,
+            feed=feed,
+        )
+        for axis in group.drawn
+        if axis.alone.machine.drive.has_friction
+    }
+    return Circle(
+        radius=radius,
+        feed=feed,
+        radius_deviation=radius * float(off.radius[0]),
+        form_deviation=radius * float(off.form[0]),
+        quadrant_peak=peaks,
+        corner=(first.alone.tuned.corners[i], second.alone.tuned.corners[k]),
+    )
+
+
+GRID = np.geomspace(1e-4, 1.0, 400)
+"""Feeds that are looked at, as shares of the largest that acceleration and jerk allow."""
+
+
+def largest_feed(group: Group, radius: float) -> FeedOverRadius:
+    """Return the largest feed of circles of some radius [m], and what forbids more."""
+    limits = {axis.name: axis.choice.limits for axis in group.drawn}
+    by_acceleration = min(limits, key=lambda name: limits[name].acceleration)
+    by_jerk = min(limits, key=lambda name: limits[name].jerk)
+    ends = {
+        ("acceleration", by_acceleration): sqrt(limits[by_acceleration].acceleration * radius),
+        ("jerk", by_jerk): np.cbrt(limits[by_jerk].jerk * radius**2),
+        ("velocity", ""): min(
+            max(map(largest_velocity, axis.alone.machine.moves)) for axis in group.drawn
+        ),
+    }
+    (kind, axis), top = min(ends.items(), key=lambda item: item[1])
+    feeds = top * GRID
+    off = (
+        radius * worst_deviation(group.responses, feeds / radius, group.setpoint_filter)[0].largest
+    )
+    too_much = np.flatnonzero(off > group.allowed)
+    if len(too_much) == 0:
+        return FeedOverRadius(
+            radius=radius, feed=top, bound_by=Message(f"group-bound-{kind}"), axis=axis
+        )
+    k = int(too_much[0])
+    if k == 0:
+        feed = 0.0
+    else:  # the deviation grows with about the square of the feed
+        share = sqrt((group.allowed - off[k - 1]) / (off[k] - off[k - 1]))
+        feed = float(feeds[k - 1] + share**2 * (feeds[k] - feeds[k - 1]))
+    effect, axis = _largest_effect(group, radius, max(feed, float(feeds[0])))
+    return FeedOverRadius(
+        radius=radius, feed=feed, bound_by=Message(f"group-bound-{effect}"), axis=axis
+    )
+
+
+def _largest_effect(group: Group, radius: float, feed: float) -> tuple[str, str]:
+    """What throws the tool off a circle most: filter, unequal delays, or the loop of an axis."""
+    omega, first, second = np.array([feed / radius]), *group.responses
+    behind = np.abs(filter_response(group.setpoint_filter, omega))[0]
+    apart = abs(first.delay + first.wait - second.delay - second.wait) * float(omega[0])
+    loops = [float(np.abs(np.abs(one.at(omega, None)) - 1.0).max()) for one in (first, second)]
+    effects = {"filter": 1.0 - float(behind), "delay": 0.5 * apart, "loop": max(loops)}
+    largest = max(effects, key=lambda name: effects[name])
+    slower = group.drawn[int(second.delay + second.wait > first.delay + first.wait)].name
+    axis = {"filter": "", "delay": slower, "loop": group.drawn[int(np.argmax(loops))].name}
+    return largest, axis[largest]
+
+
+def _corner_speeds(group: Group) -> Iterator[CornerSpeed]:
+    axes = turnings(group)
+    tolerance, feed = group.allowed, group.task.feed
+    if group.rule.kind is Corner.ARC:
+        acceleration = group.rule.share * group.acceleration
+        return speeds_on_arcs(axes, tolerance=tolerance, feed=feed, acceleration=acceleration)
+    return speeds_at_once(axes, tolerance=tolerance, feed=feed)
+
+
+def turnings(group: Group) -> tuple[Turning, Turning]:
+    """Return how the two axes of the plane answer a step of velocity, filter and wait included."""
+    first, second = (
+        find_turning(axis.alone.poles, group.setpoint_filter, axis.wait * axis.alone.poles.dt)
+        for axis in group.drawn
+    )
+    return first, second

@@ -1,0 +1,130 @@
+"""What is asked of axes that move together, and what they must have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.moves import largest_velocity
+from mtcommission.messages.message import Message
+from mtcommission.options import Options
+from mtcommission.profile.read import ProfileSource
+from mtcommission.units.quantities import LENGTH, VELOCITY
+
+AXES = (2, 3)
+"""How many axes a group has, at least and at most."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """Axes, and the contour that they must keep together."""
+
+    machines: tuple[Machine, ...]
+    sources: tuple[ProfileSource, ...]
+    plane: tuple[int, int]  # the axes that draw circles and corners
+    tolerance: float  # largest contour deviation at the tool [m]
+    feed: float  # the fastest at which contours are followed [m/s]
+    radius: float | None  # of a circle that must keep the tolerance at that feed [m]; None: any
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the axes, as the profiles give them."""
+        return tuple(machine.axis for machine in self.machines)
+
+
+def read_task(
+    machines: Sequence[Machine],
+    sources: Sequence[ProfileSource],
+    *,
+    tolerance: str = "",
+    plane: str = "",
+    feed: str = "",
+    radius: str = "",
+) -> Task:
+    """Return what some axes are to do together; texts are options of the command line, "" if none.
+
+    Raises
+    ------
+    InputError
+        With every fault found: axes that cannot move together, or what is not stated.
+    """
+    faults = list(_find_faults(machines, sources))
+    if faults:
+        raise InputError(faults)
+    needs = [machine.requirements for machine in machines]
+    names = [machine.axis for machine in machines]
+    with Options() as options:
+        within = min(need.contour_deviation for need in needs)
+        if tolerance:
+            within = options.positive("--tolerance", tolerance, LENGTH)
+        elif not isfinite(within):
+            options.refuse("--tolerance", Message("group-tolerance-missing"))
+        at = min(need.contour_feed for need in needs)
+        if feed:
+            at = options.positive("--feed", feed, VELOCITY)
+        elif not isfinite(at):
+            at = min(max(map(largest_velocity, machine.moves)) for machine in machines)
+            if not isfinite(at):
+                options.refuse("--feed", Message("group-feed-missing"))
+        asked = options.positive("--radius", radius, LENGTH) if radius else None
+        drawn = _read_plane(plane, names, options)
+    return Task(
+        machines=tuple(machines),
+        sources=tuple(sources),
+        plane=drawn,
+        tolerance=within,
+        feed=at,
+        radius=asked,
+    )
+
+
+def _read_plane(text: str, names: Sequence[str], options: Options) -> tuple[int, int]:
+    """The two axes whose names make up a text; the first two where it is empty."""
+    pairs = {
+        first + second: (i, k)
+        for i, first in enumerate(names)
+        for k, second in enumerate(names)
+        if i != k
+    }
+    if text and text not in pairs:
+        options.word("--plane", text, list(pairs))
+    return pairs.get(text, (0, 1))
+
+
+def _find_faults(machines: Sequence[Machine], sources: Sequence[ProfileSource]) -> Iterator[Fault]:
+    """Each reason why axes cannot move together, at the profile that differs from the first."""
+    least, most = AXES
+    first = machines[0]
+    if not least <= len(machines) <= most:
+        message = Message("group-count", got=len(machines), least=least, most=most)
+        yield Fault(where=str(sources[0].path), message=message)
+    seen: dict[str, str] = {}
+    for machine, source in zip(machines, sources, strict=True):
+        where, control = str(source.path), machine.control
+        if machine.motion is not Motion.LINEAR:
+            message = Message("group-rotary", name=machine.axis)
+            yield Fault(where=where, key="machine.motion", message=message)
+        if machine.axis in seen:
+            message = Message("group-same-name", name=machine.axis, other=seen[machine.axis])
+            yield Fault(where=where, key="machine.axis", message=message)
+        seen.setdefault(machine.axis, where)
+        if control.kind.key != first.control.kind.key:
+            message = Message(
+                "group-other-control", got=control.kind.key, first=first.control.kind.key
+            )
+            yield Fault(where=where, key="control.kind", message=message)
+        if machine.drive.follows != first.drive.follows:
+            yield Fault(where=where, key="drive.kind", message=Message("group-other-drive"))
+        for key in ("position_cycle", "velocity_cycle"):
+            got, there = getattr(control, key), getattr(first.control, key)
+            if got != there:
+                message = Message("group-other-cycle", got=got, first=there)
+                yield Fault(where=where, key=f"control.{key}", message=message)
+        own, given = control.setpoint_filter, first.control.setpoint_filter
+        is_given = not (control.seeks_setpoint_filter or first.control.seeks_setpoint_filter)
+        if is_given and own != given:
+            message = Message("group-other-filter")
+            yield Fault(where=where, key="control.setpoint_filter", message=message)

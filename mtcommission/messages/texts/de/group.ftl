@@ -1,0 +1,50 @@
+# Achsen, die zusammen fahren: Kreis, Ecke, ein Filter, eine Verzögerung.
+
+stage-group = Kreise und Ecken
+group-tolerance-missing = fehlt: keine Achse nennt requirements.contour_deviation; angeben, wie weit das Werkzeug von der Kontur abweichen darf, z. B. --tolerance 10um
+group-feed-missing = fehlt: keine Achse nennt requirements.contour_feed oder eine Geschwindigkeit ihrer Bewegungen; den schnellsten Vorschub für Konturen angeben, z. B. --feed 6m/min
+group-count = { $got } Profile erhalten; zusammen fahren { $least } oder { $most } Achsen: das Profil jeder Achse angeben
+group-rotary = Achse { $name } dreht; Kreise und Ecken gibt es für Linearachsen: diese weglassen
+group-same-name = Achse { $name } heißt wie die in { $other }; den Namen angeben, den die Steuerung hat, z. B. axis = "Y"
+group-other-control = "{ $got }" erhalten, die erste Achse hat "{ $first }"; Achsen, die zusammen fahren, haben eine Steuerung: angleichen
+group-other-drive = eine Achse hat einen Lageregelkreis, die andere folgt ihrem Sollwert; Achsen, die zusammen fahren, sind gleich angetrieben
+group-other-cycle = { TIME($got) } erhalten, die erste Achse hat { TIME($first) }; Achsen, die zusammen fahren, haben einen Takt: angleichen
+group-other-filter = nennt ein anderes Sollwertfilter als die erste Achse; Achsen, die zusammen fahren, brauchen dasselbe: angleichen, oder "auto" schreiben, dann wird es gewählt
+group-not-a-group = ist keine group.json: mtcommission group schreibt eine
+group-bound-acceleration = Beschleunigungsgrenze der Achse
+group-bound-jerk = Ruckgrenze der Achse
+group-bound-velocity = Geschwindigkeit der Bewegungen
+group-bound-filter = Toleranz: das Sollwertfilter verkleinert den Kreis
+group-bound-delay = Toleranz: ungleiche Verzögerungen machen eine Ellipse
+group-bound-loop = Toleranz: Regelkreis und Mechanik der Achse
+group-where-circle = Radius { LENGTH($radius) } bei { FEED($feed) }
+group-check-circle = Kontur auf Kreisen
+group-check-peak = Umkehrspitze, { $name }
+group-check-of = { $requirement }, { $name }
+group-delays-apart = Die Verzögerungen der Achsen unterscheiden sich um { TIME($apart) }, weniger als einen halben Lagereglertakt, was kein Warten um ganze Takte beseitigt: bei { FEED($feed) } werden Kreise schon dadurch oval.
+group-no-friction = Keine Reibung angegeben: Spitzen bei der Umkehr einer Achse fehlen. drive.coulomb_friction angeben oder von identify bestimmen lassen.
+group-rule-not-verified = Wie diese Steuerung Ecken fährt, wurde nicht im Handbuch nachgelesen: (?) kennzeichnet ihre Namen.
+group-circles-not-kept = Keine Bahnbeschleunigung hält die Toleranz auf jedem Kreis: Toleranz erhöhen, --feed senken oder die Achsen versteifen.
+group-one-shaper = Ein Shaper für alle Achsen: er liegt auf der Eigenfrequenz einer von ihnen.
+group-axes = { $name }, Achsen { $axes }
+group-filter = Filter jeder Achse
+group-path = Bahngrenzwerte
+group-wait = Warten
+group-delay = Verzögerung
+group-angle = Ecke
+group-speed = Tempo, m/min
+group-unslowed = Ungebremst, µm
+group-radius = Radius
+group-feed = Vorschub, m/min
+group-bound = Begrenzt durch
+group-radius-deviation = Radius
+group-form-deviation = Form
+group-peak = Spitze { $name }
+group-circle-of = Kreis von { LENGTH($radius) }
+group-corner-told = Ecken: { $kind ->
+    [arc] { $name } { LENGTH($value) } der Toleranz für den Bogen.
+    [junction] { $name } { VELOCITY($value) } (Tempo bei 90°).
+   *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
+}
+group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
+group-axis = Achse

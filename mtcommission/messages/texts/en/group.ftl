@@ -1,0 +1,50 @@
+# Axes that move together: circle, corner, one filter, one delay.
+
+stage-group = circles and corners
+group-tolerance-missing = missing: no axis states requirements.contour_deviation; write how far the tool may be off the contour, e.g. --tolerance 10um
+group-feed-missing = missing: no axis states requirements.contour_feed or a velocity of its moves; write the fastest feed at which contours are followed, e.g. --feed 6m/min
+group-count = got { $got } profiles; axes that move together are { $least } or { $most }: give the profile of each
+group-rotary = axis { $name } turns; circles and corners are those of linear axes: leave it out
+group-same-name = axis { $name } has the name of that in { $other }; write the name that the control has, e.g. axis = "Y"
+group-other-control = got "{ $got }", the first axis has "{ $first }"; axes that move together have one control: make them alike
+group-other-drive = one axis has a position loop, the other follows its setpoint; axes that move together are driven alike
+group-other-cycle = got { TIME($got) }, the first axis has { TIME($first) }; axes that move together have one cycle: make them alike
+group-other-filter = gives another setpoint filter than the first axis; axes that move together need the same: make them alike, or write "auto" for it to be chosen
+group-not-a-group = is no group.json: mtcommission group writes one
+group-bound-acceleration = acceleration limit of the axis
+group-bound-jerk = jerk limit of the axis
+group-bound-velocity = velocity of the moves
+group-bound-filter = tolerance: the setpoint filter cuts the circle
+group-bound-delay = tolerance: unequal delays make an ellipse
+group-bound-loop = tolerance: loop and mechanics of the axis
+group-where-circle = radius { LENGTH($radius) } at { FEED($feed) }
+group-check-circle = contour on circles
+group-check-peak = peak at reversal, { $name }
+group-check-of = { $requirement }, { $name }
+group-delays-apart = The delays of the axes differ by { TIME($apart) }, less than half a position cycle, which no wait of whole cycles removes: at { FEED($feed) } that alone makes circles oval.
+group-no-friction = No friction is stated: peaks where an axis reverses are left out. Write drive.coulomb_friction, or let identify find it.
+group-rule-not-verified = How this control takes corners was not read in its manual: (?) marks its names.
+group-circles-not-kept = No path acceleration keeps the tolerance on every circle: raise the tolerance, lower --feed, or stiffen the axes.
+group-one-shaper = One shaper for all axes: it is on the mode of one of them.
+group-axes = { $name }, axes { $axes }
+group-filter = Filter of every axis
+group-path = Path limits
+group-wait = Wait
+group-delay = Delay
+group-angle = Corner
+group-speed = Speed, m/min
+group-unslowed = Unslowed, µm
+group-radius = Radius
+group-feed = Feed, m/min
+group-bound = Bound by
+group-radius-deviation = Radius
+group-form-deviation = Form
+group-peak = Peak { $name }
+group-circle-of = Circle of { LENGTH($radius) }
+group-corner-told = Corners: { $kind ->
+    [arc] { $name } { LENGTH($value) } of the tolerance for the arc.
+    [junction] { $name } { VELOCITY($value) } (speed at 90°).
+   *[step] { $name } velocity step of an axis { FEED($value) }.
+}
+group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
+group-axis = Axis
