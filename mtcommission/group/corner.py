@@ -21,11 +21,6 @@ from math import ceil, cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.poles import LoopPoles
-from mtcommission.loop.respond import TOOL, outputs_at, set_in_motion, swing_times
-from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
-
 Array = NDArray[np.float64]
 
 ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
@@ -33,9 +28,6 @@ ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
 
 DIRECTIONS = 4
 """Directions in which the corner is entered, over half a turn (design choice)."""
-
-PERIODS, LONGEST = 2.0, 0.6
-"""Of each pole that a corner is followed, and the longest [s] (empirical)."""
 
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Of the tolerance that an arc may take, the rest is the loop's."""
@@ -51,31 +43,6 @@ class Turning:
     step: float  # of time [s]
     tool: Array  # its position, (n_corners, n_times) [m per m/s]
     lag: Array  # of slow motion behind the setpoint, (n_corners,) [s]
-
-
-def find_turning(poles: LoopPoles, item: SetpointFilter | None, wait: float) -> Turning:
-    """Return the answer of an axis behind a filter that begins some time [s] later."""
-    single = JerkSteps(times=np.zeros((1, 1)), steps=np.ones((1, 1)), order=1)
-    rings = [swing_times(pole, PERIODS)[0] for pole in poles.rates[0] if np.isfinite(pole)]
-    own = item.duration if item else 0.0
-    span = own + poles.delay + wait + min(max(rings, default=0.0), LONGEST)
-    n = np.arange(ceil(span / poles.dt) + 2)
-    late = n - round(wait / poles.dt)
-    motions = set_in_motion(poles, filter_steps(single, item))
-    row = np.eye(poles.outputs)[TOOL]
-    found = outputs_at(motions, np.maximum(late, 0)[None], row)[0, :, :, 0, 0]
-    found[:, late < 0] = 0.0
-    mean = filter_lag(item)
-    lag = mean + wait - poles.steady[:, 0, TOOL, 1]
-    return Turning(step=poles.dt, tool=found, lag=lag)
-
-
-def filter_lag(item: SetpointFilter | None) -> float:
-    """Return by how much a filter delays slow motion [s]."""
-    if item is None:
-        return 0.0
-    shares = zip(item.impulses.delays, item.impulses.shares, strict=True)
-    return sum(d * share for d, share in shares) + 0.5 * sum(item.averages)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
+from mtcommission.group.answers import AxisAnswers, line_deviation
 from mtcommission.group.circle import (
     Deviation,
     ToolResponse,
@@ -26,7 +27,6 @@ from mtcommission.group.circle import (
 from mtcommission.group.corner import (
     CornerSpeed,
     Turning,
-    find_turning,
     speeds_at_once,
     speeds_on_arcs,
 )
@@ -84,6 +84,24 @@ class AxisAlone:
     def tuned(self) -> TunedLoop:
         """Its loop, in every corner."""
         return self.found.tuned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Plane:
+    """The two axes that draw circles and corners, as the tool follows them."""
+
+    responses: tuple[ToolResponse, ToolResponse]  # their waits included
+    alone: tuple[AxisAlone, AxisAlone]
+
+    def behind(self, item: SetpointFilter | None) -> tuple[AxisAnswers, AxisAnswers]:
+        """Return the axes behind a filter."""
+        first, second = (
+            AxisAnswers(
+                poles=one.poles, setpoint_filter=item, wait=round(response.wait / one.poles.dt)
+            )
+            for one, response in zip(self.alone, self.responses, strict=True)
+        )
+        return first, second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,6 +180,7 @@ class Group:
     jerk: float  # [m/s³]
     reserve: float  # share of the tolerance that circles and corners may use [-]
     encoder_noise: float  # what the encoders of the plane add [m]
+    entry: float  # deviation after a step of acceleration of 1 m/s², as circles begin with [s²]
     rule: CornerRule
     circles: tuple[Circle, ...]
     feeds: tuple[FeedOverRadius, ...]
@@ -179,10 +198,15 @@ class Group:
         return self.axes[first], self.axes[second]
 
     @property
-    def responses(self) -> tuple[ToolResponse, ToolResponse]:
-        """How these answer circles, their wait included."""
-        first, second = self.drawn
-        return _waiting(first), _waiting(second)
+    def plane(self) -> Plane:
+        """How these follow circles, their waits included."""
+        alone = [axis.alone for axis in self.axes]
+        return _plane(self.task, alone, [axis.wait for axis in self.axes])
+
+    @property
+    def answers(self) -> tuple[AxisAnswers, AxisAnswers]:
+        """The same behind the group's filter."""
+        return self.plane.behind(self.setpoint_filter)
 
 
 def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
@@ -198,8 +222,8 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     waits, noise = _find_waits(alone), _encoder_noise(task, alone)
     reserve = min(machine.requirements.reserve.band for machine in task.machines)
     allowed = max(reserve * task.tolerance - noise, 0.0)
-    responses = _pair(task, alone, waits)
-    trials = _compare_filters(task, alone, responses, allowed)
+    plane = _plane(task, alone, waits)
+    trials = _compare_filters(task, alone, plane, allowed)
     item = trials[0].setpoint_filter
     axes = tuple(
         GroupAxis(
@@ -213,15 +237,18 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     )
     largest = min(axis.choice.limits.acceleration for axis in axes)
     jerk = min(axis.choice.limits.jerk for axis in axes)
+    acceleration = path_acceleration(task, plane, item, allowed, largest, jerk)
+    acceleration, jerk = _kept_on_lines(task, plane, item, allowed, acceleration, jerk)
     found = Group(
         task=task,
         axes=axes,
         setpoint_filter=item,
         trials=trials,
-        acceleration=path_acceleration(task, responses, item, allowed, largest, jerk),
+        acceleration=acceleration,
         jerk=jerk,
         reserve=reserve,
         encoder_noise=noise,
+        entry=_entry(plane, item),
         rule=rule_of(task.machines[0].control.kind.key),
         circles=(),
         feeds=(),
@@ -276,12 +303,12 @@ def _encoder_noise(task: Task, alone: Sequence[AxisAlone]) -> float:
 def _compare_filters(
     task: Task,
     alone: Sequence[AxisAlone],
-    responses: tuple[ToolResponse, ToolResponse],
+    plane: Plane,
     allowed: float,
 ) -> tuple[FilterTrial, ...]:
     """Filters for all axes, at a first look, best first."""
     trials = []
-    for item in _filters_to_try(task, alone, responses, allowed):
+    for item in _filters_to_try(task, alone, plane, allowed):
         found = [_look(one, item) for one in alone]
         if not all(found):
             trials.append(
@@ -299,29 +326,28 @@ def _compare_filters(
                 setpoint_filter=item,
                 settling_time=max(t.duration + d for t, d in zip(best, delays, strict=True)),
                 axes_acceleration=largest,
-                acceleration=path_acceleration(task, responses, item, allowed, largest, jerk),
+                acceleration=path_acceleration(task, plane, item, allowed, largest, jerk),
             )
         )
     return tuple(sorted(trials, key=lambda trial: trial.rank))
 
 
-def _pair(
-    task: Task, alone: Sequence[AxisAlone], waits: Sequence[int]
-) -> tuple[ToolResponse, ToolResponse]:
-    first, second = (
-        replace(alone[i].response, wait=waits[i] * alone[i].poles.dt) for i in task.plane
+def _plane(task: Task, alone: Sequence[AxisAlone], waits: Sequence[int]) -> Plane:
+    first, second = (alone[i] for i in task.plane)
+    late = [waits[i] * alone[i].poles.dt for i in task.plane]
+    return Plane(
+        responses=(
+            replace(first.response, wait=late[0]),
+            replace(second.response, wait=late[1]),
+        ),
+        alone=(first, second),
     )
-    return first, second
-
-
-def _waiting(axis: GroupAxis) -> ToolResponse:
-    return replace(axis.alone.response, wait=axis.wait * axis.alone.poles.dt)
 
 
 def _filters_to_try(
     task: Task,
     alone: Sequence[AxisAlone],
-    responses: tuple[ToolResponse, ToolResponse],
+    plane: Plane,
     allowed: float,
 ) -> list[SetpointFilter | None]:
     """The filter that a profile gives; else the axes' own ones, none, and shorter averages."""
@@ -338,11 +364,11 @@ def _filters_to_try(
         unit = choice.unit(controls[0].position_cycle)
         least, most = choice.times(controls[0].position_cycle)
         lengths = np.arange(max(ceil(least / unit - 1e-9), 1), int(most / unit + 1e-9) + 1)
-        kept = SHORT * path_acceleration(task, responses, None, allowed, largest, jerk)
+        kept = SHORT * path_acceleration(task, plane, None, allowed, largest, jerk)
         short = [
             item
             for item in (moving_average(float(k * unit)) for k in lengths)
-            if path_acceleration(task, responses, item, allowed, largest, jerk) >= kept
+            if path_acceleration(task, plane, item, allowed, largest, jerk) >= kept
         ]
         found += short[-1:] + short[(len(short) - 1) // 2 :][:1]
     return list(dict.fromkeys(found))
@@ -379,9 +405,13 @@ def worst_deviation(
     ), worst
 
 
+def _entry(plane: Plane, item: SetpointFilter | None) -> float:
+    return max(axis.entry() for axis in plane.behind(item))
+
+
 def path_acceleration(
     task: Task,
-    responses: tuple[ToolResponse, ToolResponse],
+    plane: Plane,
     item: SetpointFilter | None,
     allowed: float,
     largest: float,
@@ -390,24 +420,52 @@ def path_acceleration(
     """Return the acceleration with which every circle up to the feed keeps the tolerance [m/s²].
 
     The largest circle of an angular velocity ω that the limits permit has the radius
-    min(v/ω, a/ω², j/ω³). At most ``largest``; 0 where no circle keeps it. A radius that is asked
-    for counts alone, at the feed.
+    min(v/ω, a/ω², j/ω³); its entry steps the acceleration by at most a. At most ``largest``; 0
+    where no circle keeps it. A radius that is asked for counts alone, at the feed.
     """
+    entry = _entry(plane, item)
     if task.radius is not None:
         omega = np.array([task.feed / task.radius])
-        off = worst_deviation(responses, omega, item)[0].largest[0] * task.radius
+        off = worst_deviation(plane.responses, omega, item)[0].largest[0] * task.radius
+        off = max(off, entry * task.feed**2 / task.radius)
         return largest if off <= allowed else 0.0
-    omega = responses[0].omega
-    off = worst_deviation(responses, omega, item)[0].largest
+    omega = plane.responses[0].omega
+    off = worst_deviation(plane.responses, omega, item)[0].largest
     others = off * np.minimum(task.feed / omega, jerk / omega**3)
-    worst = np.minimum(others, off / omega**2 * largest * LADDER[:, None]).max(axis=1)
-    kept = np.flatnonzero(worst <= allowed)
-    return float(largest * LADDER[kept[0]]) if len(kept) else 0.0
+    a = largest * LADDER
+    worst = np.minimum(others, off / omega**2 * a[:, None]).max(axis=1)
+    kept = np.flatnonzero(np.maximum(worst, entry * a) <= allowed)
+    return float(a[kept[0]]) if len(kept) else 0.0
+
+
+ROUNDS = 6
+"""Times that path limits are lowered for lines, at most."""
+
+
+def _kept_on_lines(
+    task: Task,
+    plane: Plane,
+    item: SetpointFilter | None,
+    allowed: float,
+    acceleration: float,
+    jerk: float,
+) -> tuple[float, float]:
+    """Path limits with which lines keep the tolerance, too: both lowered by the same factor."""
+    for _ in range(ROUNDS if acceleration else 0):
+        off = line_deviation(
+            *plane.behind(item), feed=task.feed, acceleration=acceleration, jerk=jerk
+        )
+        if off <= allowed:
+            break
+        acceleration, jerk = (0.98 * allowed / off * limit for limit in (acceleration, jerk))
+    return acceleration, jerk
 
 
 def draw_circle(group: Group, radius: float, feed: float) -> Circle:
     """Return how a circle of some radius [m] at a feed [m/s] comes out, in the worst corners."""
-    off, worst = worst_deviation(group.responses, np.array([feed / radius]), group.setpoint_filter)
+    off, worst = worst_deviation(
+        group.plane.responses, np.array([feed / radius]), group.setpoint_filter
+    )
     first, second = group.drawn
     i, k = divmod(int(worst[0]), len(second.alone.tuned.corners))
     peaks = {
@@ -450,7 +508,8 @@ def largest_feed(group: Group, radius: float) -> FeedOverRadius:
     (kind, axis), top = min(ends.items(), key=lambda item: item[1])
     feeds = top * GRID
     off = (
-        radius * worst_deviation(group.responses, feeds / radius, group.setpoint_filter)[0].largest
+        radius
+        * worst_deviation(group.plane.responses, feeds / radius, group.setpoint_filter)[0].largest
     )
     too_much = np.flatnonzero(off > group.allowed)
     if len(too_much) == 0:
@@ -464,6 +523,13 @@ def largest_feed(group: Group, radius: float) -> FeedOverRadius:
         share = sqrt((group.allowed - off[k - 1]) / (off[k] - off[k - 1]))
         feed = float(feeds[k - 1] + share**2 * (feeds[k] - feeds[k - 1]))
     effect, axis = _largest_effect(group, radius, max(feed, float(feeds[0])))
+    if steady[k] < off[k]:
+        effect, axis = (
+            "entry",
+            max(zip(group.answers, group.drawn, strict=True), key=lambda pair: pair[0].entry())[
+                1
+            ].name,
+        )
     return FeedOverRadius(
         radius=radius, feed=feed, bound_by=Message(f"group-bound-{effect}"), axis=axis
     )
@@ -471,7 +537,7 @@ def largest_feed(group: Group, radius: float) -> FeedOverRadius:
 
 def _largest_effect(group: Group, radius: float, feed: float) -> tuple[str, str]:
     """What throws the tool off a circle most: filter, unequal delays, or the loop of an axis."""
-    omega, first, second = np.array([feed / radius]), *group.responses
+    omega, first, second = np.array([feed / radius]), *group.plane.responses
     behind = np.abs(filter_response(group.setpoint_filter, omega))[0]
     apart = abs(first.delay + first.wait - second.delay - second.wait) * float(omega[0])
     loops = [float(np.abs(np.abs(one.at(omega, None)) - 1.0).max()) for one in (first, second)]
@@ -494,7 +560,6 @@ def _corner_speeds(group: Group) -> Iterator[CornerSpeed]:
 def turnings(group: Group) -> tuple[Turning, Turning]:
     """Return how the two axes of the plane answer a step of velocity, filter and wait included."""
     first, second = (
-        find_turning(axis.alone.poles, group.setpoint_filter, axis.wait * axis.alone.poles.dt)
-        for axis in group.drawn
+        Turning(step=axis.poles.dt, tool=axis.to_velocity(), lag=axis.lag) for axis in group.answers
     )
     return first, second

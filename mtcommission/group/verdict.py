@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mtcommission.group.answers import line_deviation
 from mtcommission.group.group import Group, GroupAxis, worst_deviation
 from mtcommission.messages.message import Message
 from mtcommission.requirements.settling_time import SETTLING_TIME
@@ -32,7 +33,7 @@ class GroupCheck:
 
 def judge_group(group: Group) -> tuple[GroupCheck, ...]:
     """Return every requirement of a group: contour first, then each axis' own."""
-    checks = [_circles(group), *_reversals(group)]
+    checks = [_circles(group), _lines(group), *_reversals(group)]
     for axis in group.axes:
         checks += _own(axis, group)
     return tuple(checks)
@@ -40,22 +41,45 @@ def judge_group(group: Group) -> tuple[GroupCheck, ...]:
 
 def _circles(group: Group) -> GroupCheck:
     """Every circle that path limits and feed permit; with a radius asked for, that at the feed."""
-    task, item = group.task, group.setpoint_filter
+    task, item, plane = group.task, group.setpoint_filter, group.plane
     if task.radius is not None:
         omega, radii = np.array([task.feed / task.radius]), np.array([task.radius])
     else:
-        omega = group.responses[0].omega
+        omega = plane.responses[0].omega
         largest = task.feed / omega, group.acceleration / omega**2, group.jerk / omega**3
         radii = np.minimum.reduce(largest)
-    off = worst_deviation(group.responses, omega, item)[0].largest * radii
+    entry = group.entry * radii * omega**2
+    off = np.maximum(worst_deviation(plane.responses, omega, item)[0].largest * radii, entry)
     worst = int(off.argmax())
-    where = Message("group-where-circle", radius=radii[worst], feed=radii[worst] * omega[worst])
-    noise = group.encoder_noise
+    where = Message(
+        "group-where-circle",
+        radius=float(radii[worst]),
+        feed=float(radii[worst] * omega[worst]),
+    )
+    return _of_contour(group, "circle", float(off[worst]), where)
+
+
+def _lines(group: Group) -> GroupCheck:
+    """Lines in every direction, with the path limits up to the feed."""
+    off = (
+        line_deviation(
+            *group.answers,
+            feed=group.task.feed,
+            acceleration=group.acceleration,
+            jerk=group.jerk,
+        )
+        if group.acceleration
+        else 0.0
+    )
+    return _of_contour(group, "line", off, Message("group-where-line", feed=group.task.feed))
+
+
+def _of_contour(group: Group, name: str, off: float, where: Message) -> GroupCheck:
     return GroupCheck(
-        name="circle",
-        label=Message("group-check-circle"),
-        value=float(off[worst]) + noise,
-        limit=task.tolerance,
+        name=name,
+        label=Message(f"group-check-{name}"),
+        value=off + group.encoder_noise,
+        limit=group.task.tolerance,
         reserve=group.reserve,
         unit="m",
         where=where,

@@ -1,0 +1,106 @@
+"""How an axis answers what contours are made of: steps of velocity and acceleration, lines.
+
+A corner steps the velocity of an axis, the entry of a circle its acceleration; a line moves all
+axes in proportion. Behind the group's filter, in every corner of the machine, by poles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.poles import LoopPoles
+from mtcommission.loop.respond import TOOL, outputs_at, set_in_motion, swing_times
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
+
+Array = NDArray[np.float64]
+
+PERIODS, LONGEST = 2.0, 0.6
+"""Of each pole that an answer is followed, and the longest [s] (empirical)."""
+
+AFTER = 100.0
+"""End of a step of acceleration, later than anything that is looked at [s]."""
+
+SHARES = (0.05, 0.2, 0.5, 1.0)
+"""Of the feed to which a line accelerates."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AxisAnswers:
+    """An axis of a group behind its filter, with its wait."""
+
+    poles: LoopPoles
+    setpoint_filter: SetpointFilter | None
+    wait: int  # position cycles
+
+    @property
+    def lag(self) -> Array:
+        """By how much slow motion comes later than its setpoint, (n_corners,) [s]."""
+        waited = self.wait * self.poles.dt + filter_lag(self.setpoint_filter)
+        return np.asarray(waited - self.poles.steady[:, 0, TOOL, 1], dtype=np.float64)
+
+    def tool(self, steps: JerkSteps, t: Array) -> Array:
+        """Return the tool's position in some position cycles, (n_corners, n_setpoints, n_times)."""
+        n = np.round(t / self.poles.dt).astype(np.int64) - self.wait
+        motions = set_in_motion(self.poles, filter_steps(steps, self.setpoint_filter))
+        each = np.tile(np.maximum(n, 0), (len(steps.times), 1))
+        found = outputs_at(motions, each, np.eye(self.poles.outputs)[TOOL])[..., 0, 0]
+        found[..., n < 0] = 0.0
+        return np.asarray(found.swapaxes(0, 1), dtype=np.float64)
+
+    def times(self, duration: float) -> Array:
+        """Return the position cycles until an answer to so long a setpoint [s] is over [s]."""
+        rings = [swing_times(pole, PERIODS)[0] for pole in self.poles.rates[0] if np.isfinite(pole)]
+        rest = float(self.lag.max()) + min(max(rings, default=0.0), LONGEST)
+        own = self.setpoint_filter.duration if self.setpoint_filter else 0.0
+        count = ceil((duration + own + rest) / self.poles.dt) + 2
+        return np.asarray(self.poles.dt * np.arange(count), dtype=np.float64)
+
+    def to_velocity(self) -> Array:
+        """Return the answer to a step of velocity of 1 m/s, (n_corners, n_times) [s]."""
+        single = JerkSteps(times=np.zeros((1, 1)), steps=np.ones((1, 1)), order=1)
+        return self.tool(single, self.times(0.0))[:, 0]
+
+    def entry(self) -> float:
+        """Return the largest deviation after a step of acceleration of 1 m/s² [s²].
+
+        That is how a circle is entered from its tangent: against the circle that comes so late.
+        """
+        t = self.times(0.0)
+        late = np.maximum(t - self.lag[:, None], 0.0)
+        # Behind its last step a setpoint coasts: the acceleration ends after all that is seen.
+        lasting = JerkSteps(times=np.array([[0.0, AFTER]]), steps=np.array([[1.0, -1.0]]), order=2)
+        return float(np.abs(self.tool(lasting, t)[:, 0] - 0.5 * late**2).max())
+
+
+def filter_lag(item: SetpointFilter | None) -> float:
+    """Return by how much a filter delays slow motion [s]."""
+    if item is None:
+        return 0.0
+    shares = zip(item.impulses.delays, item.impulses.shares, strict=True)
+    return sum(d * share for d, share in shares) + 0.5 * sum(item.averages)
+
+
+def line_deviation(
+    first: AxisAnswers, second: AxisAnswers, *, feed: float, acceleration: float, jerk: float
+) -> float:
+    """Return how far the tool leaves a line at most while it starts or stops on it [m].
+
+    Both axes get their share of one motion, so that they leave it by |u_x u_y| times what their
+    answers to the whole motion differ by: half of that at 45 degrees, the worst direction. Up to
+    the feed [m/s], with path limits [m/s², m/s³].
+    """
+    sizes = feed * np.array(SHARES)
+    full = np.full_like(sizes, acceleration)
+    move = VelocityStep(velocity_step=feed)
+    steps = jerk_steps(move, acceleration=full, jerk=np.full_like(sizes, jerk), size=sizes)
+    t = max(
+        first.times(float(steps.duration.max())), second.times(float(steps.duration.max())), key=len
+    )
+    a, b = first.tool(steps, t), second.tool(steps, t)
+    return float(0.5 * np.abs(a[:, None] - b[None]).max())
