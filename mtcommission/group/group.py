@@ -1,14 +1,14 @@
 """From axes that were judged alone to what they are told together; read ``join`` first.
 
 own loop and limits -> one position gain where lag counts -> one filter -> one delay
-        -> path limits -> circles, corners, verdict
+        -> path limits
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, isfinite, sqrt
+from math import ceil, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,18 +19,10 @@ from mtcommission.group.circle import (
     Deviation,
     ToolResponse,
     deviate,
-    filter_response,
     find_response,
     peak_bound,
-    reversal_peak,
 )
-from mtcommission.group.corner import (
-    CornerSpeed,
-    Turning,
-    speeds_at_once,
-    speeds_on_arcs,
-)
-from mtcommission.group.rules import Corner, CornerRule, rule_of
+from mtcommission.group.rules import CornerRule, rule_of
 from mtcommission.group.task import Task
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import Found
@@ -38,23 +30,12 @@ from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.moves import largest_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.machine.variations import Corner as MachineCorner
 from mtcommission.messages.message import Message
 from mtcommission.recommend import Progress, Recommendation, recommend
 from mtcommission.study.variations import Row, choose, look
 
 Array = NDArray[np.float64]
-
-RADII = (1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
-"""Of the circles over which the feed is listed [m]; the last three are a ballbar's."""
-
-FEEDS = (1.0 / 60.0, 3.0 / 60.0, 6.0 / 60.0)
-"""Feeds of the circle test [m/s]."""
-
-TESTED_RADIUS = 50e-3
-"""Of the circle test where none is asked for [m]: the shortest usual ballbar."""
 
 UNTOUCHED = 0.999
 """Share of the axes' acceleration from which circles do not bind it [-]."""
@@ -125,33 +106,6 @@ class FilterTrial:
         return not isfinite(self.settling_time), not self.leaves_circles_alone, by
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Circle:
-    """A circle, worst over every corner of both axes."""
-
-    radius: float  # [m]
-    feed: float  # [m/s]
-    radius_deviation: float  # of the mean radius, negative: too small [m]
-    form_deviation: float  # largest less smallest radius [m]
-    quadrant_peak: dict[str, float]  # by axis, where it reverses [m]; empty without friction
-    corner: tuple[MachineCorner, MachineCorner]
-
-    @property
-    def largest(self) -> float:
-        """How far the tool is from the circle, friction apart [m]."""
-        return abs(self.radius_deviation) + 0.5 * self.form_deviation
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FeedOverRadius:
-    """The largest feed of circles of some radius, and what forbids more."""
-
-    radius: float  # [m]
-    feed: float  # [m/s]
-    bound_by: Message
-    axis: str  # "" where no single one does
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroupAxis:
     """What one axis is told in the group."""
@@ -170,7 +124,7 @@ class GroupAxis:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Group:
-    """Axes that move together: what they are told, and what circles and corners then do."""
+    """Axes that move together: what they are told."""
 
     task: Task
     axes: tuple[GroupAxis, ...]
@@ -182,9 +136,6 @@ class Group:
     encoder_noise: float  # what the encoders of the plane add [m]
     entry: float  # deviation after a step of acceleration of 1 m/s², as circles begin with [s²]
     rule: CornerRule
-    circles: tuple[Circle, ...]
-    feeds: tuple[FeedOverRadius, ...]
-    corners: tuple[CornerSpeed, ...]
 
     @property
     def allowed(self) -> float:
@@ -239,7 +190,7 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     jerk = min(axis.choice.limits.jerk for axis in axes)
     acceleration = path_acceleration(task, plane, item, allowed, largest, jerk)
     acceleration, jerk = _kept_on_lines(task, plane, item, allowed, acceleration, jerk)
-    found = Group(
+    return Group(
         task=task,
         axes=axes,
         setpoint_filter=item,
@@ -250,17 +201,6 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
         encoder_noise=noise,
         entry=_entry(plane, item),
         rule=rule_of(task.machines[0].control.kind.key),
-        circles=(),
-        feeds=(),
-        corners=(),
-    )
-    radius = task.radius or TESTED_RADIUS
-    feeds = sorted({*FEEDS, task.feed})
-    return replace(
-        found,
-        circles=tuple(draw_circle(found, radius, feed) for feed in feeds),
-        feeds=tuple(largest_feed(found, radius) for radius in sorted({*RADII, radius})),
-        corners=tuple(_corner_speeds(found)),
     )
 
 
@@ -459,107 +399,3 @@ def _kept_on_lines(
             break
         acceleration, jerk = (0.98 * allowed / off * limit for limit in (acceleration, jerk))
     return acceleration, jerk
-
-
-def draw_circle(group: Group, radius: float, feed: float) -> Circle:
-    """Return how a circle of some radius [m] at a feed [m/s] comes out, in the worst corners."""
-    off, worst = worst_deviation(
-        group.plane.responses, np.array([feed / radius]), group.setpoint_filter
-    )
-    first, second = group.drawn
-    i, k = divmod(int(worst[0]), len(second.alone.tuned.corners))
-    peaks = {
-        axis.name: reversal_peak(
-            axis.alone.tuned.loops[0],
-            axis.alone.machine.drive,
-            item=group.setpoint_filter,
-            radius=radius,
-            feed=feed,
-        )
-        for axis in group.drawn
-        if axis.alone.machine.drive.has_friction
-    }
-    return Circle(
-        radius=radius,
-        feed=feed,
-        radius_deviation=radius * float(off.radius[0]),
-        form_deviation=radius * float(off.form[0]),
-        quadrant_peak=peaks,
-        corner=(first.alone.tuned.corners[i], second.alone.tuned.corners[k]),
-    )
-
-
-GRID = np.geomspace(1e-4, 1.0, 400)
-"""Feeds that are looked at, as shares of the largest that acceleration and jerk allow."""
-
-
-def largest_feed(group: Group, radius: float) -> FeedOverRadius:
-    """Return the largest feed of circles of some radius [m], and what forbids more."""
-    limits = {axis.name: axis.choice.limits for axis in group.drawn}
-    by_acceleration = min(limits, key=lambda name: limits[name].acceleration)
-    by_jerk = min(limits, key=lambda name: limits[name].jerk)
-    ends = {
-        ("acceleration", by_acceleration): sqrt(limits[by_acceleration].acceleration * radius),
-        ("jerk", by_jerk): np.cbrt(limits[by_jerk].jerk * radius**2),
-        ("velocity", ""): min(
-            max(map(largest_velocity, axis.alone.machine.moves)) for axis in group.drawn
-        ),
-    }
-    (kind, axis), top = min(ends.items(), key=lambda item: item[1])
-    feeds = top * GRID
-    off = (
-        radius
-        * worst_deviation(group.plane.responses, feeds / radius, group.setpoint_filter)[0].largest
-    )
-    too_much = np.flatnonzero(off > group.allowed)
-    if len(too_much) == 0:
-        return FeedOverRadius(
-            radius=radius, feed=top, bound_by=Message(f"group-bound-{kind}"), axis=axis
-        )
-    k = int(too_much[0])
-    if k == 0:
-        feed = 0.0
-    else:  # the deviation grows with about the square of the feed
-        share = sqrt((group.allowed - off[k - 1]) / (off[k] - off[k - 1]))
-        feed = float(feeds[k - 1] + share**2 * (feeds[k] - feeds[k - 1]))
-    effect, axis = _largest_effect(group, radius, max(feed, float(feeds[0])))
-    if steady[k] < off[k]:
-        effect, axis = (
-            "entry",
-            max(zip(group.answers, group.drawn, strict=True), key=lambda pair: pair[0].entry())[
-                1
-            ].name,
-        )
-    return FeedOverRadius(
-        radius=radius, feed=feed, bound_by=Message(f"group-bound-{effect}"), axis=axis
-    )
-
-
-def _largest_effect(group: Group, radius: float, feed: float) -> tuple[str, str]:
-    """What throws the tool off a circle most: filter, unequal delays, or the loop of an axis."""
-    omega, first, second = np.array([feed / radius]), *group.plane.responses
-    behind = np.abs(filter_response(group.setpoint_filter, omega))[0]
-    apart = abs(first.delay + first.wait - second.delay - second.wait) * float(omega[0])
-    loops = [float(np.abs(np.abs(one.at(omega, None)) - 1.0).max()) for one in (first, second)]
-    effects = {"filter": 1.0 - float(behind), "delay": 0.5 * apart, "loop": max(loops)}
-    largest = max(effects, key=lambda name: effects[name])
-    slower = group.drawn[int(second.delay + second.wait > first.delay + first.wait)].name
-    axis = {"filter": "", "delay": slower, "loop": group.drawn[int(np.argmax(loops))].name}
-    return largest, axis[largest]
-
-
-def _corner_speeds(group: Group) -> Iterator[CornerSpeed]:
-    axes = turnings(group)
-    tolerance, feed = group.allowed, group.task.feed
-    if group.rule.kind is Corner.ARC:
-        acceleration = group.rule.share * group.acceleration
-        return speeds_on_arcs(axes, tolerance=tolerance, feed=feed, acceleration=acceleration)
-    return speeds_at_once(axes, tolerance=tolerance, feed=feed)
-
-
-def turnings(group: Group) -> tuple[Turning, Turning]:
-    """Return how the two axes of the plane answer a step of velocity, filter and wait included."""
-    first, second = (
-        Turning(step=axis.poles.dt, tool=axis.to_velocity(), lag=axis.lag) for axis in group.answers
-    )
-    return first, second

@@ -10,8 +10,9 @@ from pathlib import Path
 
 from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.errors import InputError
+from mtcommission.group.contours import Circle, Contours, follow_contours
 from mtcommission.group.corner import CornerSpeed
-from mtcommission.group.group import Circle, Group, GroupAxis
+from mtcommission.group.group import Group, GroupAxis
 from mtcommission.group.rules import Corner, junction_speed, largest_step
 from mtcommission.group.verdict import GroupCheck, judge_group
 from mtcommission.limits.judge import describe_place
@@ -188,7 +189,8 @@ class _Found:
 def build_group_record(group: Group, *, created: str) -> GroupRecord:
     """Return the record of axes that move together; ``created``: ISO 8601."""
     task = group.task
-    checks = judge_group(group)
+    contours = follow_contours(group)
+    checks = judge_group(group, contours)
     record = GroupRecord(
         schema=SCHEMA,
         checksum="",
@@ -214,11 +216,11 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
             for axis in group.axes
         },
         path=PathEntry(acceleration=group.acceleration, jerk=group.jerk),
-        circle=[_circle_entry(group, circle) for circle in group.circles],
-        feed_over_radius=[entry_of(FeedEntry, one) for one in group.feeds],
-        speed_over_angle=[_angle_entry(one) for one in group.corners],
+        circle=[_circle_entry(group, circle) for circle in contours.circles],
+        feed_over_radius=[entry_of(FeedEntry, one) for one in contours.feeds],
+        speed_over_angle=[_angle_entry(one) for one in contours.corners],
         corner_rule=entry_of(
-            RuleEntry, group.rule, kind=group.rule.kind.value, value=_rule_value(group)
+            RuleEntry, group.rule, kind=group.rule.kind.value, value=_rule_value(group, contours)
         ),
         filters=[entry_of(TrialEntry, trial) for trial in group.trials],
         tolerance=task.tolerance,
@@ -267,12 +269,12 @@ def _check_entry(check: GroupCheck) -> CheckEntry:
     return entry_of(CheckEntry, check)
 
 
-def _rule_value(group: Group) -> float:
+def _rule_value(group: Group, contours: Contours) -> float:
     """What the control is told for its rule at corners."""
     if group.rule.kind is Corner.ARC:
-        return max((one.arc.deviation for one in group.corners), default=0.0)
+        return max((one.arc.deviation for one in contours.corners), default=0.0)
     is_junction = group.rule.kind is Corner.JUNCTION
-    return (junction_speed if is_junction else largest_step)(group.corners)
+    return (junction_speed if is_junction else largest_step)(contours.corners)
 
 
 def _warnings(group: Group) -> list[Message]:

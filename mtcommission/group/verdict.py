@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mtcommission.group.answers import line_deviation
+from mtcommission.group.contours import Contours
 from mtcommission.group.group import Group, GroupAxis, worst_deviation
 from mtcommission.messages.message import Message
 from mtcommission.requirements.settling_time import SETTLING_TIME
@@ -31,9 +32,9 @@ class GroupCheck:
         return self.value <= self.limit * (1.0 + 1e-9)
 
 
-def judge_group(group: Group) -> tuple[GroupCheck, ...]:
+def judge_group(group: Group, contours: Contours) -> tuple[GroupCheck, ...]:
     """Return every requirement of a group: contour first, then each axis' own."""
-    checks = [_circles(group), _lines(group), *_reversals(group)]
+    checks = [_circles(group), _lines(group), *_reversals(group, contours)]
     for axis in group.axes:
         checks += _own(axis, group)
     return tuple(checks)
@@ -86,9 +87,9 @@ def _of_contour(group: Group, name: str, off: float, where: Message) -> GroupChe
     )
 
 
-def _reversals(group: Group) -> Iterator[GroupCheck]:
+def _reversals(group: Group, contours: Contours) -> Iterator[GroupCheck]:
     """Peaks where an axis reverses at the feed, where friction is stated."""
-    fastest = max(group.circles, key=lambda circle: circle.feed)
+    fastest = max(contours.circles, key=lambda circle: circle.feed)
     for axis, peak in fastest.quadrant_peak.items():
         yield GroupCheck(
             name=f"quadrant peak {axis}",
