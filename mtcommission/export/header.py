@@ -18,8 +18,10 @@ from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.limits import ModeLimitsEntry
-from mtcommission.record.machine import ACCEPTED_DEFAULT
-from mtcommission.record.record import Record
+from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
+from mtcommission.record.read_back import AxisRecord
+from mtcommission.record.record import Record, Tool
+from mtcommission.record.values import Words
 
 WIDTH = 96
 """Columns of the header's sentences."""
@@ -33,53 +35,90 @@ class Judged:
     verdict: Candidate  # of the recommendation
     left_out: tuple[ModeLimitsEntry, ...]  # machining modes whose band no limits meet
     lost_margins: Message | None  # where they are poor and those of the record were not
+    is_met: bool  # whether all requirements are kept in every corner, and the record's margins
 
 
 def compose_header(
-    subject: Subject, control: Control, judged: Judged, rows: Sequence[Row], words: Catalogue
+    record: Record,
+    subject: Subject,
+    control: Control,
+    judged: Judged,
+    rows: Sequence[Row],
+    words: Catalogue,
 ) -> list[Message]:
     """Return the sentences above the parameters."""
-    record = subject.record
-    machine, profile, tool = record.machine, record.profile, record.tool
-    typed = Typed(
-        values=judged.held.values,
-        acceleration=judged.held.limits().acceleration,
-        is_met=judged.verdict.assessment.is_met,
-    )
-    verdict, *without = say_judgement(subject, control, judged)
-    sentences = [
+    machine = record.machine
+    return [
         Message(
             "export-title",
             name=machine.name,
             axis_name=machine.axis,
             control=name_control(control.key),
         ),
-        Message(
-            "export-computed",
-            created=record.created,
-            tool=f"{tool.name} {tool.version}",
-            profile=profile.name,
-        ),
-        *_lost_letters(machine.name, machine.axis, profile.name),
-        Message("export-hash", hash=profile.sha256),
+        say_source(record.tool, record.created, [record.profile]),
+        *lost_letters(machine.name, machine.axis, record.profile.name),
+        Message("export-hash", hash=record.profile.sha256),
         Message("export-verify"),
+        *say_axis(subject, control, judged),
+        *say_notes(subject, control, judged, rows),
+        *say_doubts([subject], [judged], record.warnings, rows, words),
+    ]
+
+
+def say_source(tool: Tool, created: str, profiles: Sequence[Profile]) -> Message:
+    """Return what the text was computed from."""
+    names = ", ".join(profile.name for profile in profiles)
+    return Message(
+        "export-computed", created=created, tool=f"{tool.name} {tool.version}", profile=names
+    )
+
+
+def say_axis(subject: Subject, control: Control, judged: Judged) -> list[Message]:
+    """Return what the text does to the axis, and what it lacks."""
+    verdict, *without = say_judgement(subject, control, judged)
+    return [
         verdict,
         _corners(subject),
         *_left_out(subject, judged.verdict),
         *without,
         *say_ceiling(subject, judged),
+    ]
+
+
+def say_notes(
+    subject: Subject, control: Control, judged: Judged, rows: Sequence[Row]
+) -> list[Message]:
+    """Return what there is to mind with this control."""
+    typed = Typed(
+        values=judged.held.values,
+        acceleration=judged.held.limits().acceleration,
+        is_met=judged.verdict.assessment.is_met,
+    )
+    return [
         Message("export-safe-side"),
         *_shaft(subject, rows),
         *map(Message, control.notes),
         *control.notes_of(subject.axis, typed),
     ]
-    warned = {words.say(warning) for warning in record.warnings}
-    own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]
-    sentences += [Message("export-warning", warning=warning) for warning in record.warnings]
+
+
+def say_doubts(
+    subjects: Sequence[Subject],
+    judged: Sequence[Judged],
+    warnings: Sequence[Words],
+    rows: Sequence[Row],
+    words: Catalogue,
+) -> list[Message]:
+    """Return the warnings of the record, those of the text's loops, and what is not certain."""
+    warned = {words.say(warning) for warning in warnings}
+    found = dict.fromkeys(one for each in judged for one in each.held.tuned.warnings)
+    own = [warning for warning in found if words.say(warning) not in warned]
+    sentences = [Message("export-warning", warning=warning) for warning in warnings]
     sentences += [Message("export-warning-here", warning=warning) for warning in own]
-    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
+    data = [item for subject in subjects for item in subject.record.data]
+    unmeasured = dict.fromkeys(item.key for item in data if item.source == ACCEPTED_DEFAULT)
     if unmeasured:
-        sentences.append(Message("export-not-measured", keys=unmeasured))
+        sentences.append(Message("export-not-measured", keys=tuple(unmeasured)))
     if not all(row.is_verified for row in rows):
         sentences.append(Message("export-doubt"))
     return sentences
@@ -89,7 +128,7 @@ ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sens
 """What rounding to the digits of a control may leave of the margins."""
 
 
-def find_lost_margins(record: Record, held: Held) -> Message | None:
+def find_lost_margins(record: AxisRecord, held: Held) -> Message | None:
     """Return the margins of the text's loop where they are poor and the record's were not."""
     worst = record.loop.worst_corner
     had = (
@@ -130,8 +169,8 @@ def say_ceiling(subject: Subject, judged: Judged) -> list[Message]:
     ]
 
 
-def _lost_letters(*names: str) -> tuple[Message, ...]:
-    """Say that a name has letters that plain text for a control cannot hold."""
+def lost_letters(*names: str) -> tuple[Message, ...]:
+    """Return that a name has letters that plain text for a control cannot hold."""
     lost = any(to_ascii(name).count("?") > name.count("?") for name in names)
     return (Message("export-lost-letters"),) if lost else ()
 

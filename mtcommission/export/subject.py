@@ -25,8 +25,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.profile.read import profile_text_hash
 from mtcommission.record.limits import ModeLimitsEntry
-from mtcommission.record.read_back import close_as_held, read_held, read_limits
-from mtcommission.record.record import Record
+from mtcommission.record.read_back import AxisRecord, close_as_held, read_held, read_limits
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 REBUILT, ROUNDING = 1e-6, 1e-12
@@ -44,7 +43,7 @@ BYTE_ORDER_MARK = "\ufeff"
 class Subject:
     """An axis with its recommended limits, ready to be written for a control."""
 
-    record: Record
+    record: AxisRecord
     kind: ControlKind  # what the control has that it is written for
     machine: Machine  # built again from the record, like the controller
     controller: Controller
@@ -161,7 +160,7 @@ class Subject:
         return tuple(name for name, is_lacking in lacks.items() if is_lacking)
 
 
-def build_subject(record: Record, kind: ControlKind) -> Subject:
+def build_subject(record: AxisRecord, kind: ControlKind) -> Subject:
     """Return the axis of a record with its loop built again.
 
     Raises
@@ -190,7 +189,7 @@ def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
     return replace(machine, requirements=needs)
 
 
-def _require_own_profile(record: Record) -> None:
+def _require_own_profile(record: AxisRecord) -> None:
     """The header prints the hash: it must be that of the text which the loop is built from."""
     profile = record.profile
     texts = (profile.text, f"{BYTE_ORDER_MARK}{profile.text}")
@@ -199,7 +198,7 @@ def _require_own_profile(record: Record) -> None:
         raise InputError([Fault(where="record", key="profile.text", message=message)])
 
 
-def _require_same_loop(record: Record, tuned: TunedLoop) -> None:
+def _require_same_loop(record: AxisRecord, tuned: TunedLoop) -> None:
     recorded = np.array(record.loop.closed_loop.A)
     rebuilt = tuned.loops[0].lifted.A
     same = recorded.shape == rebuilt.shape and np.allclose(

@@ -8,7 +8,7 @@ header cannot promise what the text does not hold.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from mtcommission.control_kinds.control import Control, complete
@@ -104,70 +104,110 @@ def _export(
     record: Record, target: Control, language: str = "en", *, as_list: bool = False
 ) -> Export:
     subject = build_subject(record, target.kind)
-    follows = subject.machine.drive.follows
-    words = Catalogue(language, rotary=subject.is_rotary, follows=follows)
+    words = words_for([subject], language)
     layout = LIST if as_list else target.layout
-    loop = loop_of(subject)
-    own = list(target.rows(subject.axis, loop))
-    if follows:
-        loop = without_loop(loop)
-        own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
-    rows = complete(own, loop, subject.machine.axis_units)
-    entries = _choose(subject, target, rows, loop)
+    entries, indices = fill_in(subject, target)
     lines = write_body(layout, entries, words)
     written = tuple(entry.row for entry in entries)
-    held = hold(subject, read_text(layout, written, "\n".join(lines)))
-    kept = [mode for mode in record.limits.modes if _holds(held.values, mode.name)]
-    verdict = held.judge(held.machine, held.limits())
-    by_mode = {
-        mode.name: held.judge(for_mode(held.machine, mode), held.limits(mode.name)) for mode in kept
-    }
-    left_out = tuple(
-        mode
-        for mode in record.limits.modes
-        if mode not in kept and any(row.index == mode.name for row in rows)
+    judged = judge_text(subject, read_text(layout, written, "\n".join(lines)), indices)
+    head = write_head(
+        layout, compose_header(record, subject, target, judged, written, words), words
     )
-    judged = Judged(
-        held=held, verdict=verdict, left_out=left_out, lost_margins=find_lost_margins(record, held)
-    )
-    header = tuple(
-        " ".join(to_ascii(words.say(line)).split())
-        for line in compose_header(subject, target, judged, written, words)
-    )
-    head = [layout.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
-    met = all(found.assessment.is_met for found in (verdict, *by_mode.values()))
-    met = met and not judged.lost_margins
     judgement, *without = say_judgement(subject, target, judged)
     without += say_ceiling(subject, judged)
     return Export(
         control=target.key,
-        header=header,
+        header=head.sentences,
         entries=entries,
-        limits=held.limits(),
-        verdict=verdict,
-        is_met=met,
-        meets_requirements=met and not left_out,
+        limits=judged.held.limits(),
+        verdict=judged.verdict,
+        is_met=judged.is_met,
+        meets_requirements=judged.is_met and not judged.left_out,
         judgement=judgement,
         doubts=tuple(without),
-        text="\n".join([*head, "", *lines]) + "\n",
+        text="\n".join([*head.lines, "", *lines]) + "\n",
     )
 
 
-def read_text(layout: Layout, rows: Sequence[Row], text: str) -> dict[Key, float | str]:
-    """Return the settings that a text holds.
+def words_for(subjects: Sequence[Subject], language: str) -> Catalogue:
+    """Return the words for axes of one kind."""
+    subject = subjects[0]
+    follows = subject.machine.drive.follows
+    return Catalogue(language, rotary=subject.is_rotary, follows=follows)
+
+
+def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[str]]:
+    """Return every row with what is typed in, and the machining modes that the control has."""
+    loop = loop_of(subject)
+    own = list(target.rows(subject.axis, loop))
+    if subject.machine.drive.follows:
+        loop = without_loop(loop)
+        own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
+    rows = complete(own, loop, subject.machine.axis_units)
+    return _choose(subject, target, rows, loop), {row.index for row in rows}
+
+
+def judge_text(subject: Subject, values: Values, indices: Collection[str] = ()) -> Judged:
+    """Return what the settings that a text holds do to its axis.
+
+    ``indices``: of the control's machining modes.
+
+    Raises
+    ------
+    InputError
+        If a setting is missing, contradicts another, or the loop is unstable.
+    """
+    record, held = subject.record, hold(subject, values)
+    kept = [mode for mode in record.limits.modes if _holds(held.values, mode.name)]
+    verdict = held.judge(held.machine, held.limits())
+    by_mode = [held.judge(for_mode(held.machine, mode), held.limits(mode.name)) for mode in kept]
+    lost = find_lost_margins(record, held)
+    met = all(found.assessment.is_met for found in (verdict, *by_mode))
+    return Judged(
+        held=held,
+        verdict=verdict,
+        left_out=tuple(
+            mode for mode in record.limits.modes if mode not in kept and mode.name in indices
+        ),
+        lost_margins=lost,
+        is_met=met and not lost,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Head:
+    """The comment above a text."""
+
+    sentences: tuple[str, ...]
+    lines: list[str]
+
+
+def write_head(layout: Layout, said: Iterable[Message], words: Catalogue) -> Head:
+    """Return sentences as a comment, in letters that every control reads."""
+    sentences = tuple(" ".join(to_ascii(words.say(line)).split()) for line in said)
+    lines = [layout.comment(line) for one in sentences for line in wrap_whole(one, WIDTH)]
+    return Head(sentences=sentences, lines=lines)
+
+
+def read_text(
+    layout: Layout, rows: Sequence[Row], text: str, *, beside: Sequence[Row] = ()
+) -> dict[Key, float | str]:
+    """Return the settings that a text holds; ``beside``: rows that others read.
 
     Raises
     ------
     InputError
         If a row is missing, unknown, unreadable, or contradicts another.
     """
-    known = {(row.section, row.name): row for row in rows}
+    known = {(row.section, row.name): row for row in (*beside, *rows)}
     found: dict[str, Row] = {}
     values: dict[Key, float | str] = {}
     for section, name, typed in (*layout.read(text), *read_elsewhere(text)):
         row = known.get((section, name)) or known.get(("", name))
         if row is None:
             raise unreadable(name)
+        if row not in rows:
+            continue
         value = row.decode(typed)
         if values.setdefault(row.key, value) != value:
             raise unreadable(f"{name} {typed}")

@@ -22,9 +22,16 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
-from mtcommission.record.limits import RecommendedEntry, TodayEntry, recommended_entry, today_entry
+from mtcommission.record.limits import (
+    ModeLimitsEntry,
+    RecommendedEntry,
+    TodayEntry,
+    recommended_entry,
+    today_entry,
+)
 from mtcommission.record.loop import LoopPart, loop_part
-from mtcommission.record.machine import MachineEntry, Profile
+from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile, list_data
+from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.record import LIBRARIES, MOST_NAMED, Tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
 from mtcommission.record.values import Positive, SetpointFilterEntry, Words
@@ -41,6 +48,11 @@ class AxisLimits:
     recommended: RecommendedEntry
     today: TodayEntry | None  # what the control holds now; None: not stated
 
+    @property
+    def modes(self) -> list[ModeLimitsEntry]:
+        """Limits by machining mode: a group has none."""
+        return []
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisEntry:
@@ -49,8 +61,11 @@ class AxisEntry:
     name: str
     machine: MachineEntry
     profile: Profile
+    data: list[Datum]
+    plant: PlantEntry
     limits: AxisLimits
     loop: LoopPart
+    assessment: AssessmentPart  # of its own moves
     wait: float  # by which its setpoint is held back [s]
     peak_bound: float = of("peak_bound")  # no reversal throws the tool off further [m]
 
@@ -242,11 +257,14 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
         name=axis.name,
         machine=entry_of(MachineEntry, machine),
         profile=profile,
+        data=list_data(machine, found.plant, profile.text),
+        plant=entry_of(PlantEntry, found.plant),
         limits=AxisLimits(
             recommended=recommended_entry(RecommendedEntry, machine, axis.choice),
             today=today_entry(machine, found.today) if found.today else None,
         ),
         loop=loop_part(held),
+        assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
         wait=axis.wait * axis.alone.poles.dt,
         peak_bound=axis.peak_bound,
     )

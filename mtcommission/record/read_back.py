@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 from mtcommission.control_kinds.kind import FIR
 from mtcommission.loop.model.controller import Controller
@@ -20,13 +21,44 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.limits import LimitsEntry
-from mtcommission.record.record import FORCE_LIMITS, Record
+from mtcommission.record.limits import JudgedLimits, ModeLimitsEntry, RecommendedEntry
+from mtcommission.record.loop import LoopPart
+from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile
+from mtcommission.record.moves import AssessmentPart
+from mtcommission.record.record import FORCE_LIMITS
 from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 
-def read_machine(record: Record) -> Machine:
+class AxisLimits(Protocol):
+    """Limits for a control, and those of its machining modes."""
+
+    @property
+    def recommended(self) -> RecommendedEntry: ...  # noqa: D102
+    @property
+    def modes(self) -> list[ModeLimitsEntry]: ...  # noqa: D102
+
+
+class AxisRecord(Protocol):
+    """What there is of an axis in a record of its own, and in that of a group."""
+
+    @property
+    def machine(self) -> MachineEntry: ...  # noqa: D102
+    @property
+    def profile(self) -> Profile: ...  # noqa: D102
+    @property
+    def data(self) -> list[Datum]: ...  # noqa: D102
+    @property
+    def plant(self) -> PlantEntry: ...  # noqa: D102
+    @property
+    def limits(self) -> AxisLimits: ...  # noqa: D102
+    @property
+    def loop(self) -> LoopPart: ...  # noqa: D102
+    @property
+    def assessment(self) -> AssessmentPart: ...  # noqa: D102
+
+
+def read_machine(record: AxisRecord) -> Machine:
     """Return the machine of a record's profile, with the force limit of the run."""
     machine = parse_profile(record.profile.text, where=record.profile.name)
     data = {row.key: row.value for row in record.data}
@@ -34,7 +66,7 @@ def read_machine(record: Record) -> Machine:
     return replace(machine, drive=replace(machine.drive, max_force=float(force)))
 
 
-def read_held(record: Record) -> Machine:
+def read_held(record: AxisRecord) -> Machine:
     """Return the machine of a record with the gains that were found in place of tuning."""
     machine, loop = read_machine(record), record.loop
     gains = loop.state_feedback
@@ -82,7 +114,7 @@ def close_as_held(machine: Machine) -> TunedLoop:
     return replace(tuned, warnings=tuple(warn_of_modes(bench, tuned)))
 
 
-def read_limits(entry: LimitsEntry) -> MotionLimits:
+def read_limits(entry: JudgedLimits) -> MotionLimits:
     """Return recommended limits with their setpoint filter."""
     item = entry.setpoint_filter
     return MotionLimits(
