@@ -71,7 +71,7 @@ def sheet(
 
 def export(
     control: str = option("--control", "NAME", "E.g. sinumerik; ? lists all.", ...),
-    record: Path | None = argument("RECORD", "record.json of a run.", None),
+    record: Path | None = argument("RECORD", "record.json or group.json.", None),
     output: str = option("-o --output", "FILE", "- for the screen.", "-"),
     as_csv: bool = flag("--csv", "Parameter list to tick off instead."),
     language: str = LANGUAGE,
@@ -91,12 +91,19 @@ def export(
     key = find_control_key(control)
     require_writable(output, inputs=[record])
 
-    from mtcommission.export.write import export_record
+    from mtcommission.export.write import Export, export_record
+    from mtcommission.group.export import GroupExport, export_group
+    from mtcommission.group.record import load_group, names_group
     from mtcommission.record.record import load_record
 
-    loaded = load_record(record)
+    found: Export | GroupExport
     with show_stage() as progress:
         progress(Message("stage-responses"))
-        found = export_record(loaded, control=key, language=language, as_list=as_csv)
+        if names_group(record):
+            group = load_group(record)
+            found = export_group(group, control=key, language=language, as_list=as_csv)
+        else:
+            loaded = load_record(record)
+            found = export_record(loaded, control=key, language=language, as_list=as_csv)
     write_text(output, found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

@@ -67,6 +67,9 @@ class Control:
     notes_of: Callable[[Axis, Typed], tuple[Message, ...]] = lambda _axis, _typed: ()
     """Those that depend on the axis, or on what is typed in."""
     in_degrees: bool = True  # else its angles are radians
+    names_axes: bool = False  # whether its names tell the axis: several stand in one text as it is
+    axis_in_group: tuple[Row, ...] = ()  # what an axis is told where it moves with others
+    group: tuple[Row, ...] = ()  # what the path of axes that move together is told
 
     @property
     def key(self) -> str:

@@ -55,6 +55,15 @@ class Setting(Enum):
     FILTER_WIDTH = ("its width", ROUND_HALF_EVEN, "filter-width")
     STATE_GAIN = ("gain of a state that is fed back", ROUND_HALF_EVEN, "row-state-gain")
     FIXED = ("what must be so", "", "")
+    WAIT = ("wait for the slowest axis", ROUND_HALF_EVEN, "group-row-wait")
+    PATH_ACCELERATION = ("path acceleration", ROUND_FLOOR, "group-row-acceleration")
+    PATH_JERK = ("path jerk", ROUND_FLOOR, "group-row-jerk")
+    PATH_ACCELERATION_CEILING = ("its ceiling", ROUND_FLOOR, "group-row-acceleration-ceiling")
+    PATH_JERK_CEILING = ("ceiling of the path jerk", ROUND_FLOOR, "group-row-jerk-ceiling")
+    CORNER_STEP = ("step of velocity at corners", ROUND_FLOOR, "group-row-step")
+    CORNER_SPEED = ("speed at a right angle", ROUND_FLOOR, "group-row-speed")
+    CORNER_TOLERANCE = ("tolerance of the arc at corners", ROUND_FLOOR, "group-row-arc")
+    CONTOUR_TOLERANCE = ("contour tolerance", ROUND_FLOOR, "group-row-tolerance")
 
     @property
     def rounding(self) -> str:

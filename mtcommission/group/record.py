@@ -10,10 +10,10 @@ from pathlib import Path
 
 from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.errors import InputError
-from mtcommission.group.contours import Circle, Contours, follow_contours
+from mtcommission.group.contours import Circle, follow_contours
 from mtcommission.group.corner import CornerSpeed
 from mtcommission.group.group import Group, GroupAxis
-from mtcommission.group.rules import Corner, junction_speed, largest_step
+from mtcommission.group.rules import value_of
 from mtcommission.group.verdict import GroupCheck, judge_group
 from mtcommission.limits.judge import describe_place
 from mtcommission.loop.disturbance import DisturbanceStep
@@ -235,7 +235,10 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         feed_over_radius=[entry_of(FeedEntry, one) for one in contours.feeds],
         speed_over_angle=[_angle_entry(one) for one in contours.corners],
         corner_rule=entry_of(
-            RuleEntry, group.rule, kind=group.rule.kind.value, value=_rule_value(group, contours)
+            RuleEntry,
+            group.rule,
+            kind=group.rule.kind.value,
+            value=value_of(group.rule, contours.corners),
         ),
         filters=[entry_of(TrialEntry, trial) for trial in group.trials],
         tolerance=task.tolerance,
@@ -287,14 +290,6 @@ def _check_entry(check: GroupCheck) -> CheckEntry:
     return entry_of(CheckEntry, check)
 
 
-def _rule_value(group: Group, contours: Contours) -> float:
-    """What the control is told for its rule at corners."""
-    if group.rule.kind is Corner.ARC:
-        return max((one.arc.deviation for one in contours.corners), default=0.0)
-    is_junction = group.rule.kind is Corner.JUNCTION
-    return (junction_speed if is_junction else largest_step)(contours.corners)
-
-
 def _warnings(group: Group) -> list[Message]:
     """What the verdict does not show."""
     found = []
@@ -340,6 +335,11 @@ def load_group(path: Path) -> GroupRecord:
                 for one in fault(path, wrong).faults
             ]
         ) from error
+
+
+def names_group(path: Path) -> bool:
+    """Return whether a file is the record of a group."""
+    return is_group(load_json(path, most=LARGEST_FILE))
 
 
 def is_group(data: object) -> bool:

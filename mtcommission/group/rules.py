@@ -34,18 +34,20 @@ LINUXCNC_SHARE = sqrt(0.75)
 RULES = {
     "sinumerik": CornerRule(
         kind=Corner.ARC,
-        name="G642, G643: MD33100 COMPRESS_POS_TOL (?), SD42465 SMOOTH_CONTUR_TOL (?)",
-        source="names second-hand",
+        name="G642, G643: MD33100 COMPRESS_POS_TOL, SD42465 SMOOTH_CONTUR_TOL",
+        source="SINUMERIK Basic Functions 01/2015, B1 4.3 p. 193; that it is an arc (?)",
         is_verified=False,
     ),
     "fanuc": CornerRule(
         kind=Corner.STEP,
-        name="No. 1783 (?)",
-        source="names second-hand",
-        is_verified=False,
+        name="No. 1783",
+        source="FANUC Series 0i Connection Manual B-63833EN-1/02, 7 p. 354",
     ),
     "twincat": CornerRule(
-        kind=Corner.ARC, name="tolerance ball", source="names second-hand", is_verified=False
+        kind=Corner.ARC,
+        name="#set paramVertexSmoothing(2; 2; radius)#",
+        source="TwinCAT TF5100 NCI, parabolic smoothing; an arc is taken for the parabola",
+        is_verified=False,
     ),
     "isg": CornerRule(
         kind=Corner.ARC,
@@ -97,3 +99,10 @@ def junction_speed(speeds: tuple[CornerSpeed, ...]) -> float:
         s = cos(0.5 * one.angle)
         found.append(one.speed * sqrt((1.0 - s) / s * square / (1.0 - square)))
     return min(found, default=inf)
+
+
+def value_of(rule: CornerRule, speeds: tuple[CornerSpeed, ...]) -> float:
+    """Return what the control is told: a velocity [m/s], or the tolerance of arcs [m]."""
+    if rule.kind is Corner.ARC:
+        return max((one.arc.deviation for one in speeds), default=0.0)
+    return (junction_speed if rule.kind is Corner.JUNCTION else largest_step)(speeds)

@@ -92,4 +92,9 @@ def _fanuc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=FANUC, rows=_fanuc, layout=TABLE, notes_of=_fanuc_notes)
+IN_GROUP = (Row(Setting.CORNER_STEP, "1783", unit="mm/min", step=1),)
+"""Source: FANUC 0i Connection Manual (Function) B-63833EN-1/02, 7, p. 354; A-63512EN, 2.4."""
+
+CONTROL = Control(
+    kind=FANUC, rows=_fanuc, layout=TABLE, notes_of=_fanuc_notes, axis_in_group=IN_GROUP
+)

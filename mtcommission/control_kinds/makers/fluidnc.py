@@ -49,4 +49,6 @@ def _fluidnc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=FLUIDNC, rows=_fluidnc, layout=YAML, notes_of=_fluidnc_notes)
+CONTROL = Control(
+    kind=FLUIDNC, rows=_fluidnc, layout=YAML, names_axes=True, notes_of=_fluidnc_notes
+)

@@ -70,6 +70,23 @@ def _state_space(axis: Axis, loop: Values) -> tuple[Row, ...]:
     )
 
 
-CONTROL = Control(kind=GENERIC, rows=_generic, layout=TABLE, in_degrees=False)
+IN_GROUP = (
+    Row(Setting.WAIT, "wait", unit="ms", digits=9),
+    Row(Setting.CORNER_STEP, "velocity step at corners", unit="m/s"),
+)
+
+GROUP = (
+    Row(Setting.PATH_ACCELERATION, "path acceleration", unit="m/s^2"),
+    Row(Setting.PATH_JERK, "path jerk", unit="m/s^3"),
+)
+
+CONTROL = Control(
+    kind=GENERIC,
+    rows=_generic,
+    layout=TABLE,
+    in_degrees=False,
+    axis_in_group=IN_GROUP,
+    group=GROUP,
+)
 
 FREE = Control(kind=STATE_SPACE, rows=_state_space, layout=TABLE, in_degrees=False)

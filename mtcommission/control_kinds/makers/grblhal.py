@@ -53,5 +53,6 @@ CONTROL = Control(
     kind=GRBLHAL,
     rows=_grblhal,
     layout=MACHINE_DATA,
+    names_axes=True,
     notes=("grblhal-builds", "grblhal-corners", "export-segments"),
 )

@@ -14,7 +14,7 @@ from mtcommission.control_kinds.kind import (
     believed,
     read,
 )
-from mtcommission.control_kinds.row import Row, Setting, Values
+from mtcommission.control_kinds.row import Row, Setting, Values, doubted
 from mtcommission.control_kinds.syntax import TABLE
 
 TECHNICAL = "HEIDENHAIN MANUALplus 620 Technical Manual 01/2012, 6.16"
@@ -143,9 +143,17 @@ def _heidenhain(axis: Axis, _loop: Values) -> list[Row]:
     ]
 
 
+GROUP = (
+    Row(Setting.PATH_JERK_CEILING, "maxPathJerk", unit="m/s^3"),
+    Row(Setting.PATH_JERK_CEILING, "maxPathJerkHi", unit="m/s^3"),
+    doubted(Setting.CONTOUR_TOLERANCE, "pathTolerance", unit="mm"),
+)
+"""Source: MANUALplus 620 Technical Manual 01/2012, 6.16, pp. 502, 829, 834."""
+
 CONTROL = Control(
     kind=HEIDENHAIN,
     rows=_heidenhain,
     layout=TABLE,
+    group=GROUP,
     notes=("heidenhain-path", "heidenhain-filters", "heidenhain-speed-gains", "heidenhain-itnc"),
 )

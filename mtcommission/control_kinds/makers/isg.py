@@ -153,6 +153,19 @@ def _isg(axis: Axis, loop: Values) -> Iterator[Row]:
         yield Row(Setting.AVERAGE, "filter_fir.order_time", unit="us", digits=9)
 
 
+GROUP = (
+    doubted(
+        Setting.CORNER_TOLERANCE,
+        "#CONTOUR MODE [DEV, PATH_DEV v]: v",
+        unit="mm",
+        is_elsewhere=True,
+    ),
+)
+
 CONTROL = Control(
-    kind=ISG, rows=_isg, layout=NAMED_LIST, notes=("isg-gear-sets", "isg-own-limits", "isg-slope")
+    kind=ISG,
+    rows=_isg,
+    layout=NAMED_LIST,
+    notes=("isg-gear-sets", "isg-own-limits", "isg-slope"),
+    group=GROUP,
 )

@@ -117,6 +117,23 @@ def _klipper_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
+GROUP = (
+    Row(
+        Setting.PATH_ACCELERATION,
+        "max_accel",
+        unit="mm/s^2",
+        meaning="klipper-tool-head",
+        section="printer",
+    ),
+    Row(Setting.CORNER_SPEED, "square_corner_velocity", unit="mm/s", section="printer"),
+)
+
 CONTROL = Control(
-    kind=KLIPPER, rows=_klipper, layout=CONFIG, shapers=USUAL, notes_of=_klipper_notes
+    kind=KLIPPER,
+    rows=_klipper,
+    layout=CONFIG,
+    shapers=USUAL,
+    notes_of=_klipper_notes,
+    names_axes=True,
+    group=GROUP,
 )

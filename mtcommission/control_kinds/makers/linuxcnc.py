@@ -88,9 +88,28 @@ def _linuxcnc(axis: Axis, loop: Values) -> list[Row]:
     return rows
 
 
+GROUP = (
+    Row(
+        Setting.PATH_ACCELERATION_CEILING,
+        "MAX_LINEAR_ACCELERATION",
+        unit="mm/s^2",
+        section="TRAJ",
+    ),
+    Row(
+        Setting.PATH_JERK,
+        "MAX_LINEAR_JERK",
+        unit="mm/s^3",
+        meaning="linuxcnc-path-jerk",
+        section="TRAJ",
+    ),
+    Row(Setting.CORNER_TOLERANCE, "G64 P", unit="mm", is_elsewhere=True),
+)
+
 CONTROL = Control(
     kind=LINUXCNC,
     rows=_linuxcnc,
     layout=INI,
+    names_axes=True,
+    group=GROUP,
     notes=("linuxcnc-units", "linuxcnc-joints", "linuxcnc-least-jerk"),
 )

@@ -154,4 +154,6 @@ def _marlin_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-CONTROL = Control(kind=MARLIN, rows=_marlin, layout=G_CODE, shapers=USUAL, notes_of=_marlin_notes)
+CONTROL = Control(
+    kind=MARLIN, rows=_marlin, layout=G_CODE, names_axes=True, shapers=USUAL, notes_of=_marlin_notes
+)

@@ -80,5 +80,6 @@ CONTROL = Control(
     kind=PLCOPEN,
     rows=constants,
     layout=CONSTANTS,
+    names_axes=True,
     notes=("plcopen-unit", "plcopen-jerk-of-zero", "plcopen-quadratic"),
 )

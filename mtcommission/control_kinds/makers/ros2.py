@@ -73,4 +73,4 @@ def _ros(axis: Axis, loop: Values) -> list[Row]:
     ]
 
 
-CONTROL = Control(kind=ROS2, rows=_ros, layout=YAML, in_degrees=False)
+CONTROL = Control(kind=ROS2, rows=_ros, layout=YAML, names_axes=True, in_degrees=False)

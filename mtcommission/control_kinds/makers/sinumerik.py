@@ -288,10 +288,31 @@ def _sinamics(axis: Axis, loop: Values) -> Iterator[Row]:
 
 def _sinumerik_notes(axis: Axis, _typed: Typed) -> tuple[Message, ...]:
     return (
-        Message("sinumerik-dynamic-modes"),
+        Message("sinumerik-dynamic-modes" if axis.bands else "sinumerik-one-mode"),
         Message("sinumerik-path-jerk"),
         *((Message("sinumerik-turns"),) if axis.is_rotary else ()),
     )
 
 
-CONTROL = Control(kind=SINUMERIK, rows=_sinumerik, layout=MACHINE_DATA, notes_of=_sinumerik_notes)
+IN_GROUP = (
+    fixed("N32900 $MA_DYN_MATCH_ENABLE", "1", "group-row-match"),
+    Row(Setting.WAIT, "N32910 $MA_DYN_MATCH_TIME[0]", unit="s", digits=6),
+    Row(Setting.CORNER_TOLERANCE, "N33100 $MA_COMPRESS_POS_TOL", unit="mm"),
+)
+"""Source: 828D Basic Functions 09/2011, G2 7.5; 01/2015, B1 4.3 p. 193 (for G642 and G643)."""
+
+GROUP = (
+    fixed("N42502 $SC_IS_SD_MAX_PATH_ACCEL", "1", "group-row-acceleration-on"),
+    Row(Setting.PATH_ACCELERATION_CEILING, "N42500 $SC_SD_MAX_PATH_ACCEL", unit="m/s^2"),
+    doubted(Setting.PATH_JERK_CEILING, "N20600 $MC_MAX_PATH_JERK[0]", unit="m/s^3"),
+)
+"""Source: 828D Basic Functions 09/2011, B2 4.2.6 and 4.2.12.3; the index of MD20600 (?)."""
+
+CONTROL = Control(
+    kind=SINUMERIK,
+    rows=_sinumerik,
+    layout=MACHINE_DATA,
+    notes_of=_sinumerik_notes,
+    axis_in_group=IN_GROUP,
+    group=GROUP,
+)

@@ -144,9 +144,34 @@ def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
     ]
 
 
+GROUP = (
+    *(
+        Row(
+            setting,
+            f"#set paramPathDynamics[{number}]",
+            unit="mm/s^2, mm/s^3",
+            meaning="limit-path-nci",
+            section=INLINE,
+        )
+        for number, setting in enumerate(
+            (Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION, Setting.PATH_JERK), start=1
+        )
+    ),
+    Row(
+        Setting.CORNER_TOLERANCE,
+        "#set paramVertexSmoothing(2; 2; radius)#: radius",
+        unit="mm",
+        meaning="group-row-parabola",
+        is_elsewhere=True,
+    ),
+)
+"""Source: TF5100 NCI, parabolic smoothing (infosys.beckhoff.com, tcnci/2742970379.html)."""
+
 CONTROL = Control(
     kind=TWINCAT,
     rows=_twincat,
     layout=CONSTANTS,
+    names_axes=True,
+    group=GROUP,
     notes=("twincat-jerk-unit", "twincat-no-jerk-filter"),
 )

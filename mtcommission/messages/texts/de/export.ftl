@@ -155,6 +155,7 @@ sinumerik-denominator-damping = Dämpfungsgrad des Nenners
 sinumerik-numerator-damping = Dämpfungsgrad des Zählers
 sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zähler; Reihenfolge der fünf Parameter
 sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Toleranzband beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
+sinumerik-one-mode = DYNNORM und DYNPOS erhalten die Empfehlung; die übrigen Dynamikmodi behalten, was sie haben, und das wurde nicht beurteilt. G0 kann MD32434/MD32435 (Faktoren) verwenden, JOG verwendet MD32420/MD32430.
 sinumerik-path-jerk = Der Bahnruck MD20600 muss über den Achswerten liegen, sonst begrenzt er.
 sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Toleranzbänder in Grad.
 

@@ -51,3 +51,32 @@ group-corner-told = Ecken: { $kind ->
 }
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
 group-axis = Achse
+
+# Export einer Gruppe: Was Steuerungen lesen, kommt ohne Sonderzeichen aus.
+group-row-wait = zusätzliche Verzögerung, mit der die Achse auf die langsamste wartet
+group-row-match = die Achse wartet auf die langsamste
+group-row-acceleration = Bahnbeschleunigung
+group-row-jerk = Bahnruck
+group-row-acceleration-on = die Obergrenze der Bahnbeschleunigung wirkt
+group-row-acceleration-ceiling = Obergrenze der Bahnbeschleunigung: begrenzt Kreise und Geraden, wo diese weniger als die Achsen brauchen, sonst nichts
+group-row-jerk-ceiling = Obergrenze des Bahnrucks: begrenzt Geraden, wo diese weniger als die Achsen brauchen, sonst über diesen, wie es der Hersteller verlangt
+group-row-step = Geschwindigkeitssprung, den Ecken einer Achse zumuten dürfen
+group-row-speed = Geschwindigkeit am rechten Winkel
+group-row-arc = wie weit die Verrundung einer Ecke von ihr abweichen darf
+group-row-parabola = Abstand der Parabel von der Ecke; simuliert wurde ein Bogen
+group-row-tolerance = Konturtoleranz; die eigenen Filter der Steuerung sind nicht simuliert
+group-part-axis = Achse { $name }
+group-part-path = Bahn aller Achsen
+group-export-title = { $name }, Achsen { $axes }: aufeinander abgestimmte Grenzwerte und Regelkreise für { $control }
+# $radius: mm, $feed: m/min
+group-export-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie im Protokoll.
+group-export-other-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; NICHT WIE IM PROTOKOLL: Radius { $planned }, Form { $planned_form }. Der Steuerung fehlt, worauf die Gruppe baut, oder sie rundet es: die Profile für diese Steuerung rechnen.
+group-export-of = Achse { $name }: { $said }
+group-export-without-place = NICHT IN DIESEM TEXT, weil in dieser Steuerung kein Platz dafür bekannt ist: { $values }.
+group-row-wait-without-place = Wartezeit { $waits }
+group-wait-of = { $name } { TIME($wait) }
+group-row-acceleration-without-place = Bahnbeschleunigung { SI($acceleration, "ACCELERATION") }
+group-row-jerk-without-place = Bahnruck { SI($jerk, "JERK") }
+group-row-step-without-place = ein Wert für Ecken (die Tabelle der Geschwindigkeit über dem Winkel steht im Protokoll)
+group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
+group-export-no-rounding = KEIN WERT FÜR ECKEN: innerhalb der Toleranz ist kein Verrunden schneller als sofortiges Abbiegen; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren.

@@ -164,6 +164,7 @@ sinumerik-denominator-damping = damping ratio of the denominator
 sinumerik-numerator-damping = damping ratio of the numerator
 sinumerik-filter-kind = 1 low-pass, 2 second order with a numerator; order of the five parameters
 sinumerik-dynamic-modes = DYNNORM and DYNPOS get the recommendation, the others the limits of a machining mode, judged with its own band. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
+sinumerik-one-mode = DYNNORM and DYNPOS get the recommendation; the other dynamic modes keep what they hold, which was not judged. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
 sinumerik-path-jerk = The path jerk MD20600 must stay above the axis values, or it limits instead.
 sinumerik-turns = Accelerations count in revolutions, positions and bands in degrees.
 

@@ -51,3 +51,32 @@ group-corner-told = Corners: { $kind ->
 }
 group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
 group-axis = Axis
+
+# Export of a group: what controls read comes without special letters.
+group-row-wait = extra delay, by which the axis waits for the slowest
+group-row-match = the axis waits for the slowest
+group-row-acceleration = path acceleration
+group-row-jerk = path jerk
+group-row-acceleration-on = the ceiling of the path acceleration acts
+group-row-acceleration-ceiling = ceiling of the path acceleration: bounds circles and lines where these need less than the axes, else none
+group-row-jerk-ceiling = ceiling of the path jerk: bounds lines where these need less than the axes, else above them, as the maker wants
+group-row-step = step of velocity that corners may ask of an axis
+group-row-speed = speed at a right angle
+group-row-arc = how far the rounding of a corner may be off it
+group-row-parabola = distance of the parabola from the corner; an arc was simulated
+group-row-tolerance = contour tolerance; the control's own filters are not simulated
+group-part-axis = Axis { $name }
+group-part-path = Path of all axes
+group-export-title = { $name }, axes { $axes }: limits and loops that go together, for { $control }
+# $radius: mm, $feed: m/min
+group-export-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; equals the record.
+group-export-other-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; NOT AS IN THE RECORD: radius { $planned }, form { $planned_form }. The control lacks what the group counts on, or rounds it: compute the profiles for this control.
+group-export-of = Axis { $name }: { $said }
+group-export-without-place = NOT IN THIS TEXT, for no place of it is known in this control: { $values }.
+group-row-wait-without-place = wait { $waits }
+group-wait-of = { $name } { TIME($wait) }
+group-row-acceleration-without-place = path acceleration { SI($acceleration, "ACCELERATION") }
+group-row-jerk-without-place = path jerk { SI($jerk, "JERK") }
+group-row-step-without-place = a value for corners (the table of speeds over the angle is in the record)
+group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
+group-export-no-rounding = NO VALUE FOR CORNERS: within the tolerance no rounding is faster than turning at once; pass them at the speeds over the angle of the record.
