@@ -12,7 +12,8 @@ from bisect import bisect_left
 from cmath import exp
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import comb, cos, pi, sqrt
+from math import comb, cos, pi, sqrt, tanh
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,11 @@ from mtcommission.machine.shapers import HUMPS, shape
 from mtcommission.plant.manipulator import Manipulator
 
 Array = NDArray[np.float64]
+
+
+SLICES, CREEP = 10, 2e-5
+"""Of a velocity cycle in which friction is constant, and the velocity at which it has turned
+[m/s]."""
 
 
 @dataclass(slots=True)
@@ -143,6 +149,12 @@ def axis_of(machine: Machine) -> Axis:
 
 def _pole(mass: float, damping: float, stiffness: float) -> complex:
     return complex(-damping, sqrt(4 * mass * stiffness - damping**2)) / (2 * mass)
+
+
+class Moving(Protocol):
+    """A setpoint: x, v, a, j at any time."""
+
+    def at(self, t: float) -> Array: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,7 +343,7 @@ class Run:
 def run(
     machine: Machine,
     gains: Controller,
-    profile: Profile,
+    profile: Moving,
     *,
     nominal: Machine,
     samples: int,
@@ -339,10 +351,11 @@ def run(
     push: float = 0.0,
     resolution: float = 0.0,
     phase: float = 0.0,
+    coulomb: float = 0.0,
 ) -> Run:
     """The machine under the cascade; ``nominal`` is what the controller believes it to be.
 
-    ``push`` is a force beside the motor from the beginning on. The encoder rounds to whole steps of
+    ``push`` is a force beside the motor from the beginning on, ``coulomb`` a friction. The encoder rounds to whole steps of
     ``resolution``; at the start it stands ``phase`` of a step beside one.
     """
     axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
@@ -380,7 +393,12 @@ def run(
             modelled = fade * modelled + (1 - fade) * correction
         measured = np.array([axis.tool if s == "tcp" else seen for s in gains.sensors])
         estimate = advance(estimate, acting, measured)
-        axis.advance(acting, h, push)
+        if coulomb:
+            for _ in range(SLICES):
+                rubs = -coulomb * tanh(axis.encoder_rate / CREEP)
+                axis.advance(acting, h / SLICES, push + rubs)
+        else:
+            axis.advance(acting, h, push)
         acting = granted
     table = np.array(out)
     t = np.arange(samples) * h
@@ -389,7 +407,7 @@ def run(
 
 
 def _handed_down(
-    profile: Profile, gains: Controller, nominal: Machine, now: float
+    profile: Moving, gains: Controller, nominal: Machine, now: float
 ) -> Callable[[float], tuple[float, float, float]]:
     """What was computed at ``now``: position, velocity and force, so long into the next cycle."""
     T_p, h, K, m = (
@@ -427,7 +445,7 @@ def _handed_down(
     )
 
 
-def delayed(profile: Profile, t: float, cycle: float) -> Array:
+def delayed(profile: Moving, t: float, cycle: float) -> Array:
     """The setpoint between samples of the position cycle, as the control interpolates it."""
     place = t / cycle
     nearest = round(place)

@@ -23,8 +23,15 @@ Array = NDArray[np.float64]
 PERIODS, LONGEST = 2.0, 0.6
 """Of each pole that an answer is followed, and the longest [s] (empirical)."""
 
+PHASES = (0.0, 1e-4, 0.5)
+"""At which a step comes within a position cycle: with its sample, which sees all derivatives step
+before anything has moved; just behind it, so that the next sample sees all; and between."""
+
 AFTER = 100.0
 """End of a step of acceleration, later than anything that is looked at [s]."""
+
+FINER = 4
+"""Instants of a position cycle that are looked at."""
 
 SHARES = (0.05, 0.2, 0.5, 1.0)
 """Of the feed to which a line accelerates."""
@@ -44,38 +51,61 @@ class AxisAnswers:
         waited = self.wait * self.poles.dt + filter_lag(self.setpoint_filter)
         return np.asarray(waited - self.poles.steady[:, 0, TOOL, 1], dtype=np.float64)
 
-    def tool(self, steps: JerkSteps, t: Array) -> Array:
-        """Return the tool's position in some position cycles, (n_corners, n_setpoints, n_times)."""
-        n = np.round(t / self.poles.dt).astype(np.int64) - self.wait
+    @property
+    def step(self) -> float:
+        """Time between two instants that are looked at: a quarter of a position cycle or so [s]."""
+        return self.poles.dt / len(self._parts)
+
+    @property
+    def _parts(self) -> list[int]:
+        cycles = self.poles.cycles
+        return list(range(0, cycles, max(cycles // FINER, 1)))
+
+    def tool(self, steps: JerkSteps, cycles: int) -> Array:
+        """Return the tool's position, (n_corners, n_setpoints, n_times), some position cycles on.
+
+        The first step comes within the first cycle.
+        """
+        n = np.arange(cycles) - self.wait
         motions = set_in_motion(self.poles, filter_steps(steps, self.setpoint_filter))
         each = np.tile(np.maximum(n, 0), (len(steps.times), 1))
-        found = outputs_at(motions, each, np.eye(self.poles.outputs)[TOOL])[..., 0, 0]
-        found[..., n < 0] = 0.0
-        return np.asarray(found.swapaxes(0, 1), dtype=np.float64)
+        found = outputs_at(motions, each, np.eye(self.poles.outputs)[TOOL])[..., self._parts, 0]
+        found[:, :, n < 0] = 0.0
+        found = found.swapaxes(0, 1)
+        return np.asarray(found.reshape(*found.shape[:2], -1), dtype=np.float64)
 
-    def times(self, duration: float) -> Array:
-        """Return the position cycles until an answer to so long a setpoint [s] is over [s]."""
+    def cycles(self, duration: float) -> int:
+        """Return after how many position cycles the answer to so long a setpoint [s] is over."""
         rings = [swing_times(pole, PERIODS)[0] for pole in self.poles.rates[0] if np.isfinite(pole)]
         rest = float(self.lag.max()) + min(max(rings, default=0.0), LONGEST)
         own = self.setpoint_filter.duration if self.setpoint_filter else 0.0
-        count = ceil((duration + own + rest) / self.poles.dt) + 2
-        return np.asarray(self.poles.dt * np.arange(count), dtype=np.float64)
+        return ceil((duration + own + rest) / self.poles.dt) + 2
 
-    def to_velocity(self) -> Array:
-        """Return the answer to a step of velocity of 1 m/s, (n_corners, n_times) [s]."""
-        single = JerkSteps(times=np.zeros((1, 1)), steps=np.ones((1, 1)), order=1)
-        return self.tool(single, self.times(0.0))[:, 0]
+    def to_velocity(self, phase: float) -> Array:
+        """Return the answer to a step of velocity of 1 m/s, (n_corners, n_times) [s].
+
+        ``phase``: when within a position cycle it comes [-]; the first instant is that cycle's.
+        """
+        at = np.full((1, 1), phase * self.poles.dt)
+        single = JerkSteps(times=at, steps=np.ones((1, 1)), order=1)
+        return self.tool(single, self.cycles(0.0))[:, 0]
 
     def entry(self) -> float:
         """Return the largest deviation after a step of acceleration of 1 m/s² [s²].
 
         That is how a circle is entered from its tangent: against the circle that comes so late.
         """
-        t = self.times(0.0)
-        late = np.maximum(t - self.lag[:, None], 0.0)
+        cycles, starts = self.cycles(0.0), self.poles.dt * np.array(PHASES)
         # Behind its last step a setpoint coasts: the acceleration ends after all that is seen.
-        lasting = JerkSteps(times=np.array([[0.0, AFTER]]), steps=np.array([[1.0, -1.0]]), order=2)
-        return float(np.abs(self.tool(lasting, t)[:, 0] - 0.5 * late**2).max())
+        lasting = JerkSteps(
+            times=np.array([starts, starts + AFTER]).T,
+            steps=np.tile([1.0, -1.0], (len(starts), 1)),
+            order=2,
+        )
+        found = self.tool(lasting, cycles)
+        t = self.step * np.arange(found.shape[2])
+        late = np.maximum(t - starts[:, None] - self.lag[:, None, None], 0.0)
+        return float(np.abs(found - 0.5 * late**2).max())
 
 
 def filter_lag(item: SetpointFilter | None) -> float:
@@ -99,8 +129,7 @@ def line_deviation(
     full = np.full_like(sizes, acceleration)
     move = VelocityStep(velocity_step=feed)
     steps = jerk_steps(move, acceleration=full, jerk=np.full_like(sizes, jerk), size=sizes)
-    t = max(
-        first.times(float(steps.duration.max())), second.times(float(steps.duration.max())), key=len
-    )
-    a, b = first.tool(steps, t), second.tool(steps, t)
+    duration = float(steps.duration.max())
+    cycles = max(first.cycles(duration), second.cycles(duration))
+    a, b = first.tool(steps, cycles), second.tool(steps, cycles)
     return float(0.5 * np.abs(a[:, None] - b[None]).max())

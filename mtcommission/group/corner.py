@@ -21,6 +21,8 @@ from math import ceil, cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.group.answers import PHASES, AxisAnswers
+
 Array = NDArray[np.float64]
 
 ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
@@ -38,11 +40,34 @@ HALVINGS = 9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Turning:
-    """How an axis answers a step of velocity of 1 m/s, in every corner of the machine."""
+    """How an axis answers a step of velocity of 1 m/s, in some corners of the machine."""
 
     step: float  # of time [s]
-    tool: Array  # its position, (n_corners, n_times) [m per m/s]
+    starts: tuple[float, ...]  # when the step comes, within the first position cycle [s]
+    tool: Array  # its position, (n_starts, n_corners, n_times) [m per m/s]
     lag: Array  # of slow motion behind the setpoint, (n_corners,) [s]
+
+    def leading(self) -> Turning:
+        """Return the same in the nominal machine and in the corner that is furthest off alone."""
+        t = self.step * np.arange(self.tool.shape[2]) - np.array(self.starts)[:, None]
+        ideal = np.maximum(t[:, None] - self.lag[:, None], 0.0)
+        worst = int(np.abs(self.tool - ideal).max(axis=(0, 2)).argmax())
+        own = [0, worst] if worst else [0]
+        return replace(self, tool=self.tool[:, own], lag=self.lag[own])
+
+    def nominal(self) -> Turning:
+        """Return the same in the nominal machine, where the step comes with the cycle."""
+        return replace(self, starts=self.starts[:1], tool=self.tool[:1, :1], lag=self.lag[:1])
+
+
+def turn(axis: AxisAnswers) -> Turning:
+    """Return how an axis behind its filter answers a step of velocity, at every phase."""
+    return Turning(
+        step=axis.step,
+        starts=tuple(phase * axis.poles.dt for phase in PHASES),
+        tool=np.array([axis.to_velocity(phase) for phase in PHASES]),
+        lag=axis.lag,
+    ).leading()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,31 +94,28 @@ def corner_deviation(axes: tuple[Turning, Turning], angle: float, speed: float, 
     """
     first, second = axes
     return max(
-        _deviation((a, b), (first.step, first.lag[i], second.lag[k]), angle, speed, arc)
-        for i, a in enumerate(first.tool)
-        for k, b in enumerate(second.tool)
+        _deviation((a, b), (first.step, start, first.lag[i], second.lag[k]), angle, speed, arc)
+        for start, one, other in zip(first.starts, first.tool, second.tool, strict=True)
+        for i, a in enumerate(one)
+        for k, b in enumerate(other)
     )
-
-
-def _nominal(axis: Turning) -> Turning:
-    return replace(axis, tool=axis.tool[:1], lag=axis.lag[:1])
 
 
 def _deviation(
     tools: tuple[Array, Array],
-    times: tuple[float, float, float],
+    times: tuple[float, float, float, float],
     angle: float,
     speed: float,
     arc: Arc,
 ) -> float:
-    step, *lags = times
+    step, start, *lags = times
     # The arc begins before the corner, by the length of its tangent.
     turns = angle * arc.radius / speed
     count = max(ceil(turns / step), 1)
     begin = -arc.radius * sin(0.5 * angle) / max(cos(0.5 * angle), 1e-9) / speed
     headings = angle * np.minimum(np.arange(count + 1) / count, 1.0)
     length = max(len(tool) for tool in tools) + count
-    t = begin + step * np.arange(length)
+    t = begin + step * np.arange(length) - start
     worst = 0.0
     for direction in np.arange(DIRECTIONS) * pi / DIRECTIONS:
         path = []
@@ -152,7 +174,7 @@ def speeds_on_arcs(
 ) -> Iterator[CornerSpeed]:
     """Yield the same where the control puts an arc in: v² <= acceleration times its radius."""
     first, second = axes
-    nominal = _nominal(first), _nominal(second)
+    nominal = first.nominal(), second.nominal()
     for plain in speeds_at_once(axes, tolerance=tolerance, feed=feed):
         best = plain
         for share in SHARES:

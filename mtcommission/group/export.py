@@ -37,7 +37,7 @@ from mtcommission.export.write import (
     write_body,
     write_head,
 )
-from mtcommission.group.corner import Turning, speeds_at_once, speeds_on_arcs
+from mtcommission.group.corner import speeds_at_once, speeds_on_arcs, turn
 from mtcommission.group.held import HeldAxis, find_deviations, hold_axis
 from mtcommission.group.record import GroupRecord
 from mtcommission.group.rules import Corner, rule_of, value_of
@@ -246,10 +246,7 @@ def _at_corners(record: GroupRecord, target: Control, held: Sequence[Held]) -> f
         for axis in axes
     )
     tolerance, feed = max(reserve * record.tolerance - noise, 0.0), record.feed
-    first, second = (
-        Turning(step=one.poles.dt, tool=one.answers.to_velocity(), lag=one.answers.lag)
-        for one in axes
-    )
+    first, second = (turn(one.answers) for one in axes)
     if rule.kind is not Corner.ARC:
         return value_of(
             rule, tuple(speeds_at_once((first, second), tolerance=tolerance, feed=feed))
