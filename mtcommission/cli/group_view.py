@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
+from mtcommission.cli.verified_view import STYLES
 from mtcommission.group.record import AngleEntry, GroupRecord
+from mtcommission.group.verified import rows_of, say_found, say_headline
+from mtcommission.group.verify import CircleVerification
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.tables import SETTLING, say_filter, show
 
@@ -37,6 +40,24 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         ),
         text("group-corner-told", kind=told.kind, name=told.name, value=told.value),
         *warn(spoken, record.warnings),
+    ]
+
+
+def describe_circles(found: CircleVerification, spoken: Catalogue) -> list[Line]:
+    """Return the verdict on recorded circles, what was measured, and what was found."""
+    record, say = found.record, spoken.text
+    names = ", ".join(axis.name for axis in record.axes)
+    heads_ = [say(f"verify-head-{name}") for name in ("what", "predicted", "measured")]
+    return [
+        heading(say("group-axes", name=record.axes[0].machine.name, axes=names)),
+        (spoken.say(say_headline(found)), f"bold {STYLES[found.verdict]}"),
+        *warn(spoken, found.warnings),
+        "",
+        *table(
+            [*heads_, ""], rows_of(found, spoken), [STYLES[one.verdict] for one in found.checks]
+        ),
+        "",
+        *map(spoken.say, say_found(found)),
     ]
 
 

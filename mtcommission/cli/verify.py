@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 import typer
 
@@ -11,6 +13,7 @@ from mtcommission.cli.language import speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
 from mtcommission.cli.terminal import print_written, show, show_stage
 from mtcommission.clock import now
+from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
 EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
@@ -18,7 +21,7 @@ EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
 
 def verify(
     record: Path = RECORD,
-    traces: list[str] = argument("TRACE...", "Moves recorded with the limits."),
+    traces: list[str] = argument("TRACE...", "Recorded moves, or circles."),
     columns: list[str] | None = COLUMNS,
     constant: str = CONSTANT,
     renewed: str = option("--refine", "NEW.toml", "Profile as the traces show it."),
@@ -38,6 +41,14 @@ def verify(
         require_folder(output, "verification.html", "verdict.json", inputs=inputs)
     said = read_columns(columns or [])
     force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
+
+    from mtcommission.group.record import names_group
+
+    if names_group(record):
+        for name, given in (("--constant", constant), ("--refine", renewed)):
+            if given:
+                raise InputError([Fault(where=name, message=Message("group-verify-one-axis"))])
+        _verify_circles(record, traces, said, output, language, json_file)
 
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.machine import Motion
@@ -83,4 +94,40 @@ def verify(
             print_written(output, files)
         if renewed:
             print_written(Path(), [renewed])
+    raise typer.Exit(EXIT_BY_VERDICT[found.verdict.value])
+
+
+def _verify_circles(
+    record: Path,
+    names: Sequence[str],
+    said: Mapping[str, str],
+    output: Path | None,
+    language: str,
+    json_file: str,
+) -> NoReturn:
+    """Recorded circles beside the record of a group."""
+    from mtcommission.cli.group_view import describe_circles
+    from mtcommission.files import write_files, write_text
+    from mtcommission.group.record import load_group
+    from mtcommission.group.traces import read_circular
+    from mtcommission.group.verified import circles_entry, print_circles
+    from mtcommission.group.verify import verify_circles
+    from mtcommission.record.files import dump_json
+
+    loaded = load_group(record)
+    traces = [read_circular(name, said, loaded.plane) for name in names]
+    with show_stage() as progress:
+        progress(Message("verify-stage"))
+        found = verify_circles(loaded, traces)
+    entry = dump_json(circles_entry(found))
+    if output:
+        page = print_circles(found, created=now(), language=language)
+        files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
+        write_files(output, files)
+    if json_file:
+        write_text(json_file, entry)
+    if json_file != "-":
+        show(describe_circles(found, words()))
+        if output:
+            print_written(output, files)
     raise typer.Exit(EXIT_BY_VERDICT[found.verdict.value])

@@ -126,10 +126,17 @@ integrator has taken up the friction by then (empirical)."""
 def reversal_peak(
     loop: SampledLoop, drive: Drive, *, item: SetpointFilter | None, radius: float, feed: float
 ) -> float:
-    """Return by how much friction throws the tool off where an axis reverses [m].
+    """Return by how much friction throws the tool off where an axis reverses, at most [m]."""
+    return float(np.abs(reversal_course(loop, drive, item=item, radius=radius, feed=feed)).max())
 
-    On a circle of some radius [m] at a feed [m/s], in the nominal machine, by the stepping engine:
-    the motion with friction less that without it.
+
+def reversal_course(
+    loop: SampledLoop, drive: Drive, *, item: SetpointFilter | None, radius: float, feed: float
+) -> Array:
+    """Return how friction throws the tool off from a reversal on, at every velocity cycle [m].
+
+    Positive: outwards. On a circle of some radius [m] at a feed [m/s], by the stepping engine: the
+    motion with friction less that without it.
     """
     friction = find_friction(
         loop.plant,
@@ -148,7 +155,7 @@ def reversal_peak(
     with_friction = drive_loop(loop, references, friction=friction)[:, TOOL]
     off = with_friction - drive_loop(loop, references)[:, TOOL]
     reverses = round(before / loop.controller.velocity_cycle)
-    return float(np.abs(off[reverses:]).max())
+    return np.asarray(off[reverses:])
 
 
 def peak_bound(loops: tuple[SampledLoop, ...], drive: Drive) -> float:

@@ -18,6 +18,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.read_back import close_as_held, read_held, read_limits
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,3 +76,15 @@ def find_deviations(axes: Sequence[HeldAxis], omega: Array) -> Deviation:
     every = deviate(first[:, None], second[None])
     shape = (-1, *omega.shape)
     return Deviation(radius=every.radius.reshape(shape), form=every.form.reshape(shape))
+
+
+def find_ellipses(axes: Sequence[HeldAxis], omega: Array) -> Complex:
+    """Return how oval circles come out, as shares of their radius, (n_pairs, *omega.shape).
+
+    The radius is off by the real part times cos 2θ and the imaginary part times sin 2θ, θ the
+    tool's angle, counterclockwise; clockwise the imaginary part has the other sign.
+    """
+    first, second = (axis.response.at(omega, axis.setpoint_filter) for axis in axes)
+    mean = (first[:, None] + second[None]).reshape(-1, *omega.shape)
+    apart = (first[:, None] - second[None]).reshape(-1, *omega.shape)
+    return np.asarray(0.5 * np.conj(apart) * mean / np.abs(mean))

@@ -44,6 +44,11 @@ def known_first(found: Verification) -> list[Check]:
 
 def check_row(check: Check, words: Catalogue) -> tuple[str, ...]:
     """Return promise, prediction with its corners, bound, measured value and verdict."""
+    return say_check(check, words), *check_cells(check, words)
+
+
+def check_cells(check: Check, words: Catalogue) -> tuple[str, str, str, str]:
+    """Return prediction with its corners, bound, measured value and verdict."""
     form = words.format
 
     def value(number: float | None, digits: int = 4) -> str:
@@ -57,7 +62,6 @@ def check_row(check: Check, words: Catalogue) -> tuple[str, ...]:
     if check.measured is not None and check.uncertainty is not None:
         measured += f" ± {value(check.uncertainty, 2)}"
     return (
-        say_check(check, words),
         predicted,
         "–" if check.limit is None else f"≤ {value(check.limit)}",
         measured,
@@ -180,7 +184,7 @@ def verification_entry(
             **{key: by_key.get(f"setpoint {key}") for key in setpoint},
             "obeyed": found.obeyed,
         },
-        "checks": [_check(check) for check in found.checks],
+        "checks": [check_entry(check) for check in found.checks],
         "shift": found.shift,
         "modes": [
             {
@@ -221,7 +225,8 @@ def _parameter(one: Parameter) -> Entry:
     return {"old": one.old, "new": new, "sigma": sigma, "unit": one.unit, "changed": changed}
 
 
-def _check(check: Check) -> Entry:
+def check_entry(check: Check) -> Entry:
+    """Return a check as JSON has it."""
     values = ("unit", "predicted", "low", "high", "limit", "measured", "uncertainty")
     return {
         "name": check.name,

@@ -80,3 +80,38 @@ group-row-jerk-without-place = Bahnruck { SI($jerk, "JERK") }
 group-row-step-without-place = ein Wert für Ecken (die Tabelle der Geschwindigkeit über dem Winkel steht im Protokoll)
 group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
 group-export-no-rounding = KEIN WERT FÜR ECKEN: innerhalb der Toleranz ist kein Verrunden schneller als sofortiges Abbiegen; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren.
+
+# Aufgezeichnete Kreise. $name, $first, $second, $later, $sooner: Achsen; $number: des Kreises
+group-circle-radius = mittlerer Radius
+group-circle-form = Unrundheit (größter weniger kleinster Radius)
+group-circle-delay = Verzögerung, { $name }
+group-circle-gain = Größe längs der Achsen, { $name }
+group-circle-quadrant-peak = Umkehrspitze, { $name }
+group-circle-recorded = Kreis { $number }: { $file }, { LENGTH($radius) } mit { FEED($feed) }, { $direction ->
+    [clockwise] im Uhrzeigersinn
+   *[counterclockwise] gegen den Uhrzeigersinn
+}, { NUMBER($turns, digits: 3) } Umläufe.
+group-circle-reason = { $verdict } ({ $why }): { $what }
+group-delay-found = Kreis { $number }: Die Verzögerung von { $later } ist um { TIME($by) } ± { TIME($uncertainty) } länger als die von { $sooner }.
+# in µm/m
+group-squareness-found = Als Rechtwinkligkeit herausgenommen: Der Winkel der Achsen weicht um { NUMBER($value, digits: 3) } ± { NUMBER($uncertainty, digits: 2) } µm/m vom rechten ab (positiv: kleiner als 90°).
+group-squareness-unknown = Rechtwinkligkeit und ungleiche Verzögerungen sind mit Kreisen einer Richtung und eines Vorschubs nicht zu trennen: auch die Gegenrichtung aufzeichnen.
+group-one-direction = die Unrundheit kann ebenso vom Winkel der Achsen kommen, der dann um { NUMBER($squareness, digits: 3) } µm/m vom rechten abwiche; auch einen Kreis in der Gegenrichtung aufzeichnen
+group-radius-assumed = der programmierte Radius ist nicht bekannt, angenommen { LENGTH($radius) }; den Sollwert mit aufzeichnen oder den Ballbar kalibrieren
+group-peak-not-seen = in der Aufzeichnung liegt keine ganze Umkehr; den Kreis zweimal durchlaufen
+group-friction-unknown = das Protokoll nennt keine Reibung von { $name }: drive.coulomb_friction angeben und die Gruppe erneut rechnen
+group-trace-radius = { $file }: kein Sollwert aufgezeichnet, als Radius wird { LENGTH($radius) } angenommen.
+group-trace-too-fast = { $file }: Dieser Kreis braucht { SI($got, "ACCELERATION") }, die Bahngrenze der Gruppe ist { SI($most, "ACCELERATION") }: Er wurde mit anderen Grenzwerten gefahren oder streckenweise langsamer.
+group-trace-columns = kein Kreis in den Spalten { $found }; gebraucht werden { $first } und { $second } (Istlagen, daneben { $first }_ref und { $second }_ref) oder angle und radius: mit --columns NAME=SPALTE benennen
+group-trace-angle-unit = { $name } hat keine Einheit; hinter den Namen schreiben, z. B. angle [deg], oder --columns "angle={ $name } [deg]"
+group-trace-no-length = { $name } [{ $unit }] ist keine Länge; die Einheit hinter den Namen schreiben, z. B. [mm], oder mit --columns eine andere Spalte angeben
+group-trace-no-angle = { $name } [{ $unit }] ist kein Winkel; die Einheit hinter den Namen schreiben, z. B. [deg], oder mit --columns eine andere Spalte angeben
+group-trace-size = der Kreis hat einen Radius von { LENGTH($radius) }, den kein Kreisformtest hat; die Einheiten prüfen und den ganzen Radius angeben, nicht seine Abweichung
+group-trace-no-circle = ist kein Kreis: dieser Abtastwert liegt { LENGTH($off) } neben dem durch die meisten anderen; die Aufzeichnung auf den Kreis kürzen oder die Spalten prüfen
+group-trace-arc = das längste Stück mit gleichbleibendem Vorschub läuft { $got }° herum; nötig ist ein ganzer Umlauf: mindestens zwei Umläufe samt Anlauf aufzeichnen
+group-plot-angle = Winkel / °
+group-plot-deviation = Abweichung des Radius / { $unit }
+group-line-measured = gemessen
+group-line-fitted = angepasst, ohne die Umkehrstellen
+group-line-predicted = vorhergesagt, Nennfall
+group-verify-one-axis = gilt für das Protokoll einer einzelnen Achse; bei einer Gruppe weglassen

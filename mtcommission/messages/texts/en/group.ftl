@@ -80,3 +80,38 @@ group-row-jerk-without-place = path jerk { SI($jerk, "JERK") }
 group-row-step-without-place = a value for corners (the table of speeds over the angle is in the record)
 group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
 group-export-no-rounding = NO VALUE FOR CORNERS: within the tolerance no rounding is faster than turning at once; pass them at the speeds over the angle of the record.
+
+# Recorded circles. $name, $first, $second, $later, $sooner: axes; $number: of the circle
+group-circle-radius = mean radius
+group-circle-form = oval (largest less smallest radius)
+group-circle-delay = delay, { $name }
+group-circle-gain = size along the axes, { $name }
+group-circle-quadrant-peak = peak at reversal, { $name }
+group-circle-recorded = Circle { $number }: { $file }, { LENGTH($radius) } at { FEED($feed) }, { $direction ->
+    [clockwise] clockwise
+   *[counterclockwise] counterclockwise
+}, { NUMBER($turns, digits: 3) } turns.
+group-circle-reason = { $verdict } ({ $why }): { $what }
+group-delay-found = Circle { $number }: the delay of { $later } is longer than that of { $sooner } by { TIME($by) } ± { TIME($uncertainty) }.
+# in µm/m
+group-squareness-found = Left out as squareness: the angle of the axes is off a right one by { NUMBER($value, digits: 3) } ± { NUMBER($uncertainty, digits: 2) } µm/m (positive: less than 90°).
+group-squareness-unknown = Squareness cannot be told from unequal delays by circles of one direction and feed: record the other direction, too.
+group-one-direction = the oval may as well be the angle of the axes, off a right one by { NUMBER($squareness, digits: 3) } µm/m; record a circle in the other direction, too
+group-radius-assumed = nobody told the programmed radius, taken as { LENGTH($radius) }; record the setpoint, or calibrate the ballbar
+group-peak-not-seen = no whole reversal lies in the record; let the circle go on for two turns
+group-friction-unknown = the record states no friction of { $name }: write drive.coulomb_friction and compute the group again
+group-trace-radius = { $file }: no setpoint recorded, the radius is taken as { LENGTH($radius) }.
+group-trace-too-fast = { $file }: this circle needs { SI($got, "ACCELERATION") }, the group's path limit is { SI($most, "ACCELERATION") }: it was driven with other limits, or slower in part.
+group-trace-columns = no circle among the columns { $found }; needed are { $first } and { $second } (actual positions; { $first }_ref and { $second }_ref beside them), or angle and radius: name them by --columns NAME=COLUMN
+group-trace-angle-unit = { $name } has no unit; write it behind the name, e.g. angle [deg], or --columns "angle={ $name } [deg]"
+group-trace-no-length = { $name } [{ $unit }] is no length; write its unit behind the name, e.g. [mm], or give another column by --columns
+group-trace-no-angle = { $name } [{ $unit }] is no angle; write its unit behind the name, e.g. [deg], or give another column by --columns
+group-trace-size = the circle has a radius of { LENGTH($radius) }, which no circle test has; look at the units, and give the whole radius, not its deviation
+group-trace-no-circle = is no circle: this sample is { LENGTH($off) } off the one through most of them; cut the record to the circle, or look at the columns
+group-trace-arc = the longest stretch at constant feed goes round { $got }°; a whole turn is needed: record at least two turns, with their run-in
+group-plot-angle = angle / °
+group-plot-deviation = deviation of the radius / { $unit }
+group-line-measured = measured
+group-line-fitted = fitted, reversals apart
+group-line-predicted = predicted, nominal machine
+group-verify-one-axis = is for the record of one axis; leave it out for a group
