@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, pi, sin
 
 import numpy as np
@@ -51,7 +52,7 @@ class Filtered:
         inner = {b + d for b in self.breaks for d in late if t - T < b + d < t}
         ends = sorted({t - T, t, *inner})
         total = np.zeros(4)
-        for low, high in zip(ends[:-1], ends[1:], strict=True):
+        for low, high in pairwise(ends):
             half, middle = 0.5 * (high - low), 0.5 * (high + low)
             for node, weight in zip(NODES, WEIGHTS, strict=True):
                 total += half * weight * self._mean(middle + half * node, rest)

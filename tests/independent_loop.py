@@ -355,8 +355,8 @@ def run(
 ) -> Run:
     """The machine under the cascade; ``nominal`` is what the controller believes it to be.
 
-    ``push`` is a force beside the motor from the beginning on, ``coulomb`` a friction. The encoder rounds to whole steps of
-    ``resolution``; at the start it stands ``phase`` of a step beside one.
+    ``push`` is a force beside the motor from the beginning on, ``coulomb`` a friction. The encoder
+    rounds to whole steps of ``resolution``; at the start it stands ``phase`` of a step beside one.
     """
     axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
     tau, K = gains.reference_delay, gains.state_gains

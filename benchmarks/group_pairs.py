@@ -1,0 +1,144 @@
+"""Random pairs of axes: circles, corners and lines by a program that shares nothing with ours.
+
+    python -m benchmarks.group_pairs --count 50 [--first 0]
+
+Each pair is a random machine under a kind of control with a loop, and the same with another mass
+and frequency. Named are predictions of circles that miss by more than 0.1 um and 1 %, promises that
+are broken (circles that are entered at the path acceleration, corners, lines in 16 directions), and
+axes that settle later than alone with the same filter.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.every_size import draw_profile
+from mtcommission.errors import ComputationError
+from mtcommission.group.contours import draw_circle, follow_contours
+from mtcommission.group.group import Group, join
+from mtcommission.group.task import Task
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.variations import Corner, vary
+from mtcommission.profile.read import ProfileSource, parse_profile
+from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
+
+ROUNDING = 1.005
+"""What a promise may be exceeded by, as the second program looks at few instants."""
+
+ROOM = 0.1e-6
+"""In which a predicted circle must lie, or in 1 % [m]."""
+
+
+def draw_pair(seed: int) -> tuple[Machine, Machine] | None:
+    """A random machine and another like it; None: without a loop."""
+    first = parse_profile(draw_profile(seed), where=f"random {seed}")
+    if first.drive.follows:
+        return None
+    generator = np.random.default_rng([37, seed])
+    heavier = moving_mass(first) * generator.uniform(0.1, 0.8)
+    other = vary(
+        first, Corner(payload=heavier, frequency_factor=float(generator.uniform(0.75, 1.3)))
+    )
+    return first, replace(other, axis="Y")
+
+
+def task_of(machines: tuple[Machine, Machine], seed: int) -> Task:
+    """A contour of some tolerance at some feed."""
+    generator = np.random.default_rng([38, seed])
+    source = ProfileSource(path=Path(f"random {seed}"), sha256="", text="")
+    return Task(
+        machines=machines,
+        sources=(source, source),
+        plane=(0, 1),
+        tolerance=float(np.exp(generator.uniform(*np.log([5e-6, 50e-6])))),
+        feed=float(np.exp(generator.uniform(*np.log([0.02, 0.2])))),
+        radius=None,
+    )
+
+
+def driven(group: Group, corners: tuple[int, int]) -> list[Driven]:
+    found = []
+    for axis, corner in zip(group.drawn, corners, strict=True):
+        machine, tuned = axis.alone.machine, axis.alone.tuned
+        wait = axis.wait * tuned.controller.position_cycle
+        place = tuned.corners[corner]
+        found.append((vary(machine, place), machine, tuned.controller, wait))
+    return found
+
+
+def refuted(group: Group, seed: int) -> list[str]:
+    """What the second program says against a group."""
+    generator, item, task = np.random.default_rng([39, seed]), group.setpoint_filter, group.task
+    count = len(group.drawn[0].alone.tuned.corners)
+    somewhere = int(generator.integers(count)), int(generator.integers(count))
+    found, allowed = [], ROUNDING * group.allowed
+    radius = float(np.exp(generator.uniform(*np.log([2e-3, 50e-3]))))
+    feed = min(task.feed, (group.acceleration * radius) ** 0.5, (group.jerk * radius**2) ** (1 / 3))
+    circle = draw_circle(group, radius, feed)
+    first, second = (
+        axis.alone.tuned.corners.index(corner)
+        for axis, corner in zip(group.drawn, circle.corner, strict=True)
+    )
+    off, _ = circle_off(driven(group, (first, second)), item, radius=radius, feed=feed)
+    for name, ours, theirs in (
+        ("radius", circle.radius_deviation, float(off.mean())),
+        ("form", circle.form_deviation, float(np.ptp(off))),
+    ):
+        if abs(ours - theirs) > max(ROOM, 0.01 * abs(theirs)):
+            found.append(f"{name} of circle {1e6 * ours:.3f} um, {1e6 * theirs:.3f}")
+    turned = float(generator.uniform(0.0, pi))
+    entered = task.feed**2 / group.acceleration
+    off_entry = entry_off(
+        driven(group, somewhere), item, radius=entered, feed=task.feed, turned=turned
+    )
+    if off_entry > allowed:
+        found.append(f"entry {1e6 * off_entry:.2f} um of {1e6 * group.allowed:.2f}")
+    corners = follow_contours(group).corners
+    one = corners[int(generator.integers(len(corners)))]
+    off_corner = corner_off(
+        driven(group, somewhere), item, angle=one.angle, arc=one.arc.radius, feed=one.speed,
+        turned=turned,
+    )  # fmt: skip
+    if off_corner > allowed:
+        found.append(f"corner {1e6 * off_corner:.2f} um of {1e6 * group.allowed:.2f}")
+    direction = float(generator.integers(16)) * pi / 8.0
+    off_line = line_off(
+        driven(group, somewhere), item, feed=task.feed, acceleration=group.acceleration,
+        jerk=group.jerk, direction=direction,
+    )  # fmt: skip
+    if off_line > allowed:
+        found.append(f"line {1e6 * off_line:.2f} um of {1e6 * group.allowed:.2f}")
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=50)
+    parser.add_argument("--first", type=int, default=0, help="seed of the first of them")
+    options = parser.parse_args()
+    judged = broken = 0
+    for seed in range(options.first, options.first + options.count):
+        pair = draw_pair(seed)
+        if pair is None:
+            continue
+        try:
+            group = join(task_of(pair, seed))
+        except ComputationError as error:
+            print(f"{seed}: {error.outcome.name}", flush=True)
+            continue
+        if group.acceleration == 0.0:
+            print(f"{seed}: no path acceleration keeps the tolerance", flush=True)
+            continue
+        against = refuted(group, seed)
+        judged, broken = judged + 1, broken + bool(against)
+        print(f"{seed}: {group.rule.kind.value}: {'; '.join(against) or 'kept'}", flush=True)
+    print(f"{judged} pairs, {broken} refuted")
+
+
+if __name__ == "__main__":
+    main()
