@@ -18,7 +18,9 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
     text, form, path = spoken.text, spoken.format, record.path
     names = ", ".join(axis.name for axis in record.axes)
     kind, style = ("verdict-met", "green") if record.assessment.met else ("verdict-not-met", "red")
-    limits = f"{show(path.acceleration, spoken, 'm/s^2')}, {show(path.jerk, spoken, 'm/s^3')}"
+    has_jerk = record.axes[0].loop.jerk != "none"
+    jerk = show(path.jerk, spoken, "m/s^3") if has_jerk else text("no-jerk-limit")
+    limits = f"{show(path.acceleration, spoken, 'm/s^2')}, {jerk}"
     told, feeds = record.corner_rule, record.feed_over_radius
     return [
         heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),
@@ -73,14 +75,16 @@ def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
     names = heads(
         spoken, "group-axis", "acceleration", "jerk", "group-wait", "group-delay", "settling"
     )
-    rows = []
+    rows, text = [], spoken.text
     for axis in record.axes:
         best = axis.limits.recommended
         rows.append(
             [
                 axis.name,
                 show(best.acceleration, spoken, "m/s^2"),
-                show(best.jerk, spoken, "m/s^3"),
+                text("no-jerk-limit")
+                if axis.loop.jerk == "none"
+                else show(best.jerk, spoken, "m/s^3"),
                 show(axis.wait, spoken, "s"),
                 show(record.feedforward[axis.name].delay, spoken, "s"),
                 SETTLING.show(best, spoken),

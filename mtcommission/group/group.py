@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, isfinite
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,9 @@ from mtcommission.study.variations import Row, choose, look
 
 Array = NDArray[np.float64]
 
-UNTOUCHED = 0.999
-"""Share of the axes' acceleration from which circles do not bind it [-]."""
+NEARLY = 0.8
+"""Share of the largest path acceleration from which a filter is as good for circles as the best
+(design choice) [-]."""
 
 SHORT = 0.8
 """Of the path acceleration without a filter, what an average must leave to be tried; the longest of
@@ -93,17 +94,6 @@ class FilterTrial:
     settling_time: float  # of the slowest axis, without the wait of the others [s]; inf: none found
     axes_acceleration: float  # the smallest of the axes' limits [m/s²]
     acceleration: float  # along the path, with which every circle keeps the tolerance [m/s²]
-
-    @property
-    def leaves_circles_alone(self) -> bool:
-        """Whether circles may use all the acceleration that the axes have."""
-        return self.acceleration >= UNTOUCHED * self.axes_acceleration
-
-    @property
-    def rank(self) -> tuple[bool, bool, float]:
-        """Smaller is better: limits are found, circles are left alone, moves settle soon."""
-        by = self.settling_time if self.leaves_circles_alone else -self.acceleration
-        return not isfinite(self.settling_time), not self.leaves_circles_alone, by
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -188,7 +178,8 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     )
     largest = min(axis.choice.limits.acceleration for axis in axes)
     jerk = min(axis.choice.limits.jerk for axis in axes)
-    acceleration = path_acceleration(task, plane, item, allowed, largest, jerk)
+    # Where no circle keeps the tolerance the axes' own limits stand, and the verdict says so.
+    acceleration = path_acceleration(task, plane, item, allowed, largest, jerk) or largest
     acceleration, jerk = _kept_on_lines(task, plane, item, allowed, acceleration, jerk)
     return Group(
         task=task,
@@ -246,7 +237,7 @@ def _compare_filters(
     plane: Plane,
     allowed: float,
 ) -> tuple[FilterTrial, ...]:
-    """Filters for all axes, at a first look, best first."""
+    """Filters for all axes, at a first look, best first: for circles, then for moves."""
     trials = []
     for item in _filters_to_try(task, alone, plane, allowed):
         found = [_look(one, item) for one in alone]
@@ -269,7 +260,12 @@ def _compare_filters(
                 acceleration=path_acceleration(task, plane, item, allowed, largest, jerk),
             )
         )
-    return tuple(sorted(trials, key=lambda trial: trial.rank))
+    most = max(trial.acceleration for trial in trials)
+
+    def rank(trial: FilterTrial) -> tuple[bool, float]:
+        return trial.acceleration < NEARLY * most, trial.settling_time
+
+    return tuple(sorted(trials, key=rank))
 
 
 def _plane(task: Task, alone: Sequence[AxisAlone], waits: Sequence[int]) -> Plane:
@@ -391,7 +387,7 @@ def _kept_on_lines(
     jerk: float,
 ) -> tuple[float, float]:
     """Path limits with which lines keep the tolerance, too: both lowered by the same factor."""
-    for _ in range(ROUNDS if acceleration else 0):
+    for _ in range(ROUNDS if allowed else 0):
         off = line_deviation(
             *plane.behind(item), feed=task.feed, acceleration=acceleration, jerk=jerk
         )

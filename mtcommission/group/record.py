@@ -246,7 +246,7 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         assessment=GroupAssessment(
             met=all(check.is_met for check in checks), checks=[_check_entry(one) for one in checks]
         ),
-        warnings=list(_warnings(group)),
+        warnings=_warnings(group, circle_kept=checks[0].is_met),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
 
@@ -290,18 +290,19 @@ def _check_entry(check: GroupCheck) -> CheckEntry:
     return entry_of(CheckEntry, check)
 
 
-def _warnings(group: Group) -> list[Message]:
+def _warnings(group: Group, *, circle_kept: bool) -> list[Words]:
     """What the verdict does not show."""
-    found = []
+    found = list[Words]()
     delays = [axis.delay for axis in group.axes]
     apart = max(delays) - min(delays)
     if apart > 1e-9:
         found.append(Message("group-delays-apart", apart=apart, feed=group.task.feed))
-    if not any(axis.alone.machine.drive.has_friction for axis in group.drawn):
+    drives = [axis.alone.machine.drive for axis in group.drawn]
+    if not any(drive.has_friction or drive.follows for drive in drives):
         found.append(Message("group-no-friction"))
     if not group.rule.is_verified:
         found.append(Message("group-rule-not-verified"))
-    if group.acceleration == 0.0:
+    if not circle_kept:
         found.append(Message("group-circles-not-kept"))
     item = group.setpoint_filter
     if item is not None and item.kind in SHAPERS:

@@ -62,15 +62,8 @@ def _circles(group: Group) -> GroupCheck:
 
 def _lines(group: Group) -> GroupCheck:
     """Lines in every direction, with the path limits up to the feed."""
-    off = (
-        line_deviation(
-            *group.answers,
-            feed=group.task.feed,
-            acceleration=group.acceleration,
-            jerk=group.jerk,
-        )
-        if group.acceleration
-        else 0.0
+    off = line_deviation(
+        *group.answers, feed=group.task.feed, acceleration=group.acceleration, jerk=group.jerk
     )
     return _of_contour(group, "line", off, Message("group-where-line", feed=group.task.feed))
 
