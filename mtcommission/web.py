@@ -29,10 +29,14 @@ def render_page(folder: Path, *, style: str, script: str, **values: object) -> s
     return page.encode(errors="replace").decode()
 
 
-def fill_template(path: Path, **values: object) -> str:
-    """Return a template with its values, all text escaped; others of its folder may be included."""
+def fill_template(path: Path, beside: Path | None = None, /, **values: object) -> str:
+    """Return a template with its values, all text escaped.
+
+    Others of its folder may be included, and those of a folder ``beside``.
+    """
+    folders = [path.parent, *([beside] if beside else [])]
     environment = Environment(
-        loader=FileSystemLoader(path.parent), autoescape=True, undefined=StrictUndefined
+        loader=FileSystemLoader(folders), autoescape=True, undefined=StrictUndefined
     )
     return environment.get_template(path.name).render(**values)
 

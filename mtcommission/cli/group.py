@@ -10,6 +10,7 @@ from mtcommission.cli.arguments import JSON, LANGUAGE, argument, option, read_ma
 from mtcommission.cli.language import say, words
 from mtcommission.cli.terminal import show, show_stage
 from mtcommission.clock import now
+from mtcommission.messages.message import Message
 
 
 def group(
@@ -38,6 +39,7 @@ def group(
     from mtcommission.cli.group_view import describe_group
     from mtcommission.group.group import join
     from mtcommission.group.record import build_group_record
+    from mtcommission.group.sheet import print_group_html, print_group_pdf
     from mtcommission.group.task import read_task
     from mtcommission.record.files import dump_json
 
@@ -49,12 +51,19 @@ def group(
         feed=feed,
         radius=radius,
     )
+    files: dict[str, bytes] = {}
     with show_stage() as progress:
         record = build_group_record(join(task, progress=progress), created=now())
+        if output:
+            progress(Message("stage-sheet"))
+            files = {
+                "group.json": dump_json(record).encode(),
+                "sheet.html": print_group_html(record, language=words().language).encode(),
+                "sheet.pdf": print_group_pdf(record, language=words().language),
+            }
     if json_file:
         write_text(json_file, dump_json(record))
     if output:
-        files = {"group.json": dump_json(record).encode()}
         write_files(output, files)
     if json_file != "-":
         show(describe_group(record, words()))

@@ -123,13 +123,6 @@ RUN_IN, AFTER = 0.4, 0.2
 integrator has taken up the friction by then (empirical)."""
 
 
-def reversal_peak(
-    loop: SampledLoop, drive: Drive, *, item: SetpointFilter | None, radius: float, feed: float
-) -> float:
-    """Return by how much friction throws the tool off where an axis reverses, at most [m]."""
-    return float(np.abs(reversal_course(loop, drive, item=item, radius=radius, feed=feed)).max())
-
-
 def reversal_course(
     loop: SampledLoop, drive: Drive, *, item: SetpointFilter | None, radius: float, feed: float
 ) -> Array:

@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.circle import filter_response, reversal_peak
+from mtcommission.group.circle import filter_response, reversal_course
 from mtcommission.group.corner import CornerSpeed, speeds_at_once, speeds_on_arcs, turn
 from mtcommission.group.group import Group, worst_deviation
 from mtcommission.group.rules import Corner
@@ -32,7 +32,7 @@ GRID = np.geomspace(1e-4, 1.0, 400)
 """Feeds that are looked at, as shares of the largest that acceleration and jerk allow."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Circle:
     """A circle, worst over every corner of both axes."""
 
@@ -40,8 +40,13 @@ class Circle:
     feed: float  # [m/s]
     radius_deviation: float  # of the mean radius, negative: too small [m]
     form_deviation: float  # largest less smallest radius [m]
-    quadrant_peak: dict[str, float]  # by axis, where it reverses [m]; empty without friction
+    thrown_off: dict[str, Array]  # by axis, behind its reversal [m]; empty without friction
     corner: tuple[MachineCorner, MachineCorner]
+
+    @property
+    def quadrant_peak(self) -> dict[str, float]:
+        """How far friction throws the tool off at most where an axis reverses, by axis [m]."""
+        return {name: float(np.abs(off).max()) for name, off in self.thrown_off.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +59,7 @@ class FeedOverRadius:
     axis: str  # "" where no single one does
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contours:
     """Circles and corners of a group."""
 
@@ -80,8 +85,8 @@ def draw_circle(group: Group, radius: float, feed: float) -> Circle:
     off, worst = worst_deviation(group.plane.responses, np.array([feed / radius]), item)
     first, second = group.drawn
     i, k = divmod(int(worst[0]), len(second.alone.tuned.corners))
-    peaks = {
-        axis.name: reversal_peak(
+    thrown_off = {
+        axis.name: reversal_course(
             axis.alone.tuned.loops[0],
             axis.alone.machine.drive,
             item=item,
@@ -96,7 +101,7 @@ def draw_circle(group: Group, radius: float, feed: float) -> Circle:
         feed=feed,
         radius_deviation=radius * float(off.radius[0]),
         form_deviation=radius * float(off.form[0]),
-        quadrant_peak=peaks,
+        thrown_off=thrown_off,
         corner=(first.alone.tuned.corners[i], second.alone.tuned.corners[k]),
     )
 

@@ -14,7 +14,7 @@ from math import inf, isclose
 import numpy as np
 
 from mtcommission.control_kinds.control import Control
-from mtcommission.control_kinds.kinds import CONTROLS
+from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
 from mtcommission.control_kinds.row import Key, Row, Setting, Values
 from mtcommission.control_kinds.syntax import LIST, Entry, Layout
 from mtcommission.control_kinds.wording import show_value, to_ascii
@@ -107,7 +107,7 @@ class GroupExport:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Part:
+class Part:
     """What stands in the text for an axis, or for the path."""
 
     name: str  # of the axis; "" for the path
@@ -115,7 +115,27 @@ class _Part:
 
     @property
     def rows(self) -> tuple[Row, ...]:
+        """What the control calls it."""
         return tuple(entry.row for entry in self.entries)
+
+
+def type_in_group(record: GroupRecord) -> list[Part]:
+    """Return what is typed into the control that the group was computed for, the path last.
+
+    In neutral words where it cannot name an axis.
+
+    Raises
+    ------
+    InputError
+        If a loop does not belong to its profile.
+    """
+    own = CONTROLS[record.axes[0].loop.kind]
+    subjects = [build_subject(axis, own.kind) for axis in record.axes]
+    try:
+        return fill_in_group(record, own, subjects)
+    except InputError:
+        neutral = replace(CONTROLS[GENERIC.key], kind=own.kind)
+        return fill_in_group(record, neutral, subjects)
 
 
 def export_group(
@@ -131,7 +151,7 @@ def export_group(
     target = CONTROLS[find_control_key(control)]
     subjects = [build_subject(axis, target.kind) for axis in record.axes]
     words, layout = words_for(subjects, language), LIST if as_list else target.layout
-    parts = _fill_in(record, subjects, target)
+    parts = fill_in_group(record, target, subjects)
     together = target.names_axes or as_list
     if together:
         parts = _share([_tell_apart(part, target) for part in parts], target)
@@ -176,8 +196,8 @@ def export_group(
     )
 
 
-def _fill_in(record: GroupRecord, subjects: Sequence[Subject], target: Control) -> list[_Part]:
-    """Every axis with what is typed in for it, the path last."""
+def fill_in_group(record: GroupRecord, target: Control, subjects: Sequence[Subject]) -> list[Part]:
+    """Return every axis with what is typed in for it, the path last."""
     own = [fill_in(subject, target)[0] for subject in subjects]
     held = [
         hold(subject, {entry.row.key: entry.row.decode(entry.value) for entry in entries})
@@ -189,8 +209,8 @@ def _fill_in(record: GroupRecord, subjects: Sequence[Subject], target: Control) 
     for axis, entries in zip(record.axes, own, strict=True):
         kept = [one for one in entries if (one.row.section, one.row.name) not in of_path]
         more = _entries(target.axis_in_group, {**told, (Setting.WAIT, ""): axis.wait})
-        parts.append(_Part(name=axis.name, entries=(*kept, *more)))
-    return [*parts, _Part(name="", entries=tuple(_entries(target.group, told)))]
+        parts.append(Part(name=axis.name, entries=(*kept, *more)))
+    return [*parts, Part(name="", entries=tuple(_entries(target.group, told)))]
 
 
 def _entries(rows: Iterable[Row], values: Values) -> Iterator[Entry]:
@@ -258,7 +278,7 @@ def _at_corners(record: GroupRecord, target: Control, held: Sequence[Held]) -> f
     return value_of(rule, tuple(speeds))
 
 
-def _tell_apart(part: _Part, target: Control) -> _Part:
+def _tell_apart(part: Part, target: Control) -> Part:
     """A part whose rows can stand beside those of other axes."""
     if not part.name:
         return part
@@ -273,7 +293,7 @@ def _tell_apart(part: _Part, target: Control) -> _Part:
     return replace(part, entries=tuple(entries))
 
 
-def _share(parts: Sequence[_Part], target: Control) -> list[_Part]:
+def _share(parts: Sequence[Part], target: Control) -> list[Part]:
     """Parts in which what the control has but once is the same: the smallest of a number."""
     places: dict[tuple[str, str], dict[str, Entry]] = {}
     for part in parts:
@@ -300,7 +320,7 @@ def _share(parts: Sequence[_Part], target: Control) -> list[_Part]:
     ]
 
 
-def _write_together(layout: Layout, parts: Sequence[_Part], words: Catalogue) -> list[str]:
+def _write_together(layout: Layout, parts: Sequence[Part], words: Catalogue) -> list[str]:
     """One body; sections that begin alike stand together."""
     every = (entry for part in parts for entry in part.entries)
     entries = list({(one.row.section, one.row.name): one for one in every}.values())
@@ -311,12 +331,12 @@ def _write_together(layout: Layout, parts: Sequence[_Part], words: Catalogue) ->
     return write_body(layout, [entries[i] for i in order], words)
 
 
-def _heading(layout: Layout, part: _Part, words: Catalogue) -> str:
+def _heading(layout: Layout, part: Part, words: Catalogue) -> str:
     name = words.text("group-part-axis", name=part.name) if part.name else ""
     return layout.comment(f"==== {to_ascii(name or words.text('group-part-path'))} ====")
 
 
-def _write_apart(layout: Layout, parts: Sequence[_Part], words: Catalogue) -> list[str]:
+def _write_apart(layout: Layout, parts: Sequence[Part], words: Catalogue) -> list[str]:
     """A body for each part under its heading."""
     lines: list[str] = []
     for part in parts:
@@ -327,7 +347,7 @@ def _write_apart(layout: Layout, parts: Sequence[_Part], words: Catalogue) -> li
 
 
 def _read(
-    layout: Layout, parts: Sequence[_Part], text: str, words: Catalogue, *, together: bool
+    layout: Layout, parts: Sequence[Part], text: str, words: Catalogue, *, together: bool
 ) -> list[dict[Key, float | str]]:
     """What a text says to each part."""
     if together:

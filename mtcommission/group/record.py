@@ -12,6 +12,7 @@ from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.errors import InputError
 from mtcommission.group.contours import Circle, follow_contours
 from mtcommission.group.corner import CornerSpeed
+from mtcommission.group.drawn import Drawn, drawn_part
 from mtcommission.group.group import Group, GroupAxis
 from mtcommission.group.rules import value_of
 from mtcommission.group.verdict import GroupCheck, judge_group
@@ -30,7 +31,14 @@ from mtcommission.record.limits import (
     today_entry,
 )
 from mtcommission.record.loop import LoopPart, loop_part
-from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile, list_data
+from mtcommission.record.machine import (
+    Datum,
+    MachineEntry,
+    PlantEntry,
+    Profile,
+    list_assumptions,
+    list_data,
+)
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.record import LIBRARIES, MOST_NAMED, Tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
@@ -39,6 +47,9 @@ from mtcommission.study.loops import LoopChoice
 from mtcommission.version import __version__
 
 SCHEMA = 1
+
+NOT_OF_A_GROUP = ("assumption-exact-rest", "assumption-calculated")
+"""Assumptions about optima, which a group has none of, and what every page says."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +194,9 @@ class GroupRecord:
     tolerance: Positive
     feed: Positive
     assessment: GroupAssessment
+    assumptions: list[Words]
     warnings: list[Words]
+    drawn: Drawn
 
     def axis(self, name: str) -> AxisEntry:
         """Return the axis of a name."""
@@ -246,7 +259,9 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         assessment=GroupAssessment(
             met=all(check.is_met for check in checks), checks=[_check_entry(one) for one in checks]
         ),
+        assumptions=_assumptions(group),
         warnings=_warnings(group, circle_kept=checks[0].is_met),
+        drawn=drawn_part(group, contours),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
 
@@ -288,6 +303,16 @@ def _angle_entry(found: CornerSpeed) -> AngleEntry:
 
 def _check_entry(check: GroupCheck) -> CheckEntry:
     return entry_of(CheckEntry, check)
+
+
+def _assumptions(group: Group) -> list[Words]:
+    """What the computation assumes of any of the axes, each once."""
+    found = [item for axis in group.axes for item in list_assumptions(axis.alone.machine)]
+    return [
+        item
+        for i, item in enumerate(found)
+        if item not in found[:i] and item.kind not in NOT_OF_A_GROUP
+    ]
 
 
 def _warnings(group: Group, *, circle_kept: bool) -> list[Words]:

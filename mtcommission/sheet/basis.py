@@ -12,6 +12,7 @@ from mtcommission.record.robustness import DampingErrorEntry, FrequencyErrorEntr
 from mtcommission.sheet.tables import show
 
 if TYPE_CHECKING:
+    from mtcommission.record.read_back import AxisRecord
     from mtcommission.record.record import Record
 
 Row = tuple[str, str]
@@ -38,7 +39,7 @@ def find_band(record: Record) -> float | None:
     return find_number(record, "requirements.tcp_deviation")
 
 
-def is_assumed(record: Record, key: str) -> bool:
+def is_assumed(record: AxisRecord, key: str) -> bool:
     """Return whether a key, or one that begins so, was not stated by anybody."""
     sources = [item.source for item in record.data if item.key.startswith(key)]
     return any(isinstance(one, Message) and one.kind in NOT_STATED for one in sources)

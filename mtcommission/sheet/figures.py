@@ -98,10 +98,14 @@ class Canvas:
         """End what ``clip`` began."""
         self._parts.append("</g>")
 
-    def finish(self) -> str:
-        """Return the drawing; the same calls always give the same text."""
+    def finish(self, *, alt: str = "") -> str:
+        """Return the drawing; the same calls always give the same text.
+
+        ``alt``: what it shows, where it stands in a page as it is.
+        """
+        named = f'role="img" aria-label="{escape(alt)}" ' if alt else ""
         return (
-            '<svg xmlns="http://www.w3.org/2000/svg" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" {named}'
             f'width="{self.width:g}pt" height="{self.height:g}pt" '
             f'viewBox="0 0 {self.width:g} {self.height:g}" '
             f'font-family="DejaVu Sans" font-size="{SIZE:g}">{"".join(self._parts)}</svg>'

@@ -3,34 +3,45 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from markupsafe import Markup, escape
 
 from mtcommission.sheet.document import Document, Formula, LinePlot
-from mtcommission.sheet.what_if import Panel
-from mtcommission.web import json_for_script, render_page
+from mtcommission.web import fill_template, json_for_script, render_page
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
 """Significant digits of plotted values; finer than a pixel, a third of the bytes."""
 
-SCRIPTS = ("page.js", "engine.js", "what_if.js")
-"""Of a page; the first one draws plots, the others are of its interactive part."""
+
+class Interactive(Protocol):
+    """The interactive part of a page: its template and scripts, and what they show."""
+
+    @property
+    def texts(self) -> Mapping[str, str]: ...  # noqa: D102
+    @property
+    def template(self) -> Path: ...  # noqa: D102
+    @property
+    def scripts(self) -> tuple[Path, ...]: ...  # noqa: D102
+    @property
+    def data(self) -> Mapping[str, Any]: ...  # noqa: D102
 
 
-def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = None) -> str:
+def set_html(document: Document, *, decimal_mark: str, panel: Interactive | None = None) -> str:
     """Return a document as a page; ``panel`` is its interactive part, behind the first section.
 
     All text is escaped; the content security policy admits only the page's own script and style,
     by their hashes, and no connection. The decimal mark is for the values under the cursor.
     """
-    style = _read("page.css") + (_read("what_if.css") if panel else "")
-    script = "".join(map(_read, SCRIPTS if panel else SCRIPTS[:1]))
+    style = _read(FOLDER / "page.css") + (_read(FOLDER / "what_if.css") if panel else "")
+    own = (FOLDER / "knobs.js", *panel.scripts) if panel else ()
+    script = "".join(map(_read, (FOLDER / "page.js", *own)))
     plots = {
         block.key: _plot_data(block)
         for section in document.sections
@@ -46,12 +57,13 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         set_formula=_set_formula,
         plots=json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
         panel=panel,
+        interactive=Markup(fill_template(panel.template, FOLDER, panel=panel)) if panel else "",
         answers=json_for_script(panel.data) if panel else "",
     )
 
 
-def _read(name: str) -> str:
-    return (FOLDER / name).read_text(encoding="utf-8")
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
 
 
 def _set_formula(formula: Formula) -> Markup:

@@ -309,22 +309,25 @@ def _entries(record: Record, typed: Export | Message, words: Catalogue) -> Block
     """Every parameter to type in: its name in the control, old beside new, and meaning."""
     if isinstance(typed, Message):
         return Paragraph(text=words.text("entry-none", why=typed), tone=Tone.WARNING)
-    longest = max(len(_name(entry, words)) for entry in typed.entries)
+    longest = max(len(entry_name(entry, words)) for entry in typed.entries)
     named = min(max(NAME_WIDTH * longest, LEAST_NAME), MOST_NAME)
     columns = [
-        Quantity("parameter", lambda entry: _name(entry, words), width=named),
-        Quantity("new-value", lambda entry: _typed(entry.value, entry, words), "", width=1.45),
+        Quantity("parameter", lambda entry: entry_name(entry, words), width=named),
+        Quantity("new-value", lambda entry: show_typed(entry.value, entry, words), "", width=1.45),
         Quantity("meaning", lambda entry: _meaning(entry, words), width=7.45 - named),
     ]
     if any(entry.old for entry in typed.entries):
-        old = Quantity("old-value", lambda entry: _typed(entry.old, entry, words), "", width=0.95)
+        old = Quantity(
+            "old-value", lambda entry: show_typed(entry.old, entry, words), "", width=0.95
+        )
         columns.insert(1, old)
     return table(
         words, "entry-caption", columns, typed.entries, jerk=record.loop.jerk, mark=ELSEWHERE_MARK
     )
 
 
-def _name(entry: Entry, words: Catalogue) -> str:
+def entry_name(entry: Entry, words: Catalogue) -> str:
+    """Return the name of a parameter, marked where it is set elsewhere than in the control."""
     row, name = entry.row, entry.row.name
     if is_neutral(row):
         setting = row.setting.name.lower().replace("_", "-")
@@ -334,8 +337,8 @@ def _name(entry: Entry, words: Catalogue) -> str:
     return f"[{row.section}] {name}" if row.section else name
 
 
-def _typed(value: str, entry: Entry, words: Catalogue) -> str:
-    """A number with the language's decimal mark and its unit; a word or code as it is typed."""
+def show_typed(value: str, entry: Entry, words: Catalogue) -> str:
+    """Return a number with the language's decimal mark and its unit; else what is typed."""
     if not NUMBER.fullmatch(value):
         return value
     unit = pretty_unit({"us": "µs"}.get(entry.row.unit, entry.row.unit))

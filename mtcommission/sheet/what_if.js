@@ -16,31 +16,9 @@ const whatIf = (() => {
   // ---- what is tried ----
 
   const state = {move: 0, tried: null, payload: 0};
-  const field = Object.fromEntries(fields.map(item => [item.key, item]));
+  const {field, put, listenTo} = makeKnobs({fields, state, id, outOfRange: values => say("out_of_range", values)});
   const recommended = known.length - 1;
   let filter = known[recommended].filter;
-
-  const onSlider = (item, value) => item.log ? 1000 * Math.log(value / item.low) / Math.log(item.high / item.low) : 1000 * (value - item.low) / (item.high - item.low);
-  const ofSlider = (item, place) => item.log ? item.low * (item.high / item.low) ** (place / 1000) : item.low + (item.high - item.low) * place / 1000;
-
-  function put(key, value, {slider = true, text = true} = {}) {
-    const item = field[key];
-    // What is shown is what is computed: four digits, unless more are typed.
-    if (text) value = Number((value / item.size).toPrecision(4)) * item.size;
-    state[key] = value;
-    if (slider) id(`${key}-slider`).value = onSlider(item, value);
-    id(`${key}-slider`).setAttribute("aria-valuetext", `${show(value / item.size)} ${item.unit}`);
-    if (text) id(key).value = String(Number((value / item.size).toPrecision(10))).replace(".", data.decimal_mark);
-    id(key).removeAttribute("aria-invalid");
-    complain();
-  }
-
-  // Every wrong entry, as long as it stands there; what is computed is the value before it.
-  function complain() {
-    const wrong = fields.filter(item => id(item.key).getAttribute("aria-invalid") === "true");
-    const range = item => say("out_of_range", {name: item.label, low: `${show(item.least / item.size)} ${item.unit}`, high: `${show(item.most / item.size)} ${item.unit}`, value: `${show(state[item.key] / item.size)} ${item.unit}`});
-    id("complaint").textContent = wrong.map(range).join(". ");
-  }
 
   function load(number) {
     const {limits, filter: chosen} = known[number];
@@ -447,18 +425,6 @@ const whatIf = (() => {
 
   // ---- listening ----
 
-  function listenTo(item) {
-    const isNotch = item.key.startsWith("notch"), after = isNotch ? notchChanged : changed;
-    id(`${item.key}-slider`).addEventListener("input", event => { put(item.key, ofSlider(item, Number(event.target.value)), {slider: false}); after(); });
-    id(item.key).addEventListener("input", event => {
-      const value = Number(event.target.value.trim().replace(",", ".").replace("−", "-")) * item.size;
-      const isGood = event.target.value.trim() !== "" && Number.isFinite(value) && value >= item.least && value <= item.most;
-      event.target.setAttribute("aria-invalid", String(!isGood));
-      complain();
-      if (isGood) { put(item.key, value, {text: false}); after(); }
-    });
-  }
-
   function listenToPlot(key) {
     const svg = id(key);
     let isDown = false;
@@ -488,7 +454,7 @@ const whatIf = (() => {
       put("notch_width", oldNotch.width);
       put("notch_depth", Math.max(0, -20 * Math.log10(Math.max(oldNotch.damping / oldNotch.width, 1e-3))));
     }
-    fields.forEach(listenTo);
+    fields.forEach(item => listenTo(item, item.key.startsWith("notch") ? notchChanged : changed));
     id("filter").addEventListener("change", event => { setFilter(event.target.value); changed(); });
     id("move")?.addEventListener("change", event => { setMove(Number(event.target.value)); changed(); });
     known.forEach((one, number) => id(`load-${number}`).addEventListener("click", () => load(number)));

@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import pi
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -19,6 +20,8 @@ from mtcommission.record.shape import to_plain
 from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.record.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.sheet.tables import say_filter, say_requirement, show
+
+FOLDER = Path(__file__).parent
 
 SMALLEST_SHARE = 50.0
 """Of the largest acceleration, at which its slider begins."""
@@ -112,6 +115,8 @@ class Panel:
     fields: tuple[Field, ...]
     follows: bool  # whether the motor follows its setpoint, so that there is no loop to show
     data: Mapping[str, Any]  # for the script, as JSON
+    template: Path = FOLDER / "what_if.html"
+    scripts: tuple[Path, ...] = (FOLDER / "engine.js", FOLDER / "what_if.js")
 
 
 def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:

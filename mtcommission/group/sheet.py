@@ -1,0 +1,435 @@
+"""The sheet of axes that move together: what to enter, circles and corners, what to measure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import inf, isclose
+from typing import Any
+
+from mtcommission.control_kinds.row import Setting
+from mtcommission.control_kinds.syntax import Entry
+from mtcommission.group.ballbar import draw_ballbar
+from mtcommission.group.drawn import Trace, trace_circle
+from mtcommission.group.export import Part, type_in_group
+from mtcommission.group.page import contour_panel
+from mtcommission.group.record import CheckEntry, GroupRecord
+from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
+from mtcommission.messages.quantities import pretty_unit
+from mtcommission.record.read_back import read_filter
+from mtcommission.sheet.basis import datum, datum_name, is_assumed
+from mtcommission.sheet.document import (
+    HASH_DIGITS,
+    BigValue,
+    Block,
+    Bullets,
+    Column,
+    Document,
+    Form,
+    Headline,
+    Section,
+    Table,
+    Tone,
+    document,
+    note,
+)
+from mtcommission.sheet.html import set_html
+from mtcommission.sheet.pdf import set_pdf
+from mtcommission.sheet.tables import (
+    DASH,
+    Quantity,
+    capitalised,
+    filter_rows,
+    pairs,
+    say_filter,
+    show,
+    table,
+    words_for,
+)
+from mtcommission.sheet.verdict import entry_name, show_typed
+
+FILTER = (
+    *(Setting.AVERAGE, Setting.SECOND_AVERAGE),
+    *(Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING),
+)
+AT_CORNERS = (
+    *(Setting.CORNER_STEP, Setting.CORNER_SPEED),
+    *(Setting.CORNER_TOLERANCE, Setting.CONTOUR_TOLERANCE),
+)
+OF_AXIS = {
+    Setting.ACCELERATION: "acceleration",
+    Setting.RISE_TIME: "group-rise-time",
+    Setting.JERK: "jerk",
+    Setting.JERK_TIME: "jerk-time",
+    Setting.POSITION_GAIN: "Kv",
+    Setting.VELOCITY_GAIN: "Kp",
+    Setting.INTEGRAL_TIME: "Tn",
+    Setting.FORCE_FEEDFORWARD: "group-feedforward",
+    Setting.REFERENCE_DELAY: "group-balancing",
+    Setting.WAIT: "group-wait",
+}
+"""What each axis is told, and what it is called; the export has all the rest."""
+
+PATH = (
+    ("acceleration", "m/s^2", (Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION_CEILING)),
+    ("jerk", "m/s^3", (Setting.PATH_JERK, Setting.PATH_JERK_CEILING)),
+)
+CORNER_UNITS = {"arc": "m", "junction": "m/s", "step": "m/s"}
+
+HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
+
+
+def print_group_html(record: GroupRecord, *, language: str = "en") -> str:
+    """Return the sheet of a group as one HTML file that works offline."""
+    words = words_of(record, language)
+    panel = contour_panel(record, words)
+    found = compose_group(record, words)
+    return set_html(found, decimal_mark=decimal_mark_of(language), panel=panel)
+
+
+def print_group_pdf(record: GroupRecord, *, language: str = "en") -> bytes:
+    """Return the sheet of a group as PDF, A4.
+
+    Raises
+    ------
+    ComputationError
+        PRINTING_FAILED with the compiler's message.
+    """
+    found = compose_group(record, words_of(record, language))
+    return set_pdf(found, decimal_mark=decimal_mark_of(language))
+
+
+def words_of(record: GroupRecord, language: str) -> Catalogue:
+    """Return the texts of a language for the axes of a group."""
+    return words_for(record.axes[0].machine, language)
+
+
+def compose_group(record: GroupRecord, words: Catalogue) -> Document:
+    """Return the sheet of a group: a page of values to enter, a page of circles and corners."""
+    text = words.text
+    profiles = [
+        text("identity", name=axis.profile.name, hash=axis.profile.sha256[:HASH_DIGITS])
+        for axis in record.axes
+    ]
+    pages = (
+        ("verdict", first_page(record, words)),
+        ("contours", second_page(record, words)),
+    )
+    return document(
+        words,
+        script_note="group-script-note",
+        title=text("group-title"),
+        machine=record.axes[0].machine.name,
+        axis=text("group-axes-named", axes=", ".join(axis.name for axis in record.axes)),
+        identity="; ".join(profiles),
+        created=record.created,
+        disclaimer=text("disclaimer"),
+        sections=tuple(
+            Section(key=key, heading=text(f"group-{key}-heading"), blocks=tuple(blocks))
+            for key, blocks in pages
+        ),
+    )
+
+
+def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
+    """Yield verdict, what to enter, filters beside each other, requirements, on what it rests."""
+    yield _headline(record, words)
+    if record.warnings:
+        yield Bullets(items=tuple(map(words.say, record.warnings)), tone=Tone.WARNING)
+    parts = type_in_group(record)
+    yield _together(record, parts, words)
+    yield _each_axis(record, parts, words)
+    yield note(_bounds(record, words))
+    yield _filters(record, words)
+    yield _checks(record, words)
+    yield pairs(
+        words,
+        words.text("basis-caption"),
+        _rests_on(record, words),
+        first="group-axis",
+        width=11.0,
+    )
+    yield note(" ".join(map(words.say, record.assumptions)))
+
+
+def _headline(record: GroupRecord, words: Catalogue) -> Headline:
+    text, met, path = words.text, record.assessment.met, record.path
+    said = [text("group-tolerance", tolerance=record.tolerance, feed=record.feed) + "."]
+    missed = [words.say(check.label) for check in record.assessment.checks if not check.met]
+    if missed:
+        said.append(text("group-missed", checks=", ".join(missed)))
+    limits = (("acceleration", "m/s^2"), *([("jerk", "m/s^3")] if _limits_jerk(record) else []))
+    values = [
+        BigValue(label=text(f"group-path-{name}"), value=show(getattr(path, name), words, unit))
+        for name, unit in limits
+    ]
+    (label, kind), *numbers = filter_rows(record.filter, words)
+    filter_value = ", ".join(number for _, number in numbers)
+    values.append(
+        BigValue(label=capitalised(kind), value=filter_value)
+        if numbers
+        else BigValue(label=label, value=kind)
+    )
+    return Headline(
+        is_met=met,
+        verdict=text("verdict-met" if met else "verdict-not-met"),
+        detail=" ".join(said),
+        values=tuple(values),
+    )
+
+
+def _limits_jerk(record: GroupRecord) -> bool:
+    return record.axes[0].loop.jerk != "none"
+
+
+def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
+    """What all axes are told alike: value, what limits it, and what is typed in."""
+    text, path, told = words.text, record.path, record.corner_rule
+    rows = [
+        ("setpoint-filter", say_filter(record.filter, words), _leads(record, words), FILTER),
+        *(
+            (
+                f"group-path-{name}",
+                show(getattr(path, name), words, unit),
+                _bound(record, name, words),
+                settings,
+            )
+            for name, unit, settings in PATH
+            if name == "acceleration" or _limits_jerk(record)
+        ),
+        (
+            f"group-corner-{told.kind}",
+            show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none"),
+            text("group-corner-holds"),
+            AT_CORNERS,
+        ),
+    ]
+    heads = {"quantity": 1.5, "value": 1.6, "group-bound": 1.9, "group-typed": 3.4}
+    return Table(
+        caption=text("group-together-caption"),
+        columns=tuple(
+            Column(head=text(head), width=width, is_number=head == "value")
+            for head, width in heads.items()
+        ),
+        rows=tuple(
+            (text(name), value, why, _type(parts, settings, words) or DASH)
+            for name, value, why, settings in rows
+        ),
+    )
+
+
+def _type(parts: Sequence[Part], settings: Sequence[Setting], words: Catalogue) -> str:
+    """What is typed in for some settings, each name once; "" where the control has no place."""
+    found = {}
+    for entry in (entry for part in parts for entry in part.entries):
+        if entry.row.setting in settings:
+            name = _parameter(entry, words)
+            found[name] = f"{name} = {show_typed(entry.value, entry, words)}"
+            if entry.old:
+                old = words.text("group-old", value=show_typed(entry.old, entry, words))
+                found[name] += f" ({old})"
+    return "; ".join(found.values())
+
+
+def _parameter(entry: Entry, words: Catalogue) -> str:
+    """What the control calls it, and whether that was read in a maker's text."""
+    return f"{entry_name(entry, words)}{'' if entry.row.is_verified else ' (?)'}"
+
+
+def _leads(record: GroupRecord, words: Catalogue) -> str:
+    """Why this filter: it leaves circles their acceleration, or settles first of those that do."""
+    used = record.filters[0]
+    kept = used.path_acceleration >= 0.999 * used.axes_acceleration
+    return words.text("group-filter-chosen" if kept else "group-filter-binds")
+
+
+def _bound(record: GroupRecord, name: str, words: Catalogue) -> str:
+    """Whose limit it is; the tolerance where it is less than that of each axis."""
+    value, limits = (
+        getattr(record.path, name),
+        {axis.name: getattr(axis.limits.recommended, name) for axis in record.axes},
+    )
+    least = min(limits, key=lambda axis: limits[axis])
+    if isclose(value, limits[least], rel_tol=1e-3):
+        return words.text("group-bound-by-axis", name=least)
+    return words.text("group-bound-by-tolerance")
+
+
+def _with_unit(entry: Entry, words: Catalogue) -> str:
+    unit = pretty_unit(entry.row.unit)
+    return f"{_parameter(entry, words)} [{unit}]" if unit else _parameter(entry, words)
+
+
+def _number(typed: str, entry: Entry, words: Catalogue) -> str:
+    """What is typed in, without the unit that stands beside the parameter."""
+    return show_typed(typed, replace(entry, row=replace(entry.row, unit="")), words)
+
+
+def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
+    """What is typed in for each axis, what the control holds today before it where it is stated."""
+    text, rows = words.text, []
+    own = [{one.row.setting: one for one in reversed(part.entries)} for part in parts[:-1]]
+    has_old = any(entry.old for axis in own for entry in axis.values())
+    for setting, label in OF_AXIS.items():
+        entries = [axis.get(setting) for axis in own]
+        named = next((entry for entry in entries if entry), None)
+        if named is None and setting is not Setting.WAIT:
+            continue
+        cells = [words.known(label, label), _with_unit(named, words) if named else DASH]
+        for axis, entry in zip(record.axes, entries, strict=True):
+            new = _number(entry.value, entry, words) if entry else show(axis.wait, words, "s")
+            old = _number(entry.old, entry, words) if entry and entry.old else DASH
+            cells += [old, new] if has_old else [new]
+        rows.append(tuple(cells))
+    columns = [
+        Column(head=text("quantity"), width=1.6),
+        Column(head=text("parameter"), width=3.6),
+    ]
+    for axis in record.axes:
+        old_head, new_head = (text(f"group-axis-{key}", name=axis.name) for key in ("today", "new"))
+        heads = [old_head, new_head] if has_old else [axis.name]
+        columns += [Column(head=head, is_number=True) for head in heads]
+    return Table(caption=text("group-each-caption"), columns=tuple(columns), rows=tuple(rows))
+
+
+def _bounds(record: GroupRecord, words: Catalogue) -> str:
+    """What binds the limits of each axis, as sentences."""
+    bound = [(axis.name, axis.limits.recommended.bound_by) for axis in record.axes]
+    return " ".join(words.text("group-axis-bound", name=name, by=by) for name, by in bound)
+
+
+def _filters(record: GroupRecord, words: Catalogue) -> Table:
+    columns = (
+        Quantity("setpoint-filter", lambda one: say_filter(one.filter, words), width=2.1),
+        Quantity("group-settling-slowest", "settling_time", "s", "not-settled", width=1.2),
+        Quantity("group-axes-acceleration", "axes_acceleration", "m/s^2", width=1.4),
+        Quantity("group-path-acceleration", "path_acceleration", "m/s^2"),
+    )
+    first = record.filters[0]
+    return table(
+        words, "group-filters-caption", columns, record.filters, strong=lambda one: one is first
+    )
+
+
+def _checks(record: GroupRecord, words: Catalogue) -> Table:
+    """Of each requirement the axis that keeps it least, and whatever is not kept."""
+    least: dict[str, CheckEntry] = {}
+    names = tuple(f" {axis.name}" for axis in record.axes)
+    for check in record.assessment.checks:
+        own = next((name for name in names if check.name.endswith(name)), "")
+        kind = check.name.removesuffix(own)
+        if kind not in least or (_share_used(check) or inf) > (_share_used(least[kind]) or inf):
+            least[kind] = check
+    shown = [one for one in record.assessment.checks if one in least.values() or not one.met]
+
+    def unit_of(check: CheckEntry) -> str:
+        return check.unit
+
+    columns = (
+        Quantity("check", "label", width=2.7),
+        Quantity("found", "value", unit_of, "not-settled"),
+        Quantity("permitted", "limit", unit_of),
+        Quantity("share-used", _share_used, "%", width=0.9),
+        Quantity("where", "where", width=8.4),
+    )
+    return table(words, "group-checks-caption", columns, shown, strong=lambda check: not check.met)
+
+
+def _share_used(check: CheckEntry) -> float | None:
+    return None if check.value is None else check.value / check.limit
+
+
+def _rests_on(record: GroupRecord, words: Catalogue) -> list[tuple[str, str]]:
+    """Where the data of the axes come from, and what of them nobody stated."""
+    found: dict[str, list[str]] = {}
+    for axis in record.axes:
+        said = [
+            f"{datum_name(item, words)} = {datum(item, axis.plant.units, words)}"
+            for item in axis.data
+            if is_assumed(axis, item.key)
+        ]
+        assumed = [f"{words.text('basis-assumed')}: {'; '.join(said)}"] if said else []
+        rests = ". ".join([words.say(axis.machine.source), *assumed])
+        found.setdefault(rests, []).append(axis.name)
+    return [(", ".join(names), rests) for rests, names in found.items()]
+
+
+def second_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
+    """Yield the circle test, feed over radius, speed over angle, and what to measure."""
+    traces = _traces(record)
+    yield draw_ballbar(
+        words,
+        names=record.plane,
+        radius=record.circle[0].radius,
+        tolerance=record.tolerance,
+        traces={words.format.feed(feed): trace for feed, trace in traces.items()},
+    )
+    yield table(
+        words,
+        "group-feeds-caption",
+        (
+            Quantity("group-radius", "radius", "m"),
+            Quantity("group-feed-of-circle", lambda one: words.format.feed(one.feed), ""),
+            Quantity("group-bound", lambda one: _forbids(one, words), width=2.0),
+        ),
+        record.feed_over_radius,
+        tolerance=record.tolerance,
+    )
+    yield table(
+        words,
+        "group-corners-caption",
+        (
+            Quantity("group-angle", "angle_deg", "°"),
+            Quantity("group-corner-speed", lambda one: words.format.feed(one.speed), ""),
+            Quantity("group-not-slowed", "deviation_without_slowing", "m"),
+        ),
+        record.speed_over_angle,
+        feed=record.feed,
+    )
+    yield _measurements(record, traces, words)
+    first, second = record.plane
+    how = (words.text(key, first=first, second=second) for key in HOW)
+    yield Bullets(items=tuple(how), tone=Tone.NOTE)
+    yield Form(fields=(words.text("measure-field-1"), words.text("measure-field-2")))
+
+
+def _traces(record: GroupRecord) -> dict[float, Trace]:
+    """The circles of the test in the nominal machine, by feed."""
+    item = read_filter(record.filter) if record.filter else None
+    return {
+        one.feed: trace_circle(record.drawn, item, radius=one.radius, feed=one.feed)
+        for one in record.circle
+    }
+
+
+def _forbids(one: Any, words: Catalogue) -> str:
+    said = words.say(one.bound_by)
+    return f"{said} ({one.axis})" if one.axis else said
+
+
+def _measurements(record: GroupRecord, traces: dict[float, Trace], words: Catalogue) -> Table:
+    """Each figure of a circle test: calculated and, to be filled in, measured, by feed."""
+    text, circles = words.text, record.circle
+    columns = [Column(head=text("measurement"), width=2.2)]
+    for circle in circles:
+        columns.append(Column(head=words.format.feed(circle.feed), is_number=True))
+        columns.append(Column(head=text("measured")))
+    rows = [
+        (text(f"group-measured-{key}"), [getattr(trace, key) for trace in traces.values()])
+        for key in ("largest", "least", "circular")
+    ]
+    rows += [
+        (text("group-check-peak", name=name), [one.quadrant_peak[name] for one in circles])
+        for name in circles[0].quadrant_peak
+    ]
+    worst = [
+        (text("group-worst-radius"), [one.radius_deviation for one in circles]),
+        (text("group-worst-form"), [one.form_deviation for one in circles]),
+    ]
+    cells = [
+        (label, *(cell for value in values for cell in (show(value, words, "m"), blank)))
+        for group, blank in ((rows, ""), (worst, DASH))
+        for label, values in group
+    ]
+    caption = text("group-measure-caption", radius=circles[0].radius, tolerance=record.tolerance)
+    return Table(caption=caption, columns=tuple(columns), rows=tuple(cells), is_form=True)

@@ -1,0 +1,364 @@
+"""The sheet of a group: what is entered, the circle test as it comes out, and the page's numbers.
+
+If one of these fails, an engineer types in something else than what was judged, or holds a ballbar
+beside a circle that this machine does not draw.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from functools import lru_cache
+from html import unescape
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pypdfium2
+import pytest
+
+from mtcommission.cli.arguments import read_machine
+from mtcommission.group.circle import ToolResponse, deviate
+from mtcommission.group.drawn import trace_circle
+from mtcommission.group.group import Group, join, worst_deviation
+from mtcommission.group.record import GroupRecord, build_group_record
+from mtcommission.group.sheet import compose_group, print_group_html, print_group_pdf, words_of
+from mtcommission.group.task import read_task
+from mtcommission.loop.respond import TOOL
+from mtcommission.loop.simulate import drive_loop, find_friction
+from mtcommission.sheet.document import Headline, Table
+
+from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, WIDTHS, axe_file, browse
+
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
+
+PROFILES = ("profiles/mill-x.toml", "profiles/mill-y.toml")
+
+
+@lru_cache(maxsize=1)
+def mill() -> Group:
+    read = [read_machine(Path(profile)) for profile in PROFILES]
+    return join(read_task([machine for machine, _ in read], [source for _, source in read]))
+
+
+@lru_cache(maxsize=1)
+def record() -> GroupRecord:
+    return build_group_record(mill(), created="2026-11-28T00:00:00+00:00")
+
+
+def text_of(html: str) -> str:
+    """What a page says, without its scripts."""
+    plain = re.sub(r"<(script|style).*?</\1>|<[^>]*>", " ", html, flags=re.DOTALL)
+    return " ".join(unescape(plain).replace("\N{NARROW NO-BREAK SPACE}", " ").split())
+
+
+def text_of_pdf(pdf: bytes) -> list[str]:
+    """What each page of a PDF says."""
+    pages = pypdfium2.PdfDocument(pdf)
+    texts = (page.get_textpage().get_text_range() for page in pages)
+    return [" ".join(text.replace("\N{NARROW NO-BREAK SPACE}", " ").split()) for text in texts]
+
+
+SAID = {
+    "en": ("Verdict and values to enter", "Path acceleration", "Circular deviation G", "met"),
+    "de": ("Urteil und Werte", "Bahnbeschleunigung", "Kreisformabweichung G", "erfüllt"),
+}
+
+
+@pytest.mark.parametrize("language", SAID)
+def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> None:
+    """Two axes fit on two pages; a third page would be lost on the way to the machine."""
+    found, words = record(), words_of(record(), language)
+    html = text_of(print_group_html(found, language=language))
+    pages = text_of_pdf(print_group_pdf(found, language=language))
+    assert len(pages) == 2
+
+    def shown(value: float, unit: str) -> str:
+        return words.format.quantity(value, unit).replace("\N{NARROW NO-BREAK SPACE}", " ")
+
+    first = [shown(found.path.acceleration, "m/s^2"), shown(found.path.jerk, "m/s^3")]
+    for axis in found.axes:
+        best, loop = axis.limits.recommended, axis.loop
+        first += [shown(best.acceleration, "m/s^2"), shown(best.jerk, "m/s^3")]
+        first += [shown(loop.Kv, "1/s"), shown(loop.Kp, "N s/m"), shown(loop.Tn, "s")]
+        first += [shown(axis.wait, "s"), "MD32910"]
+    first += [shown(trial.path_acceleration, "m/s^2") for trial in found.filters]
+    second = [shown(one.deviation_without_slowing, "m") for one in found.speed_over_angle]
+    second += [shown(one.quadrant_peak["Y"], "m") for one in found.circle]
+    for values, page in ((first, pages[0]), (second, pages[1])):
+        for value in values:
+            assert value in html, value
+            assert value in page, value
+    for phrase in SAID[language]:
+        assert phrase in html
+        assert phrase in " ".join(pages)
+
+
+def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns() -> None:
+    """What is overwritten must be seen before it is."""
+    found = record()
+    (other, own) = found.axes
+    today = {
+        **dict.fromkeys(("settling_time", "residual_deviation", "peak_deviation", "bound_by")),
+        "acceleration": 1.25,
+        "jerk": 17.5,
+        "jerk_time": 1.25 / 17.5,
+        "setpoint_filter": None,
+        "Kv": 31.5,
+        "Kp": 1.0,
+        "Tn": 1.0,
+        "stated": ["Kv"],
+        "basis": "as it is",
+        "failure": None,
+        "meets_requirements": False,
+        "keeps_reserve": False,
+        "frequency_range": None,
+        "valid_for": [],
+    }
+    from mtcommission.record.limits import TodayEntry
+
+    third = replace(own, name="Z", limits=replace(own.limits, today=TodayEntry(**today)))
+    three = replace(
+        found,
+        axes=[other, own, third],
+        feedforward=found.feedforward | {"Z": found.feedforward["Y"]},
+    )
+    first, _ = compose_group(three, words_of(three, "en")).sections
+    tables = [block for block in first.blocks if isinstance(block, Table)]
+    each = next(one for one in tables if one.columns[-1].head == "Z new")
+    heads = [column.head for column in each.columns[2:]]
+    assert heads == ["X today", "X new", "Y today", "Y new", "Z today", "Z new"]
+    rows = {row[0]: [str(cell) for cell in row[2:]] for row in each.rows}
+    assert rows["Acceleration"][4].startswith("1.25")
+    assert rows["Jerk"][4].startswith("17.5")
+    assert rows["Kv"][4].startswith("31.5")
+    assert rows["Kv"][5] != rows["Kv"][4]
+    # Not stated: neither invented nor left out.
+    assert rows["Tn"][4] == rows["Kv"][0] == "–"
+    assert len(text_of_pdf(print_group_pdf(three))) <= 3
+
+
+def test_what_is_not_kept_is_named_on_top() -> None:
+    found = record()
+    (circle, *others) = found.assessment.checks
+    missed = replace(circle, value=2.0 * circle.limit, met=False)
+    bad = replace(found, assessment=replace(found.assessment, met=False, checks=[missed, *others]))
+    first, _ = compose_group(bad, words_of(bad, "en")).sections
+    headline = next(block for block in first.blocks if isinstance(block, Headline))
+    assert not headline.is_met
+    assert "contour on circles" in headline.detail
+    (checks,) = (
+        b
+        for b in first.blocks
+        if isinstance(b, Table)
+        and b.strong_rows == (0,)
+        and "Worst case" in {c.head for c in b.columns}
+    )
+    assert checks.rows[0][0] == "contour on circles"
+
+
+def test_names_that_look_like_markup_stay_names() -> None:
+    """A profile comes from anywhere; its names stand in the page, the drawing and the script."""
+    name = '</script><img src=x onerror="alert(1)">&'
+    found = record()
+    axes = [replace(axis, machine=replace(axis.machine, name=name)) for axis in found.axes]
+    html = print_group_html(replace(found, axes=axes, plane=[name, "Y"]))
+    assert "<img" not in html
+    assert html.count("</script>") == print_group_html(found).count("</script>")
+    assert f"+{name}" in unescape(html)
+    assert print_group_pdf(replace(found, axes=axes, plane=[name, "Y"]))
+
+
+def test_the_drawn_circle_is_what_the_stepped_axes_draw() -> None:
+    """Both axes through a whole turn by the stepping engine, friction and all, and no shortcut."""
+    group, found = mill(), record()
+    assert all(axis.wait == 0 for axis in group.axes)
+    for radius, feed in ((50e-3, 0.1), (50e-3, 0.05)):
+        trace = trace_circle(found.drawn, group.setpoint_filter, radius=radius, feed=feed)
+        path = [
+            step_axis(group, k, radius, feed, quarter) for k, quarter in enumerate((0.0, 0.5 * pi))
+        ]
+        angle, off = np.arctan2(path[1], path[0]), np.hypot(*path) - radius
+        order = np.argsort(trace.angle)
+        drawn = np.interp(angle, trace.angle[order], trace.deviation[order], period=2.0 * pi)
+        assert np.abs(drawn - off).max() < 0.3e-6
+        assert trace.largest == pytest.approx(off.max(), abs=0.3e-6)
+        assert trace.least == pytest.approx(off.min(), abs=0.3e-6)
+        # Right behind the quadrants, as a ballbar shows it: above 0 and left of 90 degrees.
+        peaks = trace.angle[trace.deviation > 0.8 * trace.largest] % (0.5 * pi)
+        assert peaks.min() > 0.0
+        assert peaks.max() < 0.1 * pi
+
+
+def step_axis(group: Group, k: int, radius: float, feed: float, quarter: float) -> np.ndarray:
+    """Positions of an axis over the second turn of a circle [m]."""
+    axis, omega = group.axes[k], feed / radius
+    machine, loop = axis.alone.machine, axis.alone.tuned.loops[0]
+    control, turn = machine.control, 2.0 * pi / omega
+    t = np.arange(0.0, 2.2 * turn, control.position_cycle)
+    (response,) = ToolResponse(
+        omega=np.array([1e-3, 1e6]), leading=np.ones((1, 2), dtype=complex), delay=0.0
+    ).at(np.array([omega]), group.setpoint_filter)
+    behind = response[0]
+    phase = omega * t - quarter + np.angle(behind)
+    size = radius * abs(behind)
+    waves = [np.cos(phase), -np.sin(phase), -np.cos(phase), np.sin(phase)]
+    references = size * np.array(waves).T * omega ** np.arange(4)
+    begin = references[0, 0]
+    references[:, 0] -= begin
+    friction = find_friction(
+        loop.plant,
+        coulomb=machine.drive.coulomb_friction,
+        viscous=machine.drive.viscous_friction,
+        step=control.velocity_cycle,
+    )
+    tool = drive_loop(loop, references, friction=friction)[:, TOOL] + begin
+    once = round(1.1 * turn / control.velocity_cycle)
+    return np.asarray(tool[once : once + round(turn / control.velocity_cycle)])
+
+
+def test_without_friction_a_circle_is_the_ellipse_of_the_two_responses() -> None:
+    """Its form is |G_x - G_y| R and its mean radius |G_x + G_y| R/2."""
+    found, item = record(), mill().setpoint_filter
+    smooth = replace(found.drawn, axes=[replace(one, reversals=[]) for one in found.drawn.axes])
+    for radius, feed in ((10e-3, 0.1), (100e-3, 0.3)):
+        trace = trace_circle(smooth, item, radius=radius, feed=feed)
+        omega = np.array([feed / radius])
+        first, second = (one.at(omega, item)[0] for one in mill().plane.responses)
+        off = deviate(first, second)
+        assert trace.circular == pytest.approx(radius * float(off.form[0]), abs=2e-9)
+        mean = 0.5 * (trace.largest + trace.least)
+        assert mean == pytest.approx(radius * float(off.radius[0]), abs=2e-9)
+
+
+ASK = """
+addEventListener("load", () => {
+  const {model} = groupPage;
+  tell({
+    circles: CIRCLES.map(([radius, feed]) => {
+      const {circular, most, least, peaks} = contours.trace(model, radius, feed);
+      return {...contours.circle(model, radius, feed), circular, most, least, peaks};
+    }),
+    corners: ANGLES.map(([angle, feed]) => contours.cornerSpeed(model, angle, feed)),
+  });
+});
+"""
+
+
+@needs_browser
+@pytest.mark.parametrize("arcs", [False, True])
+def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> None:
+    """Sliders would show circles that nobody judged."""
+    # Behind an average the control's arc gains nothing.
+    group = replace(mill(), setpoint_filter=None) if arcs else mill()
+    found = build_group_record(group, created="today") if arcs else record()
+    rng = np.random.default_rng(7)
+    circles = [
+        (float(10 ** rng.uniform(-2.3, -0.8)), float(rng.uniform(0.01, 0.3))) for _ in range(12)
+    ]
+    circles += [(one.radius, one.feed) for one in found.circle]
+    angles = [(one.angle_deg * pi / 180.0, found.feed) for one in found.speed_over_angle]
+    script = TELL + ASK.replace("CIRCLES", json.dumps(circles)).replace(
+        "ANGLES", json.dumps(angles)
+    )
+    told: Any
+    told, console = browse(print_group_html(found), tmp_path, script)
+    assert console == ""
+    for (radius, feed), got in zip(circles, told["circles"], strict=True):
+        off, _ = worst_deviation(
+            group.plane.responses, np.array([feed / radius]), group.setpoint_filter
+        )
+        trace = trace_circle(found.drawn, group.setpoint_filter, radius=radius, feed=feed)
+        near = {"rel": 1e-4, "abs": 1e-9}
+        assert got["radius"] == pytest.approx(radius * float(off.radius[0]), **near)
+        assert got["form"] == pytest.approx(radius * float(off.form[0]), **near)
+        assert got["entry"] == pytest.approx(group.entry * feed**2 / radius, **near)
+        assert got["most"] == pytest.approx(trace.largest, **near)
+        assert got["least"] == pytest.approx(trace.least, **near)
+        assert got["circular"] == pytest.approx(trace.circular, **near)
+    for one, got in zip(found.circle, told["circles"][-len(found.circle) :], strict=True):
+        assert got["radius"] == pytest.approx(one.radius_deviation, rel=1e-4, abs=1e-9)
+        assert got["form"] == pytest.approx(one.form_deviation, rel=1e-4, abs=1e-9)
+        peaks = [one.quadrant_peak[name] for name in found.plane]
+        assert got["peaks"] == pytest.approx(peaks, rel=5e-3)
+    for corner, got in zip(found.speed_over_angle, told["corners"], strict=True):
+        assert got["off"] == pytest.approx(corner.deviation_without_slowing, rel=1e-6)
+        assert got["speed"] == pytest.approx(corner.speed, rel=1e-4)
+        assert got["arc"]["radius"] == pytest.approx(corner.arc_radius, rel=1e-9)
+    assert any(corner.arc_radius for corner in found.speed_over_angle) is arcs
+
+
+SLIDE = """
+addEventListener("load", () => {
+  const drawn = key => document.getElementById(`wi-${key}`).innerHTML;
+  const said = key => document.getElementById(`wi-${key}`).textContent;
+  const seen = () => {
+    groupPage.frame();
+    return {
+      circle: drawn("circle"), corner: drawn("corner"), off: said("corner-value"),
+      verdict: said("verdict"), complaint: said("complaint"),
+    };
+  };
+  const type = (key, value) => {
+    const box = document.getElementById(`wi-${key}`);
+    box.value = value;
+    box.dispatchEvent(new Event("input", {bubbles: true}));
+  };
+  const states = [seen()], slider = document.getElementById("wi-radius-slider");
+  slider.value = 300;
+  slider.dispatchEvent(new Event("input", {bubbles: true}));
+  states.push(seen());
+  type("angle", "30");
+  states.push(seen());
+  type("feed", "many");
+  states.push(seen());
+  type("feed", "12");
+  type("radius", "2");
+  states.push(seen());
+  tell(states);
+});
+"""
+
+
+@needs_browser
+def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
+    told: Any
+    told, console = browse(print_group_html(record()), tmp_path, TELL + SLIDE)
+    assert console == ""
+    begun, smaller, blunter, wrong, fast = told
+    assert smaller["circle"] != begun["circle"]
+    assert smaller["verdict"] != begun["verdict"]
+    assert smaller["corner"] == begun["corner"]
+    assert blunter["corner"] != smaller["corner"]
+    assert blunter["off"] != smaller["off"]
+    assert blunter["circle"] == smaller["circle"]
+    assert wrong["complaint"].startswith("Feed: a number from ")
+    assert begun["verdict"].startswith("✓")
+    assert fast["verdict"].startswith("✗")
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [500, 1280])
+def test_nothing_is_cut_on_phone_and_desk(width: int, tmp_path: Path) -> None:
+    script = WIDTHS.replace("const letters =", "const letters = 0; const no =").replace(
+        "const over =", "const over = 0; const none ="
+    )
+    found, _ = browse(
+        print_group_html(record(), language="de"), tmp_path, script, f"--window-size={width},900"
+    )
+    assert found["cut"] == []
+    assert found["needed"] <= found["inner"]
+
+
+@needs_browser
+@pytest.mark.skipif(not axe_file().exists(), reason="needs axe-core")
+def test_axe_finds_nothing_in_light_and_dark(tmp_path: Path) -> None:
+    script = axe_file().read_text(encoding="utf-8") + AXE_RUN
+    for scheme, language in ((1, "en"), (0, "de")):
+        html = print_group_html(record(), language=language)
+        option = f"--blink-settings=preferredColorScheme={scheme}"
+        found, _ = browse(html, tmp_path, script, option)
+        assert found["faults"] == []
+        assert found["passes"] > 20
