@@ -22,12 +22,14 @@ import pytest
 from mtcommission.cli.arguments import read_machine
 from mtcommission.group.circle import ToolResponse, deviate
 from mtcommission.group.drawn import trace_circle
+from mtcommission.group.export import export_group
 from mtcommission.group.group import Group, join, worst_deviation
 from mtcommission.group.record import GroupRecord, build_group_record
 from mtcommission.group.sheet import compose_group, print_group_html, print_group_pdf, words_of
 from mtcommission.group.task import read_task
 from mtcommission.loop.respond import TOOL
 from mtcommission.loop.simulate import drive_loop, find_friction
+from mtcommission.profile.read import profile_text_hash
 from mtcommission.sheet.document import Headline, Table
 
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, WIDTHS, axe_file, browse
@@ -79,11 +81,11 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
         return words.format.quantity(value, unit).replace("\N{NARROW NO-BREAK SPACE}", " ")
 
     first = [shown(found.path.acceleration, "m/s^2"), shown(found.path.jerk, "m/s^3")]
-    for axis in found.axes:
-        best, loop = axis.limits.recommended, axis.loop
-        first += [shown(best.acceleration, "m/s^2"), shown(best.jerk, "m/s^3")]
-        first += [shown(loop.Kv, "1/s"), shown(loop.Kp, "N s/m"), shown(loop.Tn, "s")]
-        first += [shown(axis.wait, "s"), "MD32910"]
+    exported = export_group(found, control="sinumerik").text
+    names = "N32300|N32431|N32200|N32800|N32910|N42500|N20600|p1460|p1462"
+    typed = re.findall(rf"^(?:{names})(?: [^\[=]+(?:\[0\])?)?=(\S+)", exported, re.MULTILINE)
+    assert len(typed) == 2 * 7 + 2
+    first += [value.replace(".", words.format.decimal_mark) for value in typed]
     first += [shown(trial.path_acceleration, "m/s^2") for trial in found.filters]
     second = [shown(one.deviation_without_slowing, "m") for one in found.speed_over_angle]
     second += [shown(one.quadrant_peak["Y"], "m") for one in found.circle]
@@ -100,26 +102,12 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     """What is overwritten must be seen before it is."""
     found = record()
     (other, own) = found.axes
-    today = {
-        **dict.fromkeys(("settling_time", "residual_deviation", "peak_deviation", "bound_by")),
-        "acceleration": 1.25,
-        "jerk": 17.5,
-        "jerk_time": 1.25 / 17.5,
-        "setpoint_filter": None,
-        "Kv": 31.5,
-        "Kp": 1.0,
-        "Tn": 1.0,
-        "stated": ["Kv"],
-        "basis": "as it is",
-        "failure": None,
-        "meets_requirements": False,
-        "keeps_reserve": False,
-        "frequency_range": None,
-        "valid_for": [],
-    }
-    from mtcommission.record.limits import TodayEntry
-
-    third = replace(own, name="Z", limits=replace(own.limits, today=TodayEntry(**today)))
+    today = (
+        '[today]\nacceleration = "1.25 m/s^2"\njerk = "17.5 m/s^3"\nposition_gain = "31.5 1/s"\n'
+    )
+    text = f"{own.profile.text}\n{today}"
+    profile = replace(own.profile, text=text, sha256=profile_text_hash(text))
+    third = replace(own, name="Z", profile=profile)
     three = replace(
         found,
         axes=[other, own, third],
@@ -131,10 +119,10 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     heads = [column.head for column in each.columns[2:]]
     assert heads == ["X today", "X new", "Y today", "Y new", "Z today", "Z new"]
     rows = {row[0]: [str(cell) for cell in row[2:]] for row in each.rows}
-    assert rows["Acceleration"][4].startswith("1.25")
-    assert rows["Jerk"][4].startswith("17.5")
-    assert rows["Kv"][4].startswith("31.5")
-    assert rows["Kv"][5] != rows["Kv"][4]
+    assert rows["Acceleration"][4] == "1.25"
+    assert rows["Jerk"][4] == "17.5"
+    assert rows["Kv"][4] == "1.89"  # 1000/min
+    assert rows["Kv"][5] == rows["Kv"][3] != "1.89"
     # Not stated: neither invented nor left out.
     assert rows["Tn"][4] == rows["Kv"][0] == "–"
     assert len(text_of_pdf(print_group_pdf(three))) <= 3
@@ -251,8 +239,10 @@ addEventListener("load", () => {
 @pytest.mark.parametrize("arcs", [False, True])
 def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> None:
     """Sliders would show circles that nobody judged."""
-    # Behind an average the control's arc gains nothing.
-    group = replace(mill(), setpoint_filter=None) if arcs else mill()
+    group = mill()
+    if arcs:  # behind an average, or for a narrower tolerance, the control's arc gains nothing
+        task = replace(group.task, tolerance=62.5e-6)
+        group = replace(group, task=task, setpoint_filter=None, acceleration=4.0)
     found = build_group_record(group, created="today") if arcs else record()
     rng = np.random.default_rng(7)
     circles = [
