@@ -106,7 +106,7 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
         '[today]\nacceleration = "1.25 m/s^2"\njerk = "17.5 m/s^3"\nposition_gain = "31.5 1/s"\n'
     )
     text = f"{own.profile.text}\n{today}"
-    profile = replace(own.profile, text=text, sha256=profile_text_hash(text))
+    profile = replace(own.profile, text=text, sha256=profile_text_hash(text.encode()))
     third = replace(own, name="Z", profile=profile)
     three = replace(
         found,
