@@ -34,6 +34,10 @@ ROOM = 0.1e-6
 """In which a predicted circle must lie, or in 1 % [m]."""
 
 
+TURN = 1.0
+"""How long a circle takes about, for the second program drives it cycle by cycle [s]."""
+
+
 def draw_pair(seed: int) -> tuple[Machine, Machine] | None:
     """A random machine and another like it; None: without a loop."""
     first = parse_profile(draw_profile(seed), where=f"random {seed}")
@@ -77,7 +81,9 @@ def refuted(group: Group, seed: int) -> list[str]:
     count = len(group.drawn[0].alone.tuned.corners)
     somewhere = int(generator.integers(count)), int(generator.integers(count))
     found, allowed = [], ROUNDING * group.allowed
-    radius = float(np.exp(generator.uniform(*np.log([2e-3, 50e-3]))))
+    # Smaller than what is driven within a second.
+    largest = max(min(50e-3, task.feed * TURN / (2.0 * pi)), 2e-3)
+    radius = float(np.exp(generator.uniform(*np.log([1e-3, largest]))))
     feed = min(task.feed, (group.acceleration * radius) ** 0.5, (group.jerk * radius**2) ** (1 / 3))
     circle = draw_circle(group, radius, feed)
     first, second = (
