@@ -20,17 +20,8 @@ from mtcommission.study.optimum import ComparedControl, compare_controls
 from mtcommission.validate.paper import MECHANICS, Array, Cases
 from mtcommission.validate.row import Row, claim
 
-CONDENSING_SAMPLES = 500
-"""Samples of an optimum for the jerk-limited profile closest to it."""
-SOFT, STIFF = 0.8, 1.25
-"""By what each eigenfrequency is changed to see what the jerk depends on [-]."""
-VISIBLE_OVERSHOOT = 0.01
-"""Overshoot of the velocity that counts as one [-] (empirical: what a plot shows)."""
 MUCH_LARGER = 2.0
 """Ratio of times from which one is "much larger" [-]."""
-CLEARLY = 2.0
-"""So many times more, on a logarithmic scale, the jerk follows the dominating mode than the other
-when either frequency is changed (empirical)."""
 LOOP_BASIS = "our loop"
 
 
@@ -82,7 +73,7 @@ def loop_rows(cases: Cases) -> tuple[list[Row], list[Row]]:
     hints = [
         condense(
             machine.moves[0],
-            sample_trajectory(plant, optimum.arcs, step=optimum.t_f / CONDENSING_SAMPLES),
+            sample_trajectory(plant, optimum.arcs, step=optimum.t_f / 500),
             velocity=plant.velocity,
         )
         for optimum in (cases.time, cases.bounded, cases.damping)
@@ -133,7 +124,7 @@ def _overshoot(loop: Loop) -> Row:
         f"{100.0 * min(typical):.1f} to {100.0 * max(typical):.1f} % (trapezoids as short as "
         f"the optima), {100.0 * smooth:.1f} % (trapezoid chosen for the loop)",
         basis=LOOP_BASIS,
-        holds=min(rough, *typical) > VISIBLE_OVERSHOOT,
+        holds=min(rough, *typical) > 0.01,  # what a plot shows
         reason="It depends on the jerk: limits chosen for the loop avoid it almost entirely.",
     )
 
@@ -177,7 +168,7 @@ def _frequency(machine: Machine, loop: Loop) -> Row:
     """Change one eigenfrequency at a time: the jerk must follow that of one mode."""
     told, jerks = [], []
     for i, name in enumerate(("base", "tower")):
-        soft, stiff = (with_frequencies(machine, **{name: factor}) for factor in (SOFT, STIFF))
+        soft, stiff = (with_frequencies(machine, **{name: factor}) for factor in (0.8, 1.25))
         loops = (solve_loop(soft), loop, solve_loop(stiff))
         jerks.append([each.limits.jerk for each in loops])
         hertz = ", ".join(f"{each.frequencies[i]:.1f}" for each in loops)
@@ -190,7 +181,7 @@ def _frequency(machine: Machine, loop: Loop) -> Row:
         "the eigenfrequency of the dominating mode; no commissioning rules up to now",
         "; ".join(told),
         basis=f"limits chosen anew for each machine; {LOOP_BASIS}",
-        holds=leading == sorted(leading) and max(growth) > CLEARLY * min(growth),
+        holds=leading == sorted(leading) and max(growth) > 2.0 * min(growth),
         reason="Here the base dominates, the mode that the encoder sees. A rule is "
         "derived in docs/commissioning-rule.md and printed on the sheet.",
     )

@@ -14,7 +14,6 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
 from mtcommission.sheet.document import (
-    Block,
     Border,
     Bullets,
     Column,
@@ -45,8 +44,8 @@ SIGNS = (
     (r"\^2\b", "²"),
 )
 """What a terminal may not have, and how the page shows it."""
-NUMBERS = ("printed", "correct", "ours", "difference", "tolerance")
-"""Columns of numbers."""
+WIDTHS = {"quantity": 2.0, "printed": 1.5, "correct": 1.5, "ours": 2.5}
+"""Of columns wider than the others [-]."""
 SAMPLES = 800
 """Points of a curve; more are not seen."""
 SOLID = 4
@@ -196,70 +195,44 @@ def _verdict(validation: Validation, words: Catalogue) -> Section:
 
 def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> Section:
     """Return a part, what matters most on the left: a telephone shows four columns."""
-    blocks: list[Block] = []
-    numbers, claims = ([row for row in rows if row.is_claim is kind] for kind in (False, True))
-    if numbers:
-        cells = {
-            "quantity": [name_of(row) for row in numbers],
-            "printed": [row.printed for row in numbers],
-            "correct": [row.corrected for row in numbers],
-            "ours": [row.ours for row in numbers],
-            "difference": [f"{row.difference:.2g}" for row in numbers],
-            "tolerance": [f"{row.tolerance:.2g}" for row in numbers],
-        }
-        cells |= {
-            name: [text.replace(".", words.format.decimal_mark) for text in cells[name]]
-            for name in list(cells)[1:]
-        }
-        bases: dict[str, list[str]] = {}
-        for row in numbers:
-            bases.setdefault(row.basis, []).append(row.quantity)
-        told = [
-            words.text("validate-tolerance-of", names="; ".join(names), basis=basis)
-            for basis, names in bases.items()
-        ]
-        blocks += _table("validate-numbers", cells, {"quantity": 2.0}, numbers, told, words)
-    if claims:
-        cells = {
-            "claim": [row.quantity for row in claims],
-            "printed": [row.printed for row in claims],
-            "correct": [row.corrected for row in claims],
-            "tested": [f"{row.ours} ({row.basis})" for row in claims],
-        }
-        widths = {"claim": 1.5, "printed": 1.5, "correct": 1.5, "tested": 3.0}
-        blocks += _table("validate-claims", cells, widths, claims, [], words)
-    return Section(key=key, heading=heading, blocks=tuple(blocks))
-
-
-def _table(
-    caption: str,
-    cells: dict[str, list[str]],
-    widths: dict[str, float],
-    rows: list[Row],
-    told: list[str],
-    words: Catalogue,
-) -> list[Block]:
-    """Return a table without the columns that are empty throughout, and its remarks."""
-    cells["verdict"] = [words.text(f"validate-is-{key_of(row)}") for row in rows]
-    cells["place"] = [row.place for row in rows]
-    filled = {name: map(_typeset, texts) for name, texts in cells.items() if any(texts)}
-    loud = (Verdict.OUT, Verdict.DIFFERS)
+    columns = {
+        "quantity": [name_of(row) for row in rows],
+        "printed": [_digits(row, row.printed, words) for row in rows],
+        "correct": [_digits(row, row.corrected, words) for row in rows],
+        "ours": [_digits(row, row.ours, words) for row in rows],
+        "tolerance": [
+            "" if row.is_claim else _digits(row, f"{row.tolerance:.2g}", words) for row in rows
+        ],
+        "verdict": [words.text(f"validate-is-{key_of(row)}") for row in rows],
+        "place": [row.place for row in rows],
+    }
+    filled = {name: map(_typeset, texts) for name, texts in columns.items() if any(texts)}
     table = Table(
-        caption=words.text(caption),
+        caption=words.text("validate-title"),
         columns=tuple(
-            Column(
-                head=head_of(name, words),
-                width=widths.get(name, 1.0),
-                is_number=caption == "validate-numbers" and name in NUMBERS,
-            )
-            for name in filled
+            Column(head=head_of(name, words), width=WIDTHS.get(name, 1.0)) for name in filled
         ),
         rows=tuple(zip(*filled.values(), strict=True)),
-        strong_rows=tuple(i for i, row in enumerate(rows) if row.verdict in loud),
+        strong_rows=tuple(
+            i for i, row in enumerate(rows) if row.verdict in (Verdict.OUT, Verdict.DIFFERS)
+        ),
     )
-    reasons = [f"{row.quantity}: {row.reason}" for row in rows if row.reason]
-    remarks = tuple(_typeset(text) for text in (*reasons, *told))
-    return [table, Bullets(items=remarks, tone=Tone.NOTE)] if remarks else [table]
+    bases: dict[str, list[str]] = {}
+    for row in rows:
+        bases.setdefault(row.basis, []).append(row.quantity)
+    remarks = (
+        *(f"{row.quantity}: {row.reason}" for row in rows if row.reason),
+        *(
+            words.text("validate-tested-by", names="; ".join(names), basis=basis)
+            for basis, names in bases.items()
+        ),
+    )
+    notes = Bullets(items=tuple(map(_typeset, remarks)), tone=Tone.NOTE)
+    return Section(key=key, heading=heading, blocks=(table, notes))
+
+
+def _digits(row: Row, text: str, words: Catalogue) -> str:
+    return text if row.is_claim else text.replace(".", words.format.decimal_mark)
 
 
 def _typeset(text: str) -> str:

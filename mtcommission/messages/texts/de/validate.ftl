@@ -13,16 +13,12 @@ validate-found = { $verdict ->
     [correct] richtig
    *[ours] unser Wert
 } { $value }.
-validate-numbers = Zahlen
-validate-claims = Aussagen und Formeln
-validate-tolerance-of = Toleranz von { $names }: { $basis }.
+validate-tested-by = Toleranz oder Prüfung von { $names }: { $basis }.
 validate-figures = Bild 4 und 5 noch einmal
 validate-head-printed = Gedruckt
 validate-head-correct = Richtig
 validate-head-ours = Unser Wert
 validate-head-tolerance = Toleranz
-validate-head-claim = Aussage
-validate-head-tested = Unser Ergebnis, und wie es geprüft wurde
 validate-head-place = Stelle
 validate-is-agrees = stimmt
 validate-is-corrected = stimmt mit der Berichtigung
