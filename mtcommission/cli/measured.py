@@ -172,7 +172,8 @@ def _identify(
     if written := [name for name in (output, job.page, beside) if name]:
         print_written(Path(), written)
     if output:
-        print_said("identify-next-run" if axis.part.proposals else "identify-next", file=output)
+        how = "-run" if axis.part.proposals else "-check" if job.profile else ""
+        print_said(f"identify-next{how}", file=output)
     return is_sound
 
 

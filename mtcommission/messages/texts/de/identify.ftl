@@ -187,6 +187,7 @@ identify-sensor-encoder = Geber
 identify-sensor-tcp = Werkzeug
 identify-stage = Identifiziere
 identify-next-run = Die Annahmen in { $file } ansehen, dann: mtcommission run { $file }
+identify-next-check = Dann: mtcommission check { $file }, danach mtcommission run { $file }
 identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run { $file }
 
 # Options

@@ -187,6 +187,7 @@ identify-sensor-encoder = encoder
 identify-sensor-tcp = tool
 identify-stage = Identifying
 identify-next-run = Look at what is assumed in { $file }, then: mtcommission run { $file }
+identify-next-check = Then: mtcommission check { $file }, then mtcommission run { $file }
 identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { $file }
 
 # Options
