@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from itertools import groupby, pairwise
-from math import inf, pi, sqrt
+from math import exp, inf, pi, sqrt
 
 import numpy as np
 
 from mtcommission.machine.moves import Move
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Bang,
@@ -50,31 +51,27 @@ def plant_rows(cases: Cases) -> list[Row]:
         order, derivative = order + 1, derivative @ plant.A
     return [
         number(
-            "sec. 5, (10)",
-            "rank of the Kalman matrix",
+            "5, (10)",
+            "kalman-rank",
             paper.KALMAN_RANK,
             kalman_rank(plant),
             tolerance=0.0,
-            basis="a whole number",
-            reason="Decided after scaling the states. In SI units the entries of C span "
-            f"{np.log10(entries.max() / entries.min()):.0f} decades, and rounding makes its rank "
-            f"look like {np.linalg.matrix_rank(kalman)}.",
+            decades=float(np.log10(entries.max() / entries.min())),
+            unscaled=int(np.linalg.matrix_rank(kalman)),
         ),
         number(
-            "sec. 5, (8)",
-            "adjoint equations: largest error of a coefficient, relative to the largest",
+            "5, (8)",
+            "adjoint-equations",
             0.0,
             float(np.abs(printed_adjoint_matrix() + plant.A.T).max() / np.abs(plant.A).max()),
             tolerance=1e-14,
-            basis="rounding; printed coefficients against -A of our plant",
         ),
         claim(
-            "sec. 5.2",
-            "order of the constraint on v_phi",
+            "5.2",
+            "order",
             "order 2: F_set first appears in the second derivative",
-            f"order {order}",
-            basis="c A^(k-1) B of our plant",
             holds=order == 2,
+            order=order,
         ),
     ]
 
@@ -99,49 +96,49 @@ def time_rows(cases: Cases) -> list[Row]:
         *_terminal_errors(cases),
         *_adjoint(cases),
         number(
-            "sec. 5, (7)",
-            "H at t = 0 with the printed lambda(0)",
+            "5, (7)",
+            "hamiltonian",
             0.0,
             1.0 + paper.ADJOINT[-1] / paper.FORCE_LAG * FORCE_LIMIT,
             tolerance=THREE_DIGITS,
-            basis="three digits",
-            reason="H = 0 demands lambda_F(0) = -T / F_max = -1.25e-6; printed is -1.2503e-6.",
         ),
         *_switching_law(cases),
         number(
-            "sec. 5.1",
-            "rank of the 6 x 6 Jacobian of the terminal conditions",
+            "5.1",
+            "jacobian-rank",
             paper.JACOBIAN_RANK,
             proof.terminal_jacobian_rank,
             tolerance=0.0,
-            basis="a whole number",
-            reason="Full rank proves a strict local optimum; that it is global, our lower bound "
-            f"proves, with a relative gap of {proof.relative_gap:.1g}.",
+            gap=proof.relative_gap,
         ),
     ]
 
 
 def _times(best: TimeOptimum) -> list[Row]:
-    reason = (
-        f"No control reaches the target before {best.certificate.t_f_lower_bound:.9f} s (proved), "
-        "so the printed t_f is too short. Explicit Euler steps err in this direction, in "
-        "proportion to the step."
+    final = number(
+        "5.1, (12)",
+        "final-time",
+        paper.T_F,
+        best.t_f,
+        unit="s",
+        tolerance=paper.TIME_ACCURACY,
+        least=best.certificate.t_f_lower_bound,
     )
-    names = (*(f"t_{i}" for i in range(1, SWITCHES + 1)), "t_f")
-    printed, found = (*SWITCHING_TIMES, paper.T_F), (*best.switching_times, best.t_f)
-    return [
+    switches = [
         number(
-            "sec. 5.1, (12)",
-            name,
-            printed_time,
+            "5.1, (12)",
+            "switching-time",
+            printed,
             ours,
             unit="s",
             tolerance=paper.TIME_ACCURACY,
-            basis='the text: "correct up to 3-4 decimals"',
-            reason=reason if name == "t_f" else "",
+            number=i,
         )
-        for name, printed_time, ours in zip(names, printed, found, strict=True)
+        for i, (printed, ours) in enumerate(
+            zip(SWITCHING_TIMES, best.switching_times, strict=True), start=1
+        )
     ]
+    return [*switches, final]
 
 
 def _terminal_errors(cases: Cases) -> list[Row]:
@@ -151,13 +148,14 @@ def _terminal_errors(cases: Cases) -> list[Row]:
     target[plant.velocity] = paper.VELOCITY_STEP
     return [
         number(
-            "sec. 5.1, (12)",
-            f"{name}(t_f) of the printed control, integrated exactly",
+            "5.1, (12)",
+            "terminal-error",
             float(target[i]),
             float(error[i] + target[i]),
             unit=unit,
             tolerance=share * float(cases.time.peaks[i]),
-            basis=f"{share:g} of the peak: three decimals of (12)",
+            state=name,
+            share=share,
         )
         for i, (name, unit) in enumerate(zip(plant.states, plant.signal_units, strict=False))
         if i != plant.position
@@ -173,16 +171,14 @@ def _adjoint(cases: Cases) -> list[Row]:
     off[given] = np.abs(ours[given] / printed[given] - 1.0)
     rows = [
         number(
-            "sec. 5.1",
-            f"lambda_{name}(0)",
+            "5.1",
+            "adjoint",
             float(printed[i]),
             float(ours[i]) + 0.0,
             tolerance=float(allowed[i] + THREE_DIGITS * abs(printed[i])),
-            basis="what 1e-4 s in the switching times does to it, and 0.1 %",
-            reason=f"{100.0 * off[i]:.1f} % off: agrees only within what the short arcs of (12) "
-            "leave open, see the row on the adjoint that these times imply."
-            if off[i] >= THREE_DIGITS
-            else "",
+            state=name,
+            off=float(off[i]),
+            is_off="yes" if off[i] >= THREE_DIGITS else "no",
         )
         for i, name in enumerate(plant.states)
     ]
@@ -191,16 +187,14 @@ def _adjoint(cases: Cases) -> list[Row]:
     rounding = adjoint_uncertainty(plant, switches, accuracy=0.5e-6)  # half the last decimal
     explained = float((rounding[given] / np.abs(printed[given])).max())
     consistent = number(
-        "sec. 5.1",
-        "lambda(0) that the printed times (12) imply: largest relative deviation",
+        "5.1",
+        "adjoint-implied",
         0.0,
         deviation,
         tolerance=0.02,
-        basis="two of the printed digits",
-        reason=f"Times and adjoint of the paper fit each other to {100.0 * deviation:.1f} %; the "
-        f"rounding of (12) to 1e-6 s explains {100.0 * explained:.1g} %. The rest of what "
-        "separates our lambda(0) from the printed one are the times, above all those of the "
-        f"second arc, only {1e3 * (switches[1] - switches[0]):.2f} ms long.",
+        deviation=deviation,
+        rounding=explained,
+        arc=float(switches[1] - switches[0]),
     )
     return [*rows, consistent]
 
@@ -214,26 +208,23 @@ def _switching_law(cases: Cases) -> list[Row]:
     fits = _distance(own, time.switching_times) < 1e-6
     return [
         claim(
-            "sec. 5, (9)",
-            "switching law",
+            "5, (9)",
+            "switching-law",
             "F_set = -sign(lambda_F) F_max",
-            f"holds on the whole interval; {own.size} zeros of lambda_F, at the switches",
-            basis="certificate, and zeros of the adjoint integrated apart from it",
             holds=time.certificate.switching_law_holds and fits,
+            zeros=own.size,
         ),
         claim(
-            "sec. 5.1",
-            "the reader may verify (9) with the printed lambda(0)",
+            "5.1",
+            "law-as-printed",
             "(9) holds with high accuracy",
-            f"integrated forward lambda_F has {forward.size} zeros instead of 5, the last at "
-            f"{1e3 * forward[-1]:.1f} ms; backward from H = 0 it has {backward.size}, off by "
-            f"up to {1e3 * _distance(backward, SWITCHING_TIMES):.2f} ms",
-            basis="(8) by matrix exponentials",
             holds=_distance(forward, SWITCHING_TIMES) < paper.TIME_ACCURACY,
             refuted=forward.size != len(SWITCHING_TIMES),
-            reason="The force lag makes errors of lambda(0) grow like e^(t/T), by "
-            f"{np.exp(paper.T_F / plant.force_lag):.1g} over t_f: six or seven printed digits do "
-            "not last. The law itself holds, see the row before.",
+            forward=forward.size,
+            last=float(forward[-1]),
+            backward=backward.size,
+            off=_distance(backward, SWITCHING_TIMES),
+            growth=exp(paper.T_F / plant.force_lag),
         ),
     ]
 
@@ -276,8 +267,14 @@ def structure_rows(cases: Cases) -> list[Row]:
     plant, move, best = cases.plant, cases.machine.moves[0], cases.time
     first = best.arcs[0].control
     found, gap = scan_forces(plant, move, lowest=LOWEST, highest=HIGHEST, count=COUNT)
-    exceptions = "; ".join(
-        f"{len(inside[0].arcs) - 1} from {low:.1f} to {high:.1f} N" for low, high, inside in found
+    exceptions = tuple(
+        Message(
+            "paper-switches-between",
+            switches=len(inside[0].arcs) - 1,
+            lowest=low,
+            highest=high,
+        )
+        for low, high, inside in found
     )
     shortest = [
         min(arc.t_end - arc.t_start for arc in each.arcs)
@@ -295,43 +292,43 @@ def structure_rows(cases: Cases) -> list[Row]:
         moved = float(np.abs(remaining[0] - remaining[1]).max())
     return [
         claim(
-            "sec. 5.1, (11)",
-            "number of switches at F_max = 2 kN",
+            "5.1, (11)",
+            "switches",
             f"{SWITCHES}, +F_max first",
-            f"{len(best.arcs) - 1}, {control_text(first)} first",
-            basis="certified optimum",
             holds=len(best.arcs) == SWITCHES + 1 and first == Bang(1),
             refuted=best.certificate.relative_gap < SURE_GAP,
+            switches=len(best.arcs) - 1,
+            control=control_text(first),
         ),
         claim(
-            "sec. 5, (11)",
-            "number of switches for all F_max > 0",
+            "5, (11)",
+            "switches-everywhere",
             printed,
-            f"{SWITCHES}, but {exceptions}" if exceptions else f"{SWITCHES} throughout",
-            basis=f"{COUNT} certified optima from {LOWEST:g} to {HIGHEST:g} N, largest "
-            f"relative gap {gap:.1g}",
             holds=gap < SURE_GAP and not found,
             refuted=gap < SURE_GAP and bool(found),
-            reason=f"Within the machine's own range (F_max <= {paper.LARGEST_FORCE / 1e3:g} kN) a "
-            "double zero of the switching function opens into two more switches. The optimum is "
-            "unique and proved, so five switches are slower there. The shortest arc is at most "
-            f"{1e6 * max(shortest, default=0.0):.0f} µs long: easily lost on a grid. Between the "
-            "forces looked at nothing is proved.",
+            usual=SWITCHES,
+            found=len(found),
+            exceptions=exceptions,
+            count=COUNT,
+            lowest=LOWEST,
+            highest=HIGHEST,
+            gap=gap,
+            range=paper.LARGEST_FORCE,
+            arc=max(shortest, default=0.0),
         ),
         claim(
-            "sec. 5, (11)",
-            "number of switches beyond these forces",
+            "5, (11)",
+            "switches-beyond",
             printed,
-            f"{SWITCHES} from {HIGHEST:g} to {FARTHEST:g} N, where t_f = {1e3 * farthest:.3f} ms; "
-            f"below {WEAK:g} N the switches, counted from t_f, move by less than "
-            f"{1e9 * moved:.2g} ns",
-            basis=f"{FAR_COUNT} certified optima, and theory for the rest",
             holds=not far and far_gap < SURE_GAP and farthest < half and moved < 1e-6,
-            reason=f"In less than {1e3 * half:.3f} ms, half a damped period of the tower, no "
-            "combination of 1, e^(-t/T) and the modes' functions has more than five zeros, and "
-            "five conditions of rest need at least five switches. Small forces move for so long "
-            "that what the start excites has decayed at the end: there the switches are those of "
-            "one limit.",
+            usual=SWITCHES,
+            highest=HIGHEST,
+            farthest=FARTHEST,
+            t_f=farthest,
+            weak=WEAK,
+            moved=moved,
+            count=FAR_COUNT,
+            half=half,
         ),
     ]
 
@@ -352,26 +349,27 @@ def vibration_rows(cases: Cases) -> list[Row]:
     falls = int(np.count_nonzero(np.diff(rates) < 0.0))
     return [
         claim(
-            "sec. 4",
-            "time-optimal trajectories oscillate",
+            "4",
+            "oscillation",
             "some of the time-optimal state trajectories are highly oscillatory",
-            f"v_phi changes its sign {changes} times in {1e3 * best.t_f:.1f} ms and swings "
-            f"up to {1e3 * np.abs(rate).max():.1f} mrad/s",
-            basis="the certified control of sec. 5.1",
             holds=changes >= 4,  # two whole swings
+            changes=changes,
+            t_f=best.t_f,
+            rate=float(np.abs(rate).max()),
         ),
         claim(
-            "sec. 5.2",
-            "higher F_max leads to higher vibrations",
+            "5.2",
+            "more-force",
             "higher values of F_max lead to higher vibrations",
-            f"from {forces[0]:g} to {forces[-1]:g} N the peak of |v_phi| grows from "
-            f"{1e3 * rates[0]:.1f} to {1e3 * rates[-1]:.1f} mrad/s, that of |phi| from "
-            f"{1e6 * angles[0]:.0f} to {1e6 * angles[-1]:.0f} µrad",
-            basis=f"{forces.size} certified optima, evenly spaced by ratio",
             holds=rates[-1] > 2.0 * rates[0] and angles[-1] > angles[0],
-            reason=f"A trend, not a law: on {falls} of the {forces.size - 1} steps between these "
-            "forces the peak of |v_phi| falls."
-            if falls
-            else "",
+            least=float(forces[0]),
+            most=float(forces[-1]),
+            rate=rates[0],
+            highest_rate=rates[-1],
+            angle=angles[0],
+            largest_angle=angles[-1],
+            count=forces.size,
+            falls=falls,
+            steps=forces.size - 1,
         ),
     ]

@@ -1,4 +1,4 @@
-# The paper's numbers beside ours: what stands around the rows, which quote the paper and say what was tested.
+# The paper's numbers beside ours: what stands around the rows (paper.ftl).
 
 validate-title = The paper's numbers beside ours
 validate-disclaimer = Calculated, not measured.
