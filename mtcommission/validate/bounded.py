@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from mtcommission.messages.message import Message
-from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.damping import balanced_weights
 from mtcommission.optimal.solution import Boundary, TimeOptimum, control_text, sample_trajectory
 from mtcommission.validate import paper
 from mtcommission.validate.adjoint import law_residual
