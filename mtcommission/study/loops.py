@@ -285,7 +285,7 @@ def _weigh_state_feedback(
             with_it=say_settling(with_it.candidate),
             without=say_settling(without.candidate),
         ),
-        Message("state-feedback-stiffness", ratio=ratio),
+        Message("state-feedback-stiffness", change=ratio - 1.0),
         *(needs if helps else ()),
     )
     return replace(
@@ -352,7 +352,7 @@ def show_state_feedback(
         "state-feedback-would",
         with_it=say_settling(best.candidate),
         without=say_settling(used.candidate),
-        ratio=best.tuned.least_stiffness / choice.tuned.least_stiffness,
+        change=best.tuned.least_stiffness / choice.tuned.least_stiffness - 1.0,
     )
     without = replace(used, tuned=choice.tuned, name=WITHOUT, is_used=True)
     remarks = (*choice.remarks, remark)

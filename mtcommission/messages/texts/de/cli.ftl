@@ -37,7 +37,7 @@ file-named-twice = ist für zwei Ergebnisse genannt; jedem eine eigene Datei geb
 file-write-protected = ist schreibgeschützt; einen anderen Namen angeben oder das Schreiben erlauben
 
 cli-no-profile = kein Profil angegeben; eine TOML-Datei angeben
-cli-no-record = kein Protokoll angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
+cli-no-record = keine Ergebnisdatei angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
 cli-file-exists = gibt es schon; einen anderen Namen angeben
 print-boxes = sheet.pdf hat keine Zeichen für { $characters } und druckt Kästchen dafür; sheet.html zeigt sie, oder den Namen in lateinischen, griechischen oder kyrillischen Buchstaben schreiben
 cli-interrupted = abgebrochen; jede Datei ist ganz: wie zuvor oder, wenn sie gerade geschrieben wurde, neu

@@ -1,11 +1,11 @@
 # Steuerungen lesen diese Dateien: Was in ihnen steht, kommt ohne Umlaute aus.
 
-export-profile-edited = das Profil in diesem Protokoll wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
-export-other-loop = der Regelkreis in diesem Protokoll ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
+export-profile-edited = das Profil in dieser Ergebnisdatei wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
+export-other-loop = der Regelkreis in dieser Ergebnisdatei ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
 export-too-small = die Beschleunigung { SI($acceleration, "ACCELERATION", digits: 3) } ist kleiner als eine Einheit dieser Steuerung; --control generic verwenden
 export-no-control = keine Steuerung { $given }. Es gibt: { $there_are }
 export-no-control-but = keine Steuerung { $given }; ist { $meant } gemeint? Es gibt: { $there_are }
-export-other-letter = { $control } nennt seine Achsen { $letters }; dieses Protokoll gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
+export-other-letter = { $control } nennt seine Achsen { $letters }; diese Ergebnisdatei gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
 export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rundachse; --control generic verwenden
 
 export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis für { $control }
@@ -125,7 +125,7 @@ row-feedforward-jerk = { word-drive-force } je Ruck, an der Achse
 row-feedforward-inertia = Vorsteuerung: alle Trägheit, an der Welle
 cycle-position = Takt des Lagereglers
 cycle-velocity = Takt des Drehzahlreglers
-loop-place = wo er sich schließt: control (Werte gehalten), interpolated, drive (DSC)
+loop-place = wo der Lageregelkreis schließt: control (Werte gehalten), interpolated, drive (DSC)
 filter-average = Mittelwert des Sollwerts; 0: keiner darf wirken
 filter-second-average = zweiter gleitender Mittelwert hinter dem ersten
 filter-tap = Gewicht des Sollwerts vor so vielen Abständen, der erste der neueste

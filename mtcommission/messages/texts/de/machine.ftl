@@ -1,5 +1,5 @@
-remark = { $key }: { $what }
-remark-on-mode = Eigenform { $mode }: { $what }
+remark = { $of }: { $what }
+mode-named = Eigenform { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt { ROUND($time, digits: 3) } s nach, bis 1 % übrig ist
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt nie ab
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms
@@ -40,17 +40,17 @@ move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für 
 move-fast = { SI($velocity, "VELOCITY") } ist schneller, als Maschinenachsen fahren, { SI($fastest, "VELOCITY") }; die Einheit prüfen
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
 band-no-accuracy = { SI($band, "LENGTH", digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
-payload-large = { SI($payload, "MASS") } ist mehr als das Dreifache { $axis ->
+payload-large = die Zuladung, { SI($payload, "MASS") }, ist mehr als das Dreifache { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse
 }, { SI($mass, "MASS") }; ein Satz Grenzwerte ist für die leere Achse langsam
-bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) } werden in dieser Folge nicht weiter; sind sie vertauscht?
-feedforward-mass-far = { SI($mass, "MASS") } liegt weit { $axis ->
+bands-not-widening = die Bänder der Bearbeitungsarten, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) }, werden in dieser Folge nicht weiter; sind sie vertauscht?
+feedforward-mass-far = { SI($mass, "MASS") } in der Vorsteuerung liegt weit { $axis ->
     [rotary] vom bewegten Trägheitsmoment
    *[linear] von der bewegten Masse
 }, { ROUND($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s ist nur { ROUND($in_custom, digits: 3) } (m/min)/mm; wenn { ROUND($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ ROUND($gain) } (m/min)/mm"
-bandwidth-above-sampling = { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
+bandwidth-above-sampling = eine Mindestbandbreite von { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
 
 feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)

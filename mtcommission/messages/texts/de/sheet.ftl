@@ -505,7 +505,7 @@ measurement = Messung
 calculated = Berechnet
 measured = Gemessen
 difference = Differenz
-measured-by = Datum, Name
+measured-by = Wer, wann
 measure-field-1 = Messmittel (Typ, Nummer, kalibriert bis)
 measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, Temperatur)
 

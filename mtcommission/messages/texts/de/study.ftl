@@ -26,14 +26,14 @@ loop-in-use = der verwendete Regelkreis
 time-value = { TIME($time) }
 state-feedback-chosen = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird weggelassen.
-state-feedback-stiffness = Mit Zustandsrückführung ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
-state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen, mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
+state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit am Werkzeug um { CHANGE($change) }.
+state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit am Werkzeug: { CHANGE($change) }).
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen { $axis ->
     [rotary] ein bleibendes Moment
    *[other] eine bleibende { word-force }
 }, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
-loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
-loop-filters-used = Verwendet, weil das Profil force_filters nicht oder als "auto" angibt ([]: keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-used = Verwendet, weil das Profil force_filters offenlässt ([] hieße keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
 loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->

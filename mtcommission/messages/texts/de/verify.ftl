@@ -1,4 +1,4 @@
-# Eine aufgezeichnete Bewegung neben dem Protokoll einer Berechnung.
+# Eine aufgezeichnete Bewegung neben der Ergebnisdatei einer Berechnung.
 # Zeiten in s, Längen in m (rad), Anteile von 0 bis 1; $file, $name, $names, $mode: Namen des Benutzers
 
 verify-stage = Vergleich
@@ -49,7 +49,7 @@ verify-other-setpoint = die Steuerung gab etwas anderes aus, als eingegeben war
 verify-no-tool = weder Werkzeug noch Geber aufgezeichnet
 verify-encoder-only = nur der Geber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
 verify-no-state = kein aufgezeichnetes Signal zeigt es
-verify-other-move = keine der Bewegungen, für die das Protokoll es zusagt
+verify-other-move = keine der Bewegungen, für die die Ergebnisdatei es zusagt
 verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
 verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }
 verify-no-force = { $axis ->
@@ -64,7 +64,7 @@ verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
 verify-behind-delay = { $file }: das Gemessene kommt um { TIME($delay) } früher als vorhergesagt, so viel wie der Verzug der Steuerung: der Sollwert ist hinter diesem Verzug aufgezeichnet und wird so beurteilt. Ist er davor aufgezeichnet, so wirkt der Verzug in der Steuerung nicht.
 verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
 verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
-verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } des Protokolls. Was es dafür zusagt, ist nicht zu entscheiden.
+verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } der Ergebnisdatei. Was sie dafür zusagt, ist nicht zu entscheiden.
 verify-begins-moving = { $file } beginnt mitten in einer Bewegung, die ausgelassen wurde; im Stillstand beginnen.
 verify-moves-with-gaps = { $file }: Bewegungen mit verlorenen Werten wurden ausgelassen ({ $count }).
 verify-many-moves = { $used } von { $found } Bewegungen wurden verglichen.
@@ -135,7 +135,7 @@ verify-feedforward-brings = { $moves ->
 }
 verify-caption-limits = Grenzwerte, die daraus folgen
 verify-head-parameter = Parameter
-verify-head-old = Protokoll
+verify-head-old = Ergebnisdatei
 verify-head-new = Aufzeichnung
 verify-head-note = Bedeutung
 verify-parameter-mass = { $axis ->
@@ -169,6 +169,6 @@ verify-renewed-head = Verfeinert durch mtcommission verify am { $date }; ± sind
 # On the sheet
 measure-verdict = Aufgezeichnete Bewegungen, verify: { $verdict }.
 verdict-of-other-form = ist kein Urteil von mtcommission verify
-verdict-of-other-record = gehört zu einem anderen Protokoll; verify mit diesem ausführen
+verdict-of-other-record = gehört zu einer anderen Ergebnisdatei; verify mit diesem ausführen
 verify-setpoint-from-error = Keine Lage des Sollwerts: Summe aus { $name } und { $error }, als das, was der Regler vergleicht.
 verify-plot-acceleration-measured = Beschleunigung des Werkzeugs / { $unit }

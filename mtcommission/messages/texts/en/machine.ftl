@@ -1,8 +1,8 @@
 # What is unusual about a machine; everything in SI.
 
-# $key: of the profile; $what: one of the remarks below
-remark = { $key }: { $what }
-remark-on-mode = mode { $mode }: { $what }
+# $of: a name; $what: one of the remarks below
+remark = { $of }: { $what }
+mode-named = mode { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms
@@ -44,19 +44,19 @@ move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this
 move-fast = { SI($velocity, "VELOCITY") } is faster than machine axes move, { SI($fastest, "VELOCITY") }; check the unit
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } is finer than encoders resolve; check the unit
 band-no-accuracy = { SI($band, "LENGTH", digits: 3) } is no accuracy at all; check the unit
-payload-large = { SI($payload, "MASS") } is more than three times the moving { $axis ->
+payload-large = the payload, { SI($payload, "MASS") }, is more than three times the moving { $axis ->
     [rotary] moment of inertia
    *[linear] mass
 }, { SI($mass, "MASS") }; one set of limits will be slow for the empty axis
-bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) } do not widen in this order; they may be swapped
-feedforward-mass-far = { SI($mass, "MASS") } is far from the moving { $axis ->
+bands-not-widening = the bands of the machining modes, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) }, do not widen in this order; they may be swapped
+feedforward-mass-far = { SI($mass, "MASS") } in the feed-forward is far from the moving { $axis ->
     [rotary] moment of inertia
    *[linear] mass
 }, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much
 # $gain [1/s], $in_custom [(m/min)/mm]
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custom, digits: 3) } (m/min)/mm; if { ROUND($gain) } (m/min)/mm is meant, write the unit: "{ ROUND($gain) } (m/min)/mm"
 # $bandwidth, $rate [Hz]
-bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
+bandwidth-above-sampling = a least bandwidth of { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
 
 # On what results rest.
 feature-counted = { $count } { $feature }
