@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import hypot, isfinite, pi, sqrt
+from math import hypot, pi, sqrt
 
 import numpy as np
 
@@ -33,9 +33,6 @@ WHOLE = 1.01
 
 FREQUENCY_FLOOR, DAMPING_FLOOR = 0.003, 0.02
 """Standard errors, relative, that a loop which is only nearly linear leaves (empirical)."""
-
-CLOCK = 0.1
-"""Share of a sample by which columns of a recorder may be apart unknown to anybody (empirical)."""
 
 ROUNDS = 3
 """Times the loop is closed again on the refined machine (empirical: 0.1 % of a frequency)."""
@@ -114,7 +111,7 @@ def _estimate(
         except MtcommissionError:
             break
         modes = _modes(rebuilt, recorded, closer)
-    parameters = (*bodies, *_delay(rebuilt, recorded), *modes)
+    parameters = (*bodies, *modes)
     return _with(machine, parameters), parameters, force_left
 
 
@@ -146,19 +143,6 @@ def _friction(one: Estimate) -> Estimate:
     """It is not negative, and none where it does not stand out."""
     stands_out = one.value > SIGNIFICANT * one.sigma
     return one if stands_out else Estimate(value=0.0, sigma=max(one.sigma, abs(one.value)))
-
-
-def _delay(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> tuple[Parameter, ...]:
-    known = [one for one in recorded if isfinite(one.shift_error) and not one.trace.is_delayed]
-    if not known:
-        return ()
-    shifts = [one.shift for one in known]
-    step = max(one.trace.setpoint.step for one in known)
-    error = 0.5 * float(np.median([one.shift_error for one in known]))
-    sigma = max(float(np.std(shifts)), error, CLOCK * step)
-    tau = rebuilt.controller.reference_delay
-    new = Estimate(value=tau + float(np.median(shifts)), sigma=sigma)
-    return (Parameter(key="delay", unit="s", old=tau, new=new),)
 
 
 def _modes(rebuilt: Rebuilt, recorded: Sequence[Recorded], near: Rebuilt) -> tuple[Parameter, ...]:

@@ -102,15 +102,15 @@ verify-head-verdict = Urteil
 verify-head-columns = Spalten
 verify-plot-caption = { $file }, Bewegung ab { TIME($begin) }
 verify-plot-alt = Aufgezeichnete Signale über dem Band aller Ecken. { $verdict }
-verify-plot-time = Zeit ab Beginn des Sollwerts / { $unit }
-verify-plot-acceleration = Beschleunigung des Sollwerts / { $unit }
-verify-plot-tcp = Abweichung des Werkzeugs / { $unit }
-verify-plot-encoder = Abweichung des Gebers / { $unit }
+verify-plot-time = Zeit ab Beginn des Sollwerts
+verify-plot-acceleration = Beschleunigung des Sollwerts
+verify-plot-tcp = Abweichung des Werkzeugs
+verify-plot-encoder = Abweichung des Gebers
 verify-plot-force = { $axis ->
     [rotary] Drehmoment
    *[linear] { word-force }
-} / { $unit }
-verify-plot-difference = gemessen weniger vorhergesagt / { $unit }
+}
+verify-plot-difference = gemessen weniger vorhergesagt
 verify-line-measured = gemessen
 verify-line-low = vorhergesagt, tiefste Ecke
 verify-line-high = vorhergesagt, höchste Ecke
@@ -144,7 +144,6 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulombsche Reibung
 verify-parameter-viscous-friction = viskose Reibung
-verify-parameter-delay = Verzug gegen den Sollwert
 verify-parameter-frequency = Frequenz
 verify-parameter-damping-ratio = Dämpfungsgrad
 verify-parameter-is-changed = geändert
@@ -171,4 +170,4 @@ measure-verdict = Aufgezeichnete Bewegungen, verify: { $verdict }.
 verdict-of-other-form = ist kein Urteil von mtcommission verify
 verdict-of-other-record = gehört zu einer anderen Ergebnisdatei; verify mit diesem ausführen
 verify-setpoint-from-error = Keine Lage des Sollwerts: Summe aus { $name } und { $error }, als das, was der Regler vergleicht.
-verify-plot-acceleration-measured = Beschleunigung des Werkzeugs / { $unit }
+verify-plot-acceleration-measured = Beschleunigung des Werkzeugs

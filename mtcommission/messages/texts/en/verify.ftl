@@ -102,15 +102,15 @@ verify-head-verdict = Verdict
 verify-head-columns = Columns
 verify-plot-caption = { $file }, move from { TIME($begin) } on
 verify-plot-alt = Recorded signals over the band of all corners. { $verdict }
-verify-plot-time = time from the start of the setpoint / { $unit }
-verify-plot-acceleration = acceleration of the setpoint / { $unit }
-verify-plot-tcp = deviation of the tool / { $unit }
-verify-plot-encoder = deviation of the encoder / { $unit }
+verify-plot-time = time from the start of the setpoint
+verify-plot-acceleration = acceleration of the setpoint
+verify-plot-tcp = deviation of the tool
+verify-plot-encoder = deviation of the encoder
 verify-plot-force = { $axis ->
     [rotary] torque
    *[linear] { word-force }
-} / { $unit }
-verify-plot-difference = measured less predicted / { $unit }
+}
+verify-plot-difference = measured less predicted
 verify-line-measured = measured
 verify-line-low = predicted, lowest corner
 verify-line-high = predicted, highest corner
@@ -144,7 +144,6 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulomb friction
 verify-parameter-viscous-friction = viscous friction
-verify-parameter-delay = delay to the setpoint
 verify-parameter-frequency = frequency
 verify-parameter-damping-ratio = damping ratio
 verify-parameter-is-changed = changed
@@ -171,4 +170,4 @@ measure-verdict = Recorded moves, verify: { $verdict }.
 verdict-of-other-form = is no verdict of mtcommission verify
 verdict-of-other-record = is about another record; run verify with this one
 verify-setpoint-from-error = No position of the setpoint: the sum of { $name } and { $error }, taken as what the loop compares.
-verify-plot-acceleration-measured = acceleration of the tool / { $unit }
+verify-plot-acceleration-measured = acceleration of the tool
