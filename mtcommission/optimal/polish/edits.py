@@ -181,7 +181,7 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
 
 
 def with_departure(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence that leaves an arc of order 1 where holding it pays least; None if nowhere.
+    """Return the sequence that leaves an arc of order 1 where holding costs; None if nowhere.
 
     There its multiplier has the wrong sign: a force that leaves the bound and returns saves time.
     """
