@@ -14,6 +14,7 @@ from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.requirements import Modes
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.profile.read import read_profile
@@ -25,7 +26,7 @@ PAPER = paper_machine()
 
 def said(machine: Machine, remarks: Sequence[Message]) -> list[str]:
     catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
-    return [catalogue.say(remark) for remark in remarks]
+    return [catalogue.say(remark).replace(THIN_SPACE, " ") for remark in remarks]
 
 
 def remarks_on(machine: Machine) -> list[str]:
@@ -118,22 +119,22 @@ def with_needs(**changes: object) -> Machine:
     [
         (
             with_drive(max_force=2.0),
-            "Max force: 2 N on 750 kg give 0.00267 m/s², which hardly moves the axis; "
+            "Max force: 2 N on 750 kg give 2.67 mm/s², which hardly moves the axis; "
             "check both units",
         ),
         (
             replace(with_needs(tcp_deviation=1e-3), drive=replace(PAPER.drive, max_force=2e6)),
-            "Max force: 2×10⁶ N on 750 kg give 2.67×10³ m/s², which is more than a machine "
+            "Max force: 2000 kN on 750 kg give 2667 m/s², which is more than a machine "
             "axis bears; check both units",
         ),
         (
             with_drive(static_load=-1200.0),
-            "Static load: 1200 N take more than half of max_force = 2000 N; "
+            "Static load: 1.2 kN take more than half of max_force = 2 kN; "
             "consider a counterbalance",
         ),
         (
             with_drive(continuous_force=3000.0),
-            "Continuous force: 3000 N is above max_force = 2000 N, so it limits nothing; "
+            "Continuous force: 3 kN is above max_force = 2 kN, so it limits nothing; "
             "the two may be swapped",
         ),
         (
@@ -153,7 +154,7 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             with_needs(tcp_deviation=0.05),
-            "Permitted TCP deviation (band): 0.05 m is no accuracy at all; check the unit",
+            "Permitted TCP deviation (band): 50 mm is no accuracy at all; check the unit",
         ),
         (
             with_needs(payload=(0.0, 3000.0)),
@@ -202,7 +203,7 @@ def test_stiffness_a_thousand_times_too_soft_is_noticed() -> None:
 def test_a_rotary_axis_is_described_in_its_own_units() -> None:
     axis = replace(PAPER, motion=Motion.ROTARY, drive=replace(PAPER.drive, max_force=2.0))
     assert remarks_on(axis) == [
-        "Max torque: 2 N m on 750 kg m² give 0.00267 rad/s², which hardly moves the axis; "
+        "Max torque: 2 N·m on 750 kg·m² give 0.153°/s², which hardly moves the axis; "
         "check both units"
     ]
 

@@ -26,14 +26,14 @@ optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 band-saves-nothing = Optimum mit dem Band statt exakter Ruhe: nicht berechnet, denn es spart höchstens { SHARE($share, digits: 2) } der Zeit: selbst eine starre Achse braucht { TIME($rigid, digits: 6) }.
-band-wider-than-move = Optimum mit dem Band statt exakter Ruhe: keines, denn das Band, { SI($band, "LENGTH", digits: 3) }, ist nicht kleiner als die Bewegung, { SI($distance, "LENGTH", digits: 3) }: Stillstand hält es ein.
+band-wider-than-move = Optimum mit dem Band statt exakter Ruhe: keines, denn das Band, { LENGTH($band, digits: 3) }, ist nicht kleiner als die Bewegung, { LENGTH($distance, digits: 3) }: Stillstand hält es ein.
 band-optimum-failed = Optimum mit dem Band statt exakter Ruhe: { $error }.
 robust-force-failed = { $axis ->
     [rotary] Drehmomentverlauf für die ganze Streuung: { $error }.
    *[linear] { word-force-before }verlauf für die ganze Streuung: { $error }.
 }
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
-static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von { word-max-force } { SI($force, "FORCE", digits: 6) }
+static-load-of-force = static_load { FORCE($load, digits: 6) } von { word-max-force } { FORCE($force, digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, aber t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum

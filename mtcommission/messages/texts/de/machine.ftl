@@ -18,17 +18,17 @@ mode-gain-large = ihre Verstärkung ist das { ROUND($ratio, digits: 3) }-Fache v
 mode-bends-far = { $axis ->
     [rotary] das volle Drehmoment
    *[linear] die volle { word-force }
-} verformt das Werkzeug um { SI($deflection, "LENGTH", digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { SI($band, "LENGTH", digits: 3) }; Steifigkeit und Band prüfen
-force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+} verformt das Werkzeug um { LENGTH($deflection, digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { LENGTH($band, digits: 3) }; Steifigkeit und Band prüfen
+force-hardly-moves-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }an { SI($mass, "MASS") }
-} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
-force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+   *[other] { " " }an { MASS($mass) }
+} ergeben { ACCELERATION($acceleration, digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
+force-beyond-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }an { SI($mass, "MASS") }
-} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
-static-load-large = { SI($load, "FORCE") } brauchen mehr als die Hälfte von { word-max-force } = { SI($max_force, "FORCE") }; einen Gewichtsausgleich erwägen
-continuous-force-above-max = { SI($force, "FORCE") } liegt über { word-max-force } = { SI($max_force, "FORCE") } und begrenzt nichts; sind beide vertauscht?
+   *[other] { " " }an { MASS($mass) }
+} ergeben { ACCELERATION($acceleration, digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
+static-load-large = { FORCE($load) } brauchen mehr als die Hälfte von { word-max-force } = { FORCE($max_force) }; einen Gewichtsausgleich erwägen
+continuous-force-above-max = { FORCE($force) } liegt über { word-max-force } = { FORCE($max_force) } und begrenzt nichts; sind beide vertauscht?
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
     [rotary] Drehmomentregelkreis
    *[linear] { word-force-before }regelkreis
@@ -37,15 +37,15 @@ move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für 
     [rotary] Winkel, Geschwindigkeit und Drehmoment
    *[linear] Weg, Geschwindigkeit und { word-force }
 } prüfen
-move-fast = { SI($velocity, "VELOCITY") } ist schneller, als Maschinenachsen fahren, { SI($fastest, "VELOCITY") }; die Einheit prüfen
-band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
-band-no-accuracy = { SI($band, "LENGTH", digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
-payload-large = die Zuladung, { SI($payload, "MASS") }, ist mehr als das Dreifache { $axis ->
+move-fast = { VELOCITY($velocity) } ist schneller, als Maschinenachsen fahren, { VELOCITY($fastest) }; die Einheit prüfen
+band-finer-than-encoders = { LENGTH($band, digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
+band-no-accuracy = { LENGTH($band, digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
+payload-large = die Zuladung, { MASS($payload) }, ist mehr als das Dreifache { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse
-}, { SI($mass, "MASS") }; ein Satz Grenzwerte ist für die leere Achse langsam
+}, { MASS($mass) }; ein Satz Grenzwerte ist für die leere Achse langsam
 bands-not-widening = die Bänder der Bearbeitungsarten, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) }, werden in dieser Folge nicht weiter; sind sie vertauscht?
-feedforward-mass-far = { SI($mass, "MASS") } in der Vorsteuerung liegt weit { $axis ->
+feedforward-mass-far = { MASS($mass) } in der Vorsteuerung liegt weit { $axis ->
     [rotary] vom bewegten Trägheitsmoment
    *[linear] von der bewegten Masse
 }, { ROUND($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel

@@ -84,7 +84,7 @@ today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: di
 today-in-own-loop = Simuliert mit heutigem Kv, Kp und Tn; Vorsteuerung und Takte wie empfohlen.
 today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht angegeben, sowie Vorsteuerung und Takte wie empfohlen.
 today-not-judged = Die in [today] angegebenen Werte wurden nicht beurteilt: { $why }
-today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
+today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { DAMPING($Kp) }, Tn = { TIME($Tn) } ({ $corner }).
 
 # what would bring more
 change-dsc = Lageregelung im Antrieb (DSC)

@@ -29,14 +29,14 @@ optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
 band-saves-nothing = Optimum with the band instead of exact rest: not computed, since it saves { SHARE($share, digits: 2) } of the time at most: even a rigid axis takes { TIME($rigid, digits: 6) }.
-band-wider-than-move = Optimum with the band instead of exact rest: none, since the band, { SI($band, "LENGTH", digits: 3) }, is no smaller than the move, { SI($distance, "LENGTH", digits: 3) }: standing still keeps it.
+band-wider-than-move = Optimum with the band instead of exact rest: none, since the band, { LENGTH($band, digits: 3) }, is no smaller than the move, { LENGTH($distance, digits: 3) }: standing still keeps it.
 band-optimum-failed = Optimum with the band instead of exact rest: { $error }.
 robust-force-failed = { $axis ->
     [rotary] Torque profile for the whole spread: { $error }.
    *[linear] { word-force-first } profile for the whole spread: { $error }.
 }
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
-static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of { word-max-force } { SI($force, "FORCE", digits: 6) }
+static-load-of-force = static_load { FORCE($load, digits: 6) } of { word-max-force } { FORCE($force, digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, but t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum

@@ -22,17 +22,17 @@ mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; 
 mode-bends-far = the full { $axis ->
     [rotary] torque
    *[linear] { word-force }
-} bends the tool by { SI($deflection, "LENGTH", digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { SI($band, "LENGTH", digits: 3) }; check the stiffness and the band
-force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+} bends the tool by { LENGTH($deflection, digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { LENGTH($band, digits: 3) }; check the stiffness and the band
+force-hardly-moves-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }on { SI($mass, "MASS") }
-} give { SI($acceleration, "ACCELERATION", digits: 3) }, which hardly moves the axis; check both units
-force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+   *[other] { " " }on { MASS($mass) }
+} give { ACCELERATION($acceleration, digits: 3) }, which hardly moves the axis; check both units
+force-beyond-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }on { SI($mass, "MASS") }
-} give { SI($acceleration, "ACCELERATION", digits: 3) }, which is more than a machine axis bears; check both units
-static-load-large = { SI($load, "FORCE") } take more than half of { word-max-force } = { SI($max_force, "FORCE") }; consider a counterbalance
-continuous-force-above-max = { SI($force, "FORCE") } is above { word-max-force } = { SI($max_force, "FORCE") }, so it limits nothing; the two may be swapped
+   *[other] { " " }on { MASS($mass) }
+} give { ACCELERATION($acceleration, digits: 3) }, which is more than a machine axis bears; check both units
+static-load-large = { FORCE($load) } take more than half of { word-max-force } = { FORCE($max_force) }; consider a counterbalance
+continuous-force-above-max = { FORCE($force) } is above { word-max-force } = { FORCE($max_force) }, so it limits nothing; the two may be swapped
 force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { $axis ->
     [rotary] torque
    *[linear] { word-force }
@@ -41,15 +41,15 @@ move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this
     [rotary] angle, velocity and torque
    *[linear] distance, velocity and { word-force }
 }
-move-fast = { SI($velocity, "VELOCITY") } is faster than machine axes move, { SI($fastest, "VELOCITY") }; check the unit
-band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } is finer than encoders resolve; check the unit
-band-no-accuracy = { SI($band, "LENGTH", digits: 3) } is no accuracy at all; check the unit
-payload-large = the payload, { SI($payload, "MASS") }, is more than three times the moving { $axis ->
+move-fast = { VELOCITY($velocity) } is faster than machine axes move, { VELOCITY($fastest) }; check the unit
+band-finer-than-encoders = { LENGTH($band, digits: 3) } is finer than encoders resolve; check the unit
+band-no-accuracy = { LENGTH($band, digits: 3) } is no accuracy at all; check the unit
+payload-large = the payload, { MASS($payload) }, is more than three times the moving { $axis ->
     [rotary] moment of inertia
    *[linear] mass
-}, { SI($mass, "MASS") }; one set of limits will be slow for the empty axis
+}, { MASS($mass) }; one set of limits will be slow for the empty axis
 bands-not-widening = the bands of the machining modes, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) }, do not widen in this order; they may be swapped
-feedforward-mass-far = { SI($mass, "MASS") } in the feed-forward is far from the moving { $axis ->
+feedforward-mass-far = { MASS($mass) } in the feed-forward is far from the moving { $axis ->
     [rotary] moment of inertia
    *[linear] mass
 }, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much

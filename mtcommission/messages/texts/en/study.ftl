@@ -85,7 +85,7 @@ today-in-recommended-loop = Today's gains are not stated: today's limits were si
 today-in-own-loop = Simulated with today's Kv, Kp and Tn; feed-forward and cycles as recommended.
 today-in-mixed-loop = Simulated with today's { $stated }; { $others }, not stated, and feed-forward and cycles as recommended.
 today-not-judged = Values stated in [today] were not judged: { $why }
-today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
+today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { DAMPING($Kp) }, Tn = { TIME($Tn) } ({ $corner }).
 
 # what would bring more
 change-dsc = Position loop in the drive (DSC)
