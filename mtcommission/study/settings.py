@@ -77,6 +77,7 @@ class StudySettings:
     # The optimum beside the loop, and fed forward.
     usual_spread: float = 0.05  # of frequencies where none is stated: rarely better known
     tail: float = 0.4  # how long the motion after t_f is followed [s]
+    cycles_together: int = 64  # velocity cycles of the loop that are one product
     motion_samples: int = 4000  # of an optimal motion, for its integrals
     overshoot_seen: float = 5e-4  # below it there is none [-]
     followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]
