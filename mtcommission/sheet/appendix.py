@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from itertools import pairwise
 
 import numpy as np
 
@@ -249,11 +250,13 @@ def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
 
 def _certificate(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str]]:
     text, f, peaks = words.text, words.format, optimum.peaks
+    # Arcs within the force bound run into another without a switch.
+    switches = [a.t_end for a, b in pairwise(optimum.arcs) if a.control != b.control]
     errors = (abs(e) / peaks[name] for name, e in optimum.terminal_error.items() if peaks.get(name))
     rows = [
         (text("final-time"), f.quantity(optimum.t_f, "s")),
         (text("method"), words.known(f"method-{optimum.method}", optimum.method)),
-        (text("switches"), ", ".join(f.quantity(t, "s") for t in optimum.switching_times)),
+        (text("switches"), ", ".join(f.quantity(t, "s") for t in switches)),
         (text("largest-error"), f.number(max(errors, default=0.0), digits=2)),
     ]
     if optimum.cost is not None:
