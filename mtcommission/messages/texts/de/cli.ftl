@@ -13,7 +13,7 @@ option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $
 option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
-option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der { word-force } den Ruck
+option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante des { word-force-before }regelkreises den Ruck
 option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht die Beschleunigung ihre Grenze in { TIME($ramp) }, so gut wie sofort; ohne --jerk springt sie
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
@@ -70,10 +70,7 @@ simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürz
 option-jerk-needed = die Steuerung begrenzt den Ruck, der zu prüfende Grenzwert ist also nötig, z. B. --jerk 100m/s^3
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
 simulated-with-loop = Regelkreis, Offenes eingestellt: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
-simulated-with-filters = Filter im { $axis ->
-    [rotary] Momentensollwert
-   *[linear] { word-force-before }sollwert
-}: { $filters }.
+simulated-with-filters = Filter im { word-force-before }sollwert: { $filters }.
 simulated-without-loop = Gesteuerte Achse: es gibt keinen Regelkreis einzustellen.
 
 # Ein Aufruf, der zu den Befehlen nicht passt.

@@ -1,4 +1,4 @@
-modes-have-equal-poles = zwei Eigenformen haben gleiche Pole, daher kann eine { word-force } nicht beide unabhängig zur Ruhe bringen; zu einer Eigenform zusammenfassen (ihre tcp_gain und measured_gain addieren)
+modes-have-equal-poles = zwei Eigenformen haben gleiche Pole, daher kann { word-a-force } nicht beide unabhängig zur Ruhe bringen; zu einer Eigenform zusammenfassen (ihre tcp_gain und measured_gain addieren)
 outcome-equal-poles = gleiche Pole: { $detail }: { modes-have-equal-poles }
 outcome-not-controllable = { $axis ->
     [rotary] nicht steuerbar: { $detail }: das Antriebsmoment erreicht nicht jeden Zustand; die Eigenform weglassen, die es nicht anregen kann

@@ -36,7 +36,7 @@ export-feature = { $what ->
     [jerk] Ruckvorsteuerung
     [delay] Verzögerung des Lagesollwerts
     [setpoint-filter] Sollwertfilter dieser Art und Länge
-    [force-filters] einige Filter der Soll{ word-force-behind }
+    [force-filters] einige { has-force-filters }
     [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
    *[loop-drive] Lageregelung im Antrieb
@@ -120,8 +120,8 @@ gain-kv-name-and-unit = Kv dieses Regelkreises; Name und Einheit
 gain-kp-at-axis = Geschwindigkeitsverstärkung, an der Achse
 gain-tn-unit = Tn dieses Regelkreises, aufgerundet; Einheit
 row-feedforward-velocity = Gewicht der Geschwindigkeitsvorsteuerung
-row-feedforward-force = { word-drive-force } je Beschleunigung, an der Achse
-row-feedforward-jerk = { word-drive-force } je Ruck, an der Achse
+row-feedforward-force = { word-force } je Beschleunigung, an der Achse
+row-feedforward-jerk = { word-force } je Ruck, an der Achse
 row-feedforward-inertia = Vorsteuerung: alle Trägheit, an der Welle
 cycle-position = Takt des Lagereglers
 cycle-velocity = Takt des Drehzahlreglers
@@ -135,7 +135,7 @@ filter-kind = seine Art
 filter-frequency = seine Eigenfrequenz
 filter-damping = Dämpfungsgrad: Zähler einer Bandsperre, Nenner eines Tiefpasses
 filter-width = Dämpfungsgrad des Nenners der Bandsperre
-row-state-gain = { word-drive-force } je Einheit dieses Zustands, über den Beobachter zurückgeführt
+row-state-gain = { word-force } je Einheit dieses Zustands, über den Beobachter zurückgeführt
 delay-of-reference = Verzögerung des Lagesollwerts, bis die Vorsteuerung wirkt
 
 sinumerik-mode = { $dynamic }: { $about }

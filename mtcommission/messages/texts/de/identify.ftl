@@ -28,10 +28,7 @@ identify-not-described = { $files }: { $axis ->
     [response] Unten fällt der Frequenzgang nicht wie der einer freien { $axis ->
         [rotary] Trägheit
        *[linear] Masse
-    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { $axis ->
-        [rotary] Momentensollwert
-       *[linear] { word-force-before }sollwert
-    } zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
+    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { word-force-before }sollwert zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
     [friction] Es liegt am unteren Ende: haftende Reibung oder Rückkopplung in der Messung. Um eine Offsetgeschwindigkeit messen, bei der die Achse nie steht, mit mehr Amplitude und möglichst weichem Lageregler; oder diese Linien mit --band weglassen.
     [modes] Es liegt am oberen Ende: mehr Eigenformen, als das Modell fasst, Stromregler oder Sensor. Diese Linien mit --band weglassen oder bis zu einer niedrigeren Frequenz mit feineren Linien messen.
    *[feedback] Es liegt mitten im Bereich: Rückkopplung in der Messung (die Anregung als v_ref mit aufzeichnen), falsche Einheit oder Spalte, oder die Maschine hat sich währenddessen verändert. Mit möglichst weichem Regler und mehr Amplitude erneut messen, mehrere Maschinenzustände einzeln.
@@ -59,10 +56,7 @@ identify-no-mode = Keine Eigenform gefunden: Im Bereich ist die Achse eine starr
 identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse ist unbekannt, und die Verstärkungen gelten zwischen den gemessenen Punkten, nicht als Anteil an { $axis ->
     [rotary] dem Drehmoment
    *[linear] der { word-force }
-} des Antriebs. Mit dem Antrieb { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-} zu Geschwindigkeit messen.
+} des Antriebs. Mit dem Antrieb { word-force } zu Geschwindigkeit messen.
 identify-no-force = Nur die Bewegung wurde aufgezeichnet, nicht was sie antreibt: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie den Frequenzgang des Antriebs aufzeichnen (Drehmoment zu Drehzahl).
 identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
 identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede bekommt eigene Dateien (-o NEU.toml schreibt NEU-x.toml und so fort), darum weder --profile noch - angeben; oder nur die Dateien einer Achse nennen

@@ -28,10 +28,7 @@ damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 band-saves-nothing = Optimum mit dem Band statt exakter Ruhe: nicht berechnet, denn es spart höchstens { SHARE($share, digits: 2) } der Zeit: selbst eine starre Achse braucht { TIME($rigid, digits: 6) }.
 band-wider-than-move = Optimum mit dem Band statt exakter Ruhe: keines, denn das Band, { LENGTH($band, digits: 3) }, ist nicht kleiner als die Bewegung, { LENGTH($distance, digits: 3) }: Stillstand hält es ein.
 band-optimum-failed = Optimum mit dem Band statt exakter Ruhe: { $error }.
-robust-force-failed = { $axis ->
-    [rotary] Drehmomentverlauf für die ganze Streuung: { $error }.
-   *[linear] { word-force-before }verlauf für die ganze Streuung: { $error }.
-}
+robust-force-failed = { word-force-before }verlauf für die ganze Streuung: { $error }.
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
 static-load-of-force = static_load { FORCE($load, digits: 6) } von { word-max-force } { FORCE($force, digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, aber t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
@@ -74,16 +71,10 @@ rule-advice = Einmal ohne Mittelung rechnen (W = 1) und einmal mit einer, die so
 rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenformen (15 bis 200 Hz, Dämpfung 0,5 bis 10 %), Kaskade mit voller Geschwindigkeitsvorsteuerung und selbst bestimmter Sollwertverzögerung, Streuung bis 10 %, Zuladung bis 30 % { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse
-}, Band 2 bis 50 µm; kein Sollwertfilter außer einer gleitenden Mittelung, keine Grenzen für Höchstwerte, Kontur oder { $axis ->
-    [rotary] Effektivmoment
-   *[linear] Effektiv{ word-force-behind }
-}. Das Band wird bei den meisten Maschinen eingehalten, nicht bei allen: vor Gebrauch simulieren.
+}, Band 2 bis 50 µm; kein Sollwertfilter außer einer gleitenden Mittelung, keine Grenzen für Höchstwerte, Kontur oder Effektiv{ word-force-behind }. Das Band wird bei den meisten Maschinen eingehalten, nicht bei allen: vor Gebrauch simulieren.
 rule-no-average = ohne Mittelung
 rule-average = gleitende Mittelung, { TIME($time) }
-rule-force = { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-}
+rule-force = { word-force }
 rule-reach = { $axis ->
     [rotary] Winkel oder Geschwindigkeit
    *[linear] Weg oder Geschwindigkeit
@@ -119,7 +110,4 @@ rule-needs-automatic-delay = reference_delay ist vorgegeben: die Regel rechnet m
 rule-needs-jerk-limit = die Steuerung hat keine Ruckgrenze: die Regel rechnet mit einer
 rule-knows-averages-only = ein anderer Sollwertfilter als eine gleitende Mittelung ist an: die Regel zählt seine Länge mit, seine Glättung nicht
 rule-careful-with-seen-mode = der Lagegeber sieht mehr von der Eigenform { $mode } als erprobt (m c = { NUMBER($share, digits: 3) }, erprobt bis 1): die Regel kann weit langsamer sein als nötig
-rule-knows-no-peaks = { $axis ->
-    [rotary] Grenzen für Höchstwerte, Kontur oder Effektivmoment kennt die Regel nicht
-   *[linear] Grenzen für Höchstwerte, Kontur oder Effektiv{ word-force-behind } kennt die Regel nicht
-}
+rule-knows-no-peaks = Grenzen für Höchstwerte, Kontur oder Effektiv{ word-force-behind } kennt die Regel nicht

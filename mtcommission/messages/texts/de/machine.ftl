@@ -5,10 +5,7 @@ mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgr
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms
 mode-damping-low = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
 mode-damping-high = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
-mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { $axis ->
-    [rotary] Trägheitsmoment
-   *[linear] Masse
-} prüfen
+mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { word-mass } prüfen
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
 mode-of-few-position-cycles = eine Periode hat nur { ROUND($cycles, digits: 2) } Lagereglertakte von { ROUND($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar
@@ -29,10 +26,7 @@ force-beyond-axis = { FORCE($force) }{ $axis ->
 } ergeben { ACCELERATION($acceleration, digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
 static-load-large = { FORCE($load) } brauchen mehr als die Hälfte von { word-max-force } = { FORCE($max_force) }; einen Gewichtsausgleich erwägen
 continuous-force-above-max = { FORCE($force) } liegt über { word-max-force } = { FORCE($max_force) } und begrenzt nichts; sind beide vertauscht?
-force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
-    [rotary] Drehmomentregelkreis
-   *[linear] { word-force-before }regelkreis
-} (Servoantriebe: 0,5 bis 5 ms)
+force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { word-force-before }regelkreis (Servoantriebe: 0,5 bis 5 ms)
 move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für diese Bewegung; { $axis ->
     [rotary] Winkel, Geschwindigkeit und Drehmoment
    *[linear] Weg, Geschwindigkeit und { word-force }
@@ -80,10 +74,7 @@ neglected-force-over-speed = { $axis ->
     [rotary] mit der Drehzahl fallendes Moment ({ word-max-force } gilt für die höchste)
    *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
 }
-neglected-heat = Erwärmung des Motors ({ $axis ->
-    [rotary] Dauermoment
-   *[linear] Dauer{ word-force-behind }
-} angeben)
+neglected-heat = Erwärmung des Motors (Dauer{ word-force-behind } angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
 neglected-encoder = Geberstufen (Auflösung des Gebers angeben)
 neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen weiten)

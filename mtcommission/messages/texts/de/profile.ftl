@@ -55,7 +55,7 @@ must-be-above = { $got } angegeben, muss > { PLAIN($bound, digits: 6) }{ $unit }
 must-be-at-least = { $got } angegeben, muss >= { PLAIN($bound, digits: 6) }{ $unit } sein
 must-be-between = { $got } angegeben, muss zwischen { PLAIN($low, digits: 6) } und { PLAIN($high, digits: 6) }{ $unit } liegen; die Einheit prüfen
 
-static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt keine { word-force } für die Bewegung
+static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt nichts für die Bewegung
 friction-takes-all = { PLAIN($got, digits: 6) } { $unit } angegeben, muss unter dem liegen, was { word-max-force } neben static_load lässt: { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = weder velocity_step noch distance angegeben, genau eines angeben
 move-with-both = velocity_step und distance angegeben, genau eines angeben

@@ -65,10 +65,7 @@ path-position-setpoint = Lagesollwert
 path-position-controller = Lageregler
 path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
 path-wanted-state = Sollzustand
-path-force-feed-forward = { $axis ->
-    [rotary] Momentenvorsteuerung
-   *[linear] { word-force-before }vorsteuerung
-}
+path-force-feed-forward = { word-force-before }vorsteuerung
 path-velocity-controller = Geschwindigkeitsregler
 
 # Friction

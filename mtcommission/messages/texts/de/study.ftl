@@ -36,10 +36,7 @@ loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" 
 loop-filters-used = Verwendet, weil das Profil force_filters offenlässt ([] hieße keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
-loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
-    [rotary] Momentensollwert
-   *[linear] { word-force-before }sollwert
-} lässt Kp und dynamische Steifigkeit um 3 % steigen.
+loop-no-filters = Keine Bandsperre und kein Tiefpass im { word-force-before }sollwert lässt Kp und dynamische Steifigkeit um 3 % steigen.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes
@@ -89,20 +86,14 @@ today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMB
 # what would bring more
 change-dsc = Lageregelung im Antrieb (DSC)
 change-interpolation = Vorsteuerung im Geschwindigkeitsreglertakt interpoliert
-change-feedforward = { $axis ->
-    [rotary] Drehmomentvorsteuerung ein
-   *[linear] { word-force-before }vorsteuerung ein
-}
+change-feedforward = { word-force-before }vorsteuerung ein
 change-setpoint-filter = Sollwertfilter frei gewählt unter denen der Steuerung
 change-force-filters = { $axis ->
     [rotary] Filter des Solldrehmoments
    *[linear] Filter der Soll{ word-force-behind }
 }
 change-no-filters = kein Filter erlaubt ein höheres Kp
-change-lag = { $axis ->
-    [rotary] Halbe Verzögerung der Drehmomentregelung
-   *[linear] Halbe Verzögerung der { word-force-before }regelung
-}
+change-lag = Halbe Verzögerung der { word-force-before }regelung
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
@@ -112,10 +103,7 @@ change-lighter = { $axis ->
    *[linear] Bewegte Masse { SHARE($share) } kleiner
 }
 change-state-feedback = Zustandsregelung mit Beobachter
-change-robust-force = { $axis ->
-    [rotary] Drehmomentverlauf für die ganze Streuung statt Beschleunigung und Ruck
-   *[linear] { word-force-before }verlauf für die ganze Streuung statt Beschleunigung und Ruck
-}
+change-robust-force = { word-force-before }verlauf für die ganze Streuung statt Beschleunigung und Ruck
 change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein
 
@@ -125,8 +113,5 @@ glance-alt = Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit
 glance-corners = weitere Ecken
 glance-deviation = Abweichung am Werkzeug in { $unit }
 glance-end = Sollwert zu Ende
-glance-force = { $axis ->
-    [rotary] Sollmoment in { $unit }
-   *[linear] Soll{ word-force-behind } in { $unit }
-}
+glance-force = Soll{ word-force-behind } in { $unit }
 glance-time = Zeit in ms

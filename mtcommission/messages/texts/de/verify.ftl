@@ -52,10 +52,7 @@ verify-no-state = kein aufgezeichnetes Signal zeigt es
 verify-other-move = keine der Bewegungen, für die die Ergebnisdatei es zusagt
 verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
 verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }
-verify-no-force = { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-} nicht aufgezeichnet
+verify-no-force = { word-force } nicht aufgezeichnet
 verify-dwell-not-recorded = die Grenze gilt im Mittel über { TIME($needed) }, Bewegung und Verweilzeit; davon sind { TIME($got) } aufgezeichnet
 verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, der deshalb nicht zu sehen ist
 verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
@@ -106,10 +103,7 @@ verify-plot-time = Zeit ab Beginn des Sollwerts
 verify-plot-acceleration = Beschleunigung des Sollwerts
 verify-plot-tcp = Abweichung des Werkzeugs
 verify-plot-encoder = Abweichung des Gebers
-verify-plot-force = { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-}
+verify-plot-force = { word-force }
 verify-plot-difference = gemessen weniger vorhergesagt
 verify-line-measured = gemessen
 verify-line-low = vorhergesagt, tiefste Ecke
@@ -123,10 +117,7 @@ verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
 verify-caption-feedforwards = Vorsteuerung, wie sie nach dem Schleppfehler sein sollte
 verify-head-feedforward = Vorsteuerung
 verify-parameter-reference-delay = Verzögerung des Sollwertpfads
-verify-parameter-feedforward-mass = { $axis ->
-    [rotary] Trägheitsmoment der Beschleunigungsvorsteuerung
-   *[linear] Masse der Beschleunigungsvorsteuerung
-}
+verify-parameter-feedforward-mass = { word-mass } der Beschleunigungsvorsteuerung
 verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
 verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
 verify-feedforward-brings = { $moves ->

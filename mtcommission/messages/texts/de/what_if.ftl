@@ -31,7 +31,7 @@ what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist
    *[no] Ring: empfohlen (grün).
 }
 what-if-bode-caption = Offener Kreis mit Bandsperre
-what-if-bode = An der Soll{ word-force-behind } geschnitten; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
+what-if-bode = Im { word-force-before }sollwert aufgetrennt; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
 what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)
 what-if-margins = Reserven mit der Bandsperre
 what-if-margins-now = Jetzt, nominal
@@ -63,14 +63,8 @@ what-if-all-corners = (schlechteste von allen { $count } Maschinen)
 what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschinen)
 what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.
 what-if-missed-check = { $name }: { $value }, erlaubt { $limit }
-what-if-saturated = { $axis ->
-    [rotary] Das verlangt mehr Moment, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
-   *[linear] Das verlangt mehr { word-force }, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
-}
-what-if-saturated-short = { $axis ->
-    [rotary] mehr Moment, als da ist
-   *[linear] mehr { word-force }, als da ist
-}
+what-if-saturated = Das verlangt mehr { word-force }, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
+what-if-saturated-short = mehr { word-force }, als da ist
 what-if-tried-machine = Die Maschine mit { $place } wird zusätzlich betrachtet; ihre Restabweichung ist { $value }.
 what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der Bewegung gehalten (ab 1 %; der Befehl simulate begrenzt auch die dazwischen).
 what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.

@@ -103,10 +103,7 @@ ask-pair-motor-mass-where = { $axis ->
    *[linear] Rotor, Spindel, Getriebe: Trägheitsmoment x (2 pi / Steigung)^2; bewegter Teil eines Linearmotors.
 }
 ask-pair-motor-mass-shaft-where = Läufer, Kupplung, Spindel, Getriebe: ihre Trägheit an der Motorwelle in kg m^2, die in eine Masse umgerechnet wird; oder diese Masse in kg.
-ask-pair-load-mass = { $axis ->
-    [rotary] Trägheitsmoment auf der Werkzeugseite der Feder
-   *[linear] Masse auf der Werkzeugseite der Feder
-}
+ask-pair-load-mass = { word-mass } auf der Werkzeugseite der Feder
 ask-pair-load-mass-where = { $axis ->
     [rotary] Tisch oder Kopf mit allem, was er trägt.
    *[linear] Tisch, Portal oder Kopf mit allem, was er trägt.

@@ -74,10 +74,7 @@ simulated-ramp-of-a-cycle = The ramp a/j = { TIME($ramp, digits: 3) } is shorter
 option-jerk-needed = the control limits the jerk, so the limit to be tried is needed, e.g. --jerk 100m/s^3
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
 simulated-with-loop = Loop, tuned where left open: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
-simulated-with-filters = Filters of the set { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}: { $filters }.
+simulated-with-filters = Filters of the set { word-force }: { $filters }.
 simulated-without-loop = Open-loop axis: there is no loop to tune.
 
 # A call that does not fit the commands.
