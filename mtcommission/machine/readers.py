@@ -322,7 +322,7 @@ def describe(value: object) -> Message | str:
     Examples
     --------
     >>> describe(True), describe([1, 2]), describe("x" * 100)[:8]
-    ('true', Message('an-array'), '"xxxxxxx')
+    ('true', Message('json-array'), '"xxxxxxx')
     """
     if isinstance(value, bool):
         return str(value).lower()
@@ -334,7 +334,7 @@ def describe(value: object) -> Message | str:
     if isinstance(value, int):
         return f"{value}" if abs(value) < 10**18 else Message("a-huge-integer")
     if isinstance(value, list):
-        return Message("an-array")
+        return Message("json-array")
     return Message("a-date" if isinstance(value, date | datetime | time) else "a-table")
 
 

@@ -106,6 +106,17 @@ class Catalogue:
         """Return the text of a kind, or another one where the catalogue has no such kind."""
         return self.text(kind) if self.has(kind) else otherwise
 
+    def own(self, scope: str, key: str, **values: Value) -> str:
+        """Return the text that a page or table has of its own for a key, or that of all others.
+
+        Examples
+        --------
+        >>> Catalogue().own("terminal-head", "peak"), Catalogue().own("terminal-head", "jerk")
+        ('Peak', 'Jerk')
+        """
+        kind = f"{scope}-{key}"
+        return self.text(kind if self.has(kind) else key, **values)
+
     def name(self, key: str) -> str:
         """Return the name of a state, an output or a key of the profile as messages spell it.
 

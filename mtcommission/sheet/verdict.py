@@ -159,7 +159,8 @@ def signature(record: Record, typed: Export | Message, words: Catalogue) -> tupl
         jerk=_jerk(record, words),
         filter=say_filter(record.limits.recommended.setpoint_filter, words),
     )
-    lines = Form(fields=tuple(words.text(f"signature-field-{i}") for i in range(1, 5)))
+    kinds = (*(f"signature-field-{i}" for i in range(1, 4)), "remarks")
+    lines = Form(fields=tuple(map(words.text, kinds)))
     return Paragraph(text=values), lines
 
 

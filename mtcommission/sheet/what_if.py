@@ -161,9 +161,7 @@ def _has(part: WhatIfPart, row: str) -> bool:
 
 def _say(key: str, words: Catalogue, **values: str) -> str:
     """A text of the page, or of the sheet where it has none of its own."""
-    return words.text(
-        key if words.has(key) and not words.has(f"what-if-{key}") else f"what-if-{key}", **values
-    )
+    return words.own("what-if", key, **values)
 
 
 def _template(key: str, words: Catalogue) -> str:
@@ -181,7 +179,7 @@ def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     """The filters to choose among: none, an average of any length, and those that are known."""
     found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
     if part.averages:
-        name = words.text("what-if-moving-average")
+        name = words.text("moving-average")
         found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}
     for item in part.limits:
         given = item.setpoint_filter

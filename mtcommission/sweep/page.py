@@ -72,7 +72,7 @@ def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any
             for column in table.columns
             if column.name not in LEFT_OUT
         ],
-        "words": {name: words.text(f"sweep-page-{name}") for name in SAID},
+        "words": {name: words.own("sweep-page", name) for name in SAID},
     }
 
 

@@ -143,8 +143,7 @@ def heading_of(part: str, words: Catalogue) -> str:
 
 def head_of(column: str, words: Catalogue) -> str:
     """Return the head of a column."""
-    own = f"validate-head-{column}"
-    return words.text(own if words.has(own) else column)
+    return words.own("validate-head", column)
 
 
 def print_validation(validation: Validation, words: Catalogue, *, created: str) -> str:

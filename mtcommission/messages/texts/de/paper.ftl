@@ -2,14 +2,13 @@ paper-place = Abschn. { $at }
 paper-our-loop = eigener Regelkreis
 paper-certified = bewiesenes Optimum
 paper-certified-to = bewiesenes Optimum, relative Lücke { PLAIN($gap, digits: 1) }
-paper-whole-number = eine ganze Zahl
 paper-entry = lambda(0) aus unserem Beweis bis zum Eintritt
 paper-limits = a = { PLAIN($acceleration, digits: 3) } m/s², j = { PLAIN($jerk, digits: 3) } m/s³
 paper-figure = Bild { $number }: zeitoptimale Lösung, F_max = 2 kN
 paper-figure-alt = Sollkraft und Zustände über der Zeit bis t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } Bögen.
 paper-target = Ziel
 paper-kalman-rank = Rang der Kalman-Matrix
-    .basis = { paper-whole-number }
+    .basis = { json-whole-number }
     .reason = Bestimmt nach Skalierung der Zustände. In SI-Einheiten überspannen die Einträge von C { PLAIN($decades, digits: 0, style: "f") } Dekaden, und durch Rundung sieht der Rang wie { $unscaled } aus.
 paper-adjoint-equations = adjungierte Gleichungen: größter Fehler eines Koeffizienten, bezogen auf den größten
     .basis = Rundung; gedruckte Koeffizienten gegen -A unserer Strecke
@@ -65,7 +64,7 @@ paper-law-as-printed = der Leser kann (9) mit dem gedruckten lambda(0) nachprüf
     .basis = (8) mit Matrixexponentialfunktionen
     .reason = Die Kraftverzögerung lässt Fehler von lambda(0) wie e^(t/T) wachsen, über t_f auf das { PLAIN($growth, digits: 1) }-Fache: sechs oder sieben gedruckte Stellen reichen nicht. Das Gesetz selbst gilt, siehe die Zeile davor.
 paper-jacobian-rank = Rang der 6 x 6-Jacobi-Matrix der Endbedingungen
-    .basis = { paper-whole-number }
+    .basis = { json-whole-number }
     .reason = Voller Rang beweist ein strenges lokales Optimum; dass es das globale ist, beweist unsere untere Schranke, mit einer relativen Lücke von { PLAIN($gap, digits: 1) }.
 paper-switches = Zahl der Umschaltungen bei F_max = 2 kN
     .ours = { $switches }, { $control } zuerst

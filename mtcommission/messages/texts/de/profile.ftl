@@ -2,7 +2,6 @@ hint-did-you-mean = ; ist „{ $name }“ gemeint?
 hint-there-are = ; es gibt { $names }
 hint-moves-header = ; die Überschrift als [[moves]] schreiben
 hint-key = ; einen Schlüssel nennen, wie Meldungen ihn schreiben
-an-array = eine Liste
 a-table = eine Tabelle
 a-date = ein Datum oder eine Uhrzeit
 a-huge-integer = eine ganze Zahl jenseits aller Grenzen

@@ -85,7 +85,6 @@ assumed-more = { $names } und { $count } weitere
 payload-from-to = { $low } bis { $high }
 basis = Was
 basis-damping = Dämpfungsgrade
-basis-reserve = Reserve
 basis-sizes = Größen der Bewegung
 assumed-of = { $value } (angenommen: { $names })
 assumed = { $value } (angenommen)
@@ -521,7 +520,6 @@ signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $accelerati
 signature-field-1 = Maschinennummer, Aufstellort
 signature-field-2 = An der Steuerung eingegeben (Datum, Name, Unterschrift)
 signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
-signature-field-4 = Bemerkungen
 
 ## Faults
 

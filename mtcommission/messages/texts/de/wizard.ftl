@@ -211,4 +211,3 @@ insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen k
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.
 document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.
-document-default-accepted = Vorgabe übernommen, nicht gemessen

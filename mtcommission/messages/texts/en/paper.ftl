@@ -4,14 +4,13 @@ paper-place = sec. { $at }
 paper-our-loop = our loop
 paper-certified = certified optimum
 paper-certified-to = certified optimum, relative gap { PLAIN($gap, digits: 1) }
-paper-whole-number = a whole number
 paper-entry = lambda(0) of our certificate up to the entry
 paper-limits = a = { PLAIN($acceleration, digits: 3) } m/s², j = { PLAIN($jerk, digits: 3) } m/s³
 paper-figure = Fig. { $number }: time-optimal solution, F_max = 2 kN
 paper-figure-alt = Set force and states over time up to t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } arcs.
 paper-target = target
 paper-kalman-rank = rank of the Kalman matrix
-    .basis = { paper-whole-number }
+    .basis = { json-whole-number }
     .reason = Decided after scaling the states. In SI units the entries of C span { PLAIN($decades, digits: 0, style: "f") } decades, and rounding makes its rank look like { $unscaled }.
 paper-adjoint-equations = adjoint equations: largest error of a coefficient, relative to the largest
     .basis = rounding; printed coefficients against -A of our plant
@@ -67,7 +66,7 @@ paper-law-as-printed = the reader may verify (9) with the printed lambda(0)
     .basis = (8) by matrix exponentials
     .reason = The force lag makes errors of lambda(0) grow like e^(t/T), by { PLAIN($growth, digits: 1) } over t_f: six or seven printed digits do not last. The law itself holds, see the row before.
 paper-jacobian-rank = rank of the 6 x 6 Jacobian of the terminal conditions
-    .basis = { paper-whole-number }
+    .basis = { json-whole-number }
     .reason = Full rank proves a strict local optimum; that it is global, our lower bound proves, with a relative gap of { PLAIN($gap, digits: 1) }.
 paper-switches = number of switches at F_max = 2 kN
     .ours = { $switches }, { $control } first

@@ -5,7 +5,6 @@ hint-there-are = ; there are { $names }
 hint-moves-header = ; write the header as [[moves]]
 hint-key = ; name a key as messages spell it
 # $first may be several, separated by commas
-an-array = an array
 a-table = a table
 a-date = a date or time
 a-huge-integer = an integer beyond all bounds

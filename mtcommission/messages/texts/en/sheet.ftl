@@ -85,7 +85,6 @@ assumed-more = { $names } and { $count } more
 payload-from-to = { $low } to { $high }
 basis = What
 basis-damping = Damping ratios
-basis-reserve = Reserve
 basis-sizes = Sizes of move
 assumed-of = { $value } (assumed: { $names })
 assumed = { $value } (assumed)
@@ -466,7 +465,6 @@ signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration 
 signature-field-1 = Machine number, place
 signature-field-2 = Entered on the control (date, name, signature)
 signature-field-3 = Verified at the machine (date, name, signature)
-signature-field-4 = Remarks
 
 ## Faults
 
