@@ -347,6 +347,8 @@ def _typed(value: str, entry: Entry, words: Catalogue) -> str:
 
 def _meaning(entry: Entry, words: Catalogue) -> str:
     said = words.say(entry.row.text) if entry.row.text else ""
+    if entry.row.unit.startswith("rad/"):  # typed so, while the sheet counts in degrees
+        said = f"{said}, {words.format.quantity(float(entry.value), entry.row.unit)}"
     return said if entry.row.is_verified else f"{said} (?)".strip()
 
 
