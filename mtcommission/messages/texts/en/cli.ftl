@@ -2,7 +2,6 @@
 
 either = { $first } or { $last }
 
-option-one-of = got { $got }, must be { $allowed }
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
 option-filter-form = got { $got }, { $numbers ->
@@ -22,7 +21,6 @@ option-bounds-need-transcription = bounds on a damping-optimal control need --me
 option-step-or-distance = cannot go with --velocity-step; give one of them
 option-no-bound = got { $got }, must be NAME=VALUE
 option-no-signal = no state or output { $got }{ $hint }; there are: { $names }
-option-did-you-mean = ; did you mean { $name }?
 option-no-language = got "{ $got }", must be one of: { $allowed }
 
 file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o
