@@ -185,10 +185,13 @@ def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: f
     powers = [problem.flows(labels, step)]  # over 1, 2, 4, 8 and 16 cells
     while 2 ** len(powers) <= CELLS:
         powers.append(powers[-1] @ powers[-1])
-    z = _starts(problem, powers.pop()[owner], bound=bound)[:, None]
+    z = _starts(problem, powers.pop(), owner, bound=bound)[:, None]
+    arcs = np.split(z, np.cumsum(counts)[:-1])  # all pieces of an arc have the same flow
     for power in powers:
-        z = np.concatenate([z, z @ power[owner].transpose(0, 2, 1)], axis=1)
-    z = np.concatenate([z, z[:, -1:] @ powers[0][owner].transpose(0, 2, 1)], axis=1)
+        arcs = [np.hstack([own, own @ flow.T]) for own, flow in zip(arcs, power, strict=True)]
+    z = np.concatenate(
+        [np.hstack([own, own[:, -1:] @ flow.T]) for own, flow in zip(arcs, powers[0], strict=True)]
+    )
     piece = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
     at = CELLS * piece[:, None] + np.arange(CELLS + 1)
     w, label = z @ problem.control_row, labels[owner]
@@ -206,14 +209,15 @@ def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: f
     )
 
 
-def _starts(problem: SaturatedProblem, flow: Array, *, bound: float) -> Array:
-    """Return z at the start of each piece, given the flow over each, shape (n_pieces, N).
+def _starts(problem: SaturatedProblem, flow: Array, owner: Labels, *, bound: float) -> Array:
+    """Return z at the start of each piece, given the flow over a piece of each arc, (n_pieces, N).
 
     What a stretch of pieces does is told from both of its ends, x_b and λ_a by x_a and λ_b:
     states are carried forwards and adjoints backwards, the directions in which each decays, so
-    nothing grows with the length, and two stretches make one.
+    nothing grows with the length, and two stretches make one. Stretches of the same pieces do the
+    same, and are joined once.
     """
-    n = problem.target.size
+    n, kind = problem.target.size, owner
     # From the second line of the flow, λ_a = S (λ_b - flow_21 x_a - offset_2).
     S = np.linalg.inv(flow[:, n:-1, n:-1])
     adjoint = np.concatenate([-S @ flow[:, n:-1, :n], S, -bound * S @ flow[:, n:-1, -1:]], axis=2)
@@ -221,33 +225,40 @@ def _starts(problem: SaturatedProblem, flow: Array, *, bound: float) -> Array:
     state[:, :, :n] += flow[:, :n, :n]
     state[:, :, -1] += bound * flow[:, :n, -1]
     joints = []
-    while len(state) > 1:
-        last = len(state) // 2 * 2
-        left, right = state[:last:2], adjoint[1:last:2]
+    while len(kind) > 1:
+        last = len(kind) // 2 * 2
+        pairs = kind[:last:2] * len(state) + kind[1:last:2]
+        distinct, same = np.unique(pairs, return_inverse=True)
+        one, other = np.divmod(distinct, len(state))
+        left, right = state[one], adjoint[other]
         mixed = left.copy()  # x in the middle: (1 - Q R) x = P x_a + Q (S λ_b + q) + r
         mixed[:, :, n:] = left[:, :, n:-1] @ right[:, :, n:]
         mixed[:, :, -1:] += left[:, :, -1:]
         x = np.linalg.solve(np.eye(n) - left[:, :, n:-1] @ right[:, :, :n], mixed)
         between = right[:, :, :n] @ x  # λ there
         between[:, :, n:] += right[:, :, n:]
-        joints.append(np.concatenate([x, between], axis=1))
-        joined = state[1:last:2, :, :n] @ x
-        joined[:, :, n:] += state[1:last:2, :, n:]
-        before = adjoint[:last:2, :, n:-1] @ between
-        before[:, :, :n] += adjoint[:last:2, :, :n]
-        before[:, :, -1:] += adjoint[:last:2, :, -1:]
-        state = np.concatenate([joined, state[last:]])
-        adjoint = np.concatenate([before, adjoint[last:]])
+        joints.append((np.concatenate([x, between], axis=1), same))
+        joined = state[other, :, :n] @ x
+        joined[:, :, n:] += state[other, :, n:]
+        before = adjoint[one, :, n:-1] @ between
+        before[:, :, :n] += adjoint[one, :, :n]
+        before[:, :, -1:] += adjoint[one, :, -1:]
+        state = np.concatenate([joined, state[kind[last:]]])
+        adjoint = np.concatenate([before, adjoint[kind[last:]]])
+        kind = np.append(same, np.arange(len(distinct), len(state)))
     # At t_f a state is prescribed, or its adjoint is 0.
-    rows = np.where(problem.fixed[:, None], state[0, :, n:-1], np.eye(n))
-    wanted = np.where(problem.fixed, problem.target - state[0, :, -1], 0.0)
+    state, adjoint = state[kind[0]], adjoint[kind[0]]
+    rows = np.where(problem.fixed[:, None], state[:, n:-1], np.eye(n))
+    wanted = np.where(problem.fixed, problem.target - state[:, -1], 0.0)
     end = np.concatenate([np.zeros(n), np.linalg.solve(rows, wanted), [1.0]])
-    z = np.array([[*np.zeros(n), *(adjoint[0] @ end)], [*(state[0] @ end), *end[n:-1]]])
-    for joint in reversed(joints):
-        ends = np.column_stack([z[: len(joint), :n], z[1 : len(joint) + 1, n:]])
-        middle = (joint[:, :, :-1] @ ends[:, :, None])[..., 0] + joint[:, :, -1]
-        z = np.insert(z, np.arange(1, len(joint) + 1), middle, axis=0)
-    return np.column_stack([z[:-1], np.full(len(flow), bound)])
+    z = np.array([[*np.zeros(n), *(adjoint @ end)], [*(state @ end), *end[n:-1]]])
+    for joint, same in reversed(joints):
+        ends = np.column_stack([z[: len(same), :n], z[1 : len(same) + 1, n:]])
+        middle = np.empty_like(ends)
+        for i, own in enumerate(joint):
+            middle[same == i] = ends[same == i] @ own[:, :-1].T + own[:, -1]
+        z = np.insert(z, np.arange(1, len(same) + 1), middle, axis=0)
+    return np.column_stack([z[:-1], np.full(len(owner), bound)])
 
 
 def _crossings(problem: SaturatedProblem, now: Iterate) -> tuple[Array, Labels]:
