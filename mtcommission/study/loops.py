@@ -346,8 +346,7 @@ def show_state_feedback(
     near = used.candidate.limits
     tried = [LoopTrial(shape=item.shape, tuned=item.tuned, name=WITH) for item in found.loops]
     explored = [_explore(machine, item, near=near, refined=1) for item in tried]
-    judged = [_judge(machine, item, near=near) for item in explored]
-    best = min(judged, key=lambda item: item.candidate.settling_time)
+    best = _judge(machine, min(explored, key=lambda item: item.expected_time), near=near)
     remark = Message(
         "state-feedback-would",
         with_it=say_settling(best.candidate),
