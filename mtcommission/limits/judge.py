@@ -185,7 +185,7 @@ def simulate_moves(
             own = np.array([requirement.value(one, plant) for one in responses[judged]])
             values.append(requirement.noisy(own, noises))
         first, *others = responses[move]
-        # Of all corners that ring for long, the states would be a gigabyte, as views of all outputs.
+        # Of all corners that ring for long, the states would be a gigabyte; views keep all outputs.
         lean = [replace(one, states=one.states[:0].copy()) for one in others]
         first = replace(first, states=first.states.copy())
         found.append(
