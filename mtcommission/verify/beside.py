@@ -13,13 +13,13 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from mtcommission.identify.damped import regress
 from mtcommission.identify.measurement import FreeMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
 from mtcommission.verify.columns import Role
 from mtcommission.verify.planner import number_of, planned
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
-from mtcommission.verify.regression import regress
 from mtcommission.verify.ringing import find_modes
 from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Array, Channel, Trace, resolution
