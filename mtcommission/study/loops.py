@@ -176,8 +176,11 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     """
     machine = proposals.family.machine
     looked = _look_at_all(machine, proposals)
-    finalists = looked[: STUDY.finalists]
-    finalists = [one if one.is_explored else _explore(machine, one) for one in finalists]
+    finalists: list[LoopTrial] = []
+    for one in looked[: STUDY.finalists]:
+        least = min((item.price for item in finalists), default=inf)
+        is_done = one.is_explored or one.price > STUDY.too_dear * least
+        finalists.append(one if is_done else _explore(machine, one))
     finalists.sort(key=lambda one: one.price)
     best: LoopTrial | None = None
     for item in finalists:
