@@ -41,7 +41,7 @@ export-feature = { $what ->
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
    *[loop-drive] Lageregelung im Antrieb
 }
-export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Toleranzband nicht ein, { $band }
+export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Band nicht ein, { $band }
 export-neutral = In neutralen Worten, denn { $why }
 export-mode-left-out = ENTFÄLLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
 export-warning-here = WARNUNG, für den Regelkreis dieses Textes: { $warning }
@@ -65,8 +65,8 @@ export-missed = { $name } { $value }, erlaubt { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
 export-mode-missed = keine Grenzwerte für die Bearbeitungsart { $mode }
-export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }
-export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
+export-no-limits-within = keine Grenzwerte halten das Werkzeug im Band der Bearbeitungsart { $mode }, { $band }
+export-no-limits-but = keine Grenzwerte halten das Werkzeug im Band der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
 export-least-vibration = KEINE BESCHLEUNIGUNG ERFÜLLT HIER DIE ANFORDERUNGEN: von den erprobten Werten lässt dieser, { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung, { $shaper ->
     [yes] mit dem Shaper
    *[no] ohne Shaper
@@ -152,9 +152,9 @@ sinumerik-numerator-frequency = Eigenfrequenz des Zählers
 sinumerik-denominator-damping = Dämpfungsgrad des Nenners
 sinumerik-numerator-damping = Dämpfungsgrad des Zählers
 sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zähler; Reihenfolge der fünf Parameter
-sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Toleranzband beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
+sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Band beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
 sinumerik-path-jerk = Der Bahnruck MD20600 muss über den Achswerten liegen, sonst begrenzt er.
-sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Toleranzbänder in Grad.
+sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Bänder in Grad.
 
 heidenhain-path = maxPathJerk und maxPathJerkHi (Vorgabe 40 m/s^3) und maxPathYank begrenzen die Bahn: über den Achswerten halten, nach der Regel des Herstellers mindestens 1,75 x der größte Achswert.
 heidenhain-filters = Die Lagefilter der Steuerung bringen eigene Ruckzeit mit: sie darf nicht doppelt gezählt werden.
@@ -214,7 +214,7 @@ shaper-of-run = wie im Lauf
 klipper-no-jerk = Klipper hat keine Ruckgrenze; square_corner_velocity ist ein Geschwindigkeitssprung, kein Ruck.
 klipper-cruise = minimum_cruise_ratio (Vorgabe 0.5) senkt die Geschwindigkeit kurzer Bewegungen: sie sind ohne das simuliert.
 klipper-corner = Geschwindigkeitssprung am rechten Winkel
-klipper-corner-bound = square_corner_velocity: bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band, in jeder Ecke von Frequenz und Dämpfung; eingetragen ist das, höchstens die Vorgabe von Klipper, { NUMBER($usual, digits: 3) } mm/s. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+klipper-corner-bound = square_corner_velocity: bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band, in jedem Eckfall von Frequenz und Dämpfung; eingetragen ist das, höchstens die Vorgabe von Klipper, { NUMBER($usual, digits: 3) } mm/s. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
 klipper-three-humps = 3HUMP_EI war in Klipper von September 2025 bis 31. März 2026 fehlerhaft (ein fehlendes Komma, #7235): Klipper vorher aktualisieren.
 klipper-shaper = Der Shaper verlängert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein

@@ -60,7 +60,7 @@ identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse
 identify-no-force = Nur die Bewegung wurde aufgezeichnet, nicht was sie antreibt: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie den Frequenzgang des Antriebs aufzeichnen (Drehmoment zu Drehzahl).
 identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
 identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede bekommt eigene Dateien (-o NEU.toml schreibt NEU-x.toml und so fort), darum weder --profile noch - angeben; oder nur die Dateien einer Achse nennen
-identify-kind-replaced = identify schreibt einen modalen Aufbau: Seine Moden treten an die Stelle von kind = "{ $kind }" und von allem, was in [plant] stand. Das alte Profil aufheben, wenn verglichen werden soll.
+identify-kind-replaced = identify schreibt einen modalen Aufbau: Seine Eigenformen treten an die Stelle von kind = "{ $kind }" und von allem, was in [plant] stand. Das alte Profil aufheben, wenn verglichen werden soll.
 identify-core-xy = Die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY. Dort teilen sich beide Motoren die Beschleunigung von X oder Y, aber auf einer Diagonale trägt ein Motor sie allein: drive.max_acceleration gilt für eine Achse und ist höchstens 1/√2 dessen, was ein Motor allein mitmacht.
 identify-klipper-choice = calibrate_shaper (Klipper, Stand 84104bbb, sein Kriterium hier berechnet) würde { $shaper } bei { FREQUENCY($frequency) } wählen, max_accel { NUMBER($acceleration, digits: 4) } mm/s²; das lässt nach seinem Maß { SHARE($vibration) } der gemessenen Leistung übrig. run simuliert es neben der eigenen Wahl.
 identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
@@ -219,4 +219,4 @@ identified-klipper-smoothing = Verrundung bei 5 m/s²
 identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (empfohlen)
 identified-klipper-ours = unsere: { $filter }
-identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Ecken; das Urteil gilt für jede Größe, der die Grenzwerte dienen
+identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Eckfälle; das Urteil gilt für jede Größe, der die Grenzwerte dienen

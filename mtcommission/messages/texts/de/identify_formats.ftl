@@ -118,8 +118,8 @@ identify-joint-estimate = die aufgezeichnete Anregung wurde benutzt (gemeinsame 
 identify-no-reference = keine Anregung aufgezeichnet: bei geschlossenem Regelkreis sind Linien mit kleiner Kohärenz ({ SHARE($share) } liegen unter 0,9) verfälscht; die Anregung mit aufzeichnen
 identify-reference-silent = die aufgezeichnete Anregung ändert { word-force } in diesen Linien nicht und wurde nicht benutzt: bei geschlossenem Regelkreis sind Linien mit kleiner Kohärenz ({ SHARE($share) } liegen unter 0,9) verfälscht
 identify-same-sensor = derselbe Geber lieferte auch { $names }; der klarere Frequenzgang wird benutzt
-identify-by-decay = freie Schwingung ab { TIME($start) }, { TIME($duration) } lang; ihre Moden erklären { SHARE($explained) } davon; ohne { word-force } weder Masse noch Verstärkungen
+identify-by-decay = freie Schwingung ab { TIME($start) }, { TIME($duration) } lang; ihre Eigenformen erklären { SHARE($explained) } davon; ohne { word-force } weder Masse noch Verstärkungen
 identify-loop-in-decay = ein Sollwert wurde gefahren: das sind Schwingungen der Achse im geschlossenen Regelkreis, der ihre Dämpfung ändert
 identify-by-power = { word-force } nicht aufgezeichnet, und nichts schwingt aus: als Spektrum genommen, das Frequenzen und Dämpfung gibt, weder Masse noch Verstärkungen
-identify-hold = wenn { word-force } zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Moden liegen
+identify-hold = wenn { word-force } zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Eigenformen liegen
 identify-no-motor-acceleration = keine Beschleunigung des Motors unter { $found }; --input acceleration braucht sie neben einem Signal am Werkzeug: --columns "motor_acceleration=..." und DATEI@tcp

@@ -20,7 +20,7 @@ loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($r
 
 loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
 
-loop-without-margins = keine: der Regelkreis ist instabil (schlechteste Ecke)
+loop-without-margins = keine: der Regelkreis ist instabil (ungünstigster Eckfall)
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit { PLAIN($peak, digits: 3) } (ungünstigster Eckfall)
 loop-given-gains-poor = Die vorgegebenen Verstärkungen werden unverändert verwendet, haben aber schwache Reserven: { $margins }; gewollt sind { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit höchstens { PLAIN($peak, digits: 3) }. { $cure }.
 loop-given-gains-slow = Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im ungünstigsten Eckfall { PLAIN($reached, digits: 3) } Hz, weniger als minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.

@@ -55,7 +55,7 @@ control-kind-state-space = freier Regler (Zustandsraum)
 assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
 assumed-damping-spread = Dämpfungsgrade weichen um bis zu ±{ SHARE($spread) } ab
 assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force) } { $axis ->
-    [rotary] des Moments
+    [rotary] des Drehmoments
    *[linear] der { word-force }
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt die Kennlinie bis { QUANTITY($velocity, $velocity_unit) }
@@ -71,7 +71,7 @@ assumed-dwell = Ruhezeit von { TIME($dwell) } nach Bewegung { $number }
 assumed-keys = nicht gemessen: { $keys }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
-    [rotary] mit der Drehzahl fallendes Moment ({ word-max-force } gilt für die höchste)
+    [rotary] mit der Drehzahl fallendes Drehmoment ({ word-max-force } gilt für die höchste)
    *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
 }
 neglected-heat = Erwärmung des Motors (Dauer{ word-force-behind } angeben)
@@ -83,4 +83,4 @@ neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen wei
 motor-follows-assumed = der Motor folgt dem Sollwert genau: kein Schritt geht verloren, und die Struktur zieht ihn nicht zurück
 drive-kind-steps = diese Steuerung gibt ungeregelte Schritte aus; folgt der Motor ihnen einfach, drive.kind = "position_source" angeben, mit den Frequenzen der Eigenformen bei festgehaltenem Motor: sie sind andere als die der freien Achse
 neglected-lost-steps = verlorene Schritte, und dass der Motor der Last nachgibt
-neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (Beschleunigung über der Geschwindigkeit angeben)
+neglected-acceleration-over-speed = mit der Drehzahl fallendes Drehmoment (Beschleunigung über der Geschwindigkeit angeben)

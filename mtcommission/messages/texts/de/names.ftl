@@ -39,7 +39,7 @@ name-contour-deviation = Zulässige Konturabweichung
 name-contour-feed = Größter Vorschub dafür
 name-band = Reserve: nutzbarer Anteil am Band
 name-force = { $axis ->
-    [rotary] Reserve: nutzbarer Anteil am Moment
+    [rotary] Reserve: nutzbarer Anteil am Drehmoment
    *[linear] Reserve: nutzbarer Anteil an der { word-force }
 }
 name-base-mass = Gestellmasse

@@ -16,14 +16,14 @@ paper-order = Ordnung der Beschränkung von v_phi
     .ours = Ordnung { $order }
     .basis = c A^(k-1) B unserer Strecke
 paper-active-damping = Strukturschwingung durch die Regelung gedämpft
-    .ours = Dämpfungsgrade von Gestell und Turm: { PLAIN($base, digits: 2) } und { PLAIN($tower, digits: 2) } ohne Regelung, { PLAIN($base_encoder, digits: 2) } und { PLAIN($tower_encoder, digits: 2) } mit dem Motorgeber allein, { PLAIN($base_sensed, digits: 2) } und { PLAIN($tower_sensed, digits: 2) } mit einem zweiten Geber am Werkzeug; ohne Ruckbegrenzung auf 5 µm eingeschwungen nach { PLAIN($encoder, digits: 0, style: "f", unit: "ms") } und { PLAIN($sensed, digits: 0, style: "f", unit: "ms") } ms
+    .ours = Dämpfungsgrade von Gestell und Turm: { PLAIN($base, digits: 2) } und { PLAIN($tower, digits: 2) } ohne Regelung, { PLAIN($base_encoder, digits: 2) } und { PLAIN($tower_encoder, digits: 2) } mit dem Lagegeber allein, { PLAIN($base_sensed, digits: 2) } und { PLAIN($tower_sensed, digits: 2) } mit einem zweiten Geber am Werkzeug; ohne Ruckbegrenzung auf 5 µm eingeschwungen nach { PLAIN($encoder, digits: 0, style: "f", unit: "ms") } und { PLAIN($sensed, digits: 0, style: "f", unit: "ms") } ms
     .basis = { paper-our-loop }
-    .reason = Der Regelkreis ist unser eigener, denn Bild 2 nennt keine Zahlen. Der Motorgeber allein sieht den Turm nicht: Gestell und Turm sind nicht gekoppelt. Mit einem zweiten kann die Regelung ihn dämpfen, und doch entscheidet der Sollwert, wie bald die Achse eingeschwungen ist.
+    .reason = Der Regelkreis ist unser eigener, denn Bild 2 nennt keine Zahlen. Der Lagegeber allein sieht den Turm nicht: Gestell und Turm sind nicht gekoppelt. Mit einem zweiten kann die Regelung ihn dämpfen, und doch entscheidet der Sollwert, wie bald die Achse eingeschwungen ist.
 paper-overshoot = Überschwingen am Ziel unter der Regelung
     .ours = die Geschwindigkeit am Werkzeug schwingt um { PLAIN($rough, digits: 1, style: "f", unit: "%") } % über (Rechteck), { PLAIN($least, digits: 1, style: "f", unit: "%") } bis { PLAIN($most, digits: 1, style: "f", unit: "%") } % (Trapeze so kurz wie die Optima), { PLAIN($smooth, digits: 1, style: "f", unit: "%") } % (für den Regelkreis gewähltes Trapez)
     .basis = { paper-our-loop }
     .reason = Es hängt vom Ruck ab: Grenzwerte, die zum Regelkreis passen, vermeiden es fast ganz.
-paper-transfer-time = Positionierzeit unter der Regelung
+paper-transfer-time = Überführungszeit unter der Regelung
     .ours = auf 5 µm eingeschwungen nach { PLAIN($smooth, digits: 1, style: "f", unit: "ms") } ms (für den Regelkreis gewähltes Trapez) bis { PLAIN($rough, digits: 1, style: "f", unit: "ms") } ms (Rechteck): das { PLAIN($smooth_share, digits: 1, style: "f") }- bis { PLAIN($rough_share, digits: 1, style: "f") }-Fache von { PLAIN($least, digits: 2, style: "f", unit: "ms") } ms
     .basis = { paper-our-loop }
     .reason = Als viel größer zählt das { PLAIN($much) }-Fache. Wie weit ein Regelkreis herunterkommt, hängt von seiner Einstellung ab, über die die Veröffentlichung nichts sagt.
@@ -36,7 +36,7 @@ paper-jerk-control = kurze Zeiten mit Dämpfung verlangen eine Ruckbegrenzung
 paper-jerk-follows = wovon der mögliche Ruck abhängt
     .ours = Gestell bei { PLAIN($base_soft, digits: 1, style: "f") } / { PLAIN($base, digits: 1, style: "f") } / { PLAIN($base_stiff, digits: 1, style: "f") } Hz: j = { PLAIN($j_base_soft, digits: 1, style: "f") } / { PLAIN($j_base, digits: 1, style: "f") } / { PLAIN($j_base_stiff, digits: 1, style: "f") } m/s³; Turm bei { PLAIN($tower_soft, digits: 1, style: "f") } / { PLAIN($tower, digits: 1, style: "f") } / { PLAIN($tower_stiff, digits: 1, style: "f") } Hz: j = { PLAIN($j_tower_soft, digits: 1, style: "f") } / { PLAIN($j_tower, digits: 1, style: "f") } / { PLAIN($j_tower_stiff, digits: 1, style: "f") } m/s³
     .basis = Grenzwerte für jede Maschine neu gewählt; { paper-our-loop }
-    .reason = Hier bestimmt das Gestell, die Mode, die der Motorgeber sieht. Eine Regel wird in docs/commissioning-rule.md hergeleitet und steht auf dem Blatt.
+    .reason = Hier bestimmt das Gestell, die Eigenform, die der Lagegeber sieht. Eine Regel wird in docs/commissioning-rule.md hergeleitet und steht auf dem Blatt.
 paper-switching-time = t_{ $number }
     .basis = der Text: „correct up to 3-4 decimals“
 paper-final-time = t_f
@@ -80,7 +80,7 @@ paper-switches-between = { $switches } von { PLAIN($lowest, digits: 1, style: "f
 paper-switches-beyond = Zahl der Umschaltungen jenseits dieser Kräfte
     .ours = { $usual } von { PLAIN($highest, digits: 6) } bis { PLAIN($farthest, digits: 6) } N, wo t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms ist; unter { PLAIN($weak) } N verschieben sich die Umschaltungen, von t_f aus gezählt, um weniger als { PLAIN($moved, digits: 2, unit: "ns") } ns
     .basis = { $count } bewiesene Optima, für den Rest die Theorie
-    .reason = In weniger als { PLAIN($half, digits: 3, style: "f", unit: "ms") } ms, einer halben gedämpften Periode des Turms, hat keine Kombination von 1, e^(-t/T) und den Funktionen der Moden mehr als fünf Nullstellen, und fünf Ruhebedingungen brauchen mindestens fünf Umschaltungen. Kleine Kräfte bewegen so lange, dass am Ende abgeklungen ist, was der Anfang anregt: dort sind die Umschaltungen die eines Grenzfalls.
+    .reason = In weniger als { PLAIN($half, digits: 3, style: "f", unit: "ms") } ms, einer halben gedämpften Periode des Turms, hat keine Kombination von 1, e^(-t/T) und den Funktionen der Eigenformen mehr als fünf Nullstellen, und fünf Ruhebedingungen brauchen mindestens fünf Umschaltungen. Kleine Kräfte bewegen so lange, dass am Ende abgeklungen ist, was der Anfang anregt: dort sind die Umschaltungen die eines Grenzfalls.
 paper-bounded-time = t_f unter |v_phi| <= 0.005
     .basis = eine Einheit der letzten gedruckten Dezimale
     .reason = Keine Steuerung ist schneller als { PLAIN($least, digits: 9, style: "f") } s (bewiesen): auf vier Dezimalen 0,0523. Wieder ist die gedruckte Zeit ein wenig zu kurz, sodass t_f = 0,0522 s aus Abschn. 6 unter der Schranke nicht erreichbar ist.

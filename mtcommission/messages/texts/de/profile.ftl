@@ -55,7 +55,7 @@ move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
 frequency-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss zwischen 0 und 0,5 (50 %) liegen
 damping-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss >= 0 und < 1 (100 %) sein
-damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad in der ungünstigsten Ecke auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
+damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad im ungünstigsten Eckfall auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
 payload-reversed = { PLAIN($low, digits: 6) } { $unit } bis { PLAIN($high, digits: 6) } { $unit } angegeben, die kleinste kommt zuerst
 cycle-no-multiple = { PLAIN($got, digits: 6) } s angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; muss ein ganzes Vielfaches sein
 

@@ -49,7 +49,7 @@ assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt vers
     [rotary] das Drehmoment
    *[linear] die { word-force }
 } wirkt einen Takt des Geschwindigkeitsreglers verspätet.
-assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
+assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Band gemessen. Beide beantworten verschiedene Fragen.
 assumption-calculated = Ein berechnetes Blatt ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
 assumption-static-load = Die statische Last mindert { $axis ->
     [rotary] das Drehmoment
@@ -76,8 +76,8 @@ assumption-linear-with-friction = { $axis ->
 friction-kept = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
    *[linear] größte Soll{ word-force-behind }
-} { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigste Ecke).
+} { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigster Eckfall).
 friction-broken = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
    *[linear] größte Soll{ word-force-behind }
-} { FORCE($force) }; das verletzt Toleranzband, Einschwingzeit oder { word-force } (ungünstigste Ecke). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.
+} { FORCE($force) }; das verletzt Band, Einschwingzeit oder { word-force } (ungünstigster Eckfall). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.

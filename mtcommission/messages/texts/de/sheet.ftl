@@ -93,7 +93,7 @@ spread-none = beurteilt wie angegeben, ohne Streuung
 all-kept-between = alles eingehalten von { $low } bis { $high }
 not-kept-nominally = Anforderungen schon wie angegeben nicht eingehalten
 reserve-kept = { $axis ->
-    [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Moments
+    [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Drehmoments
    *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der { word-force }
 }
 position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
@@ -190,10 +190,10 @@ rule-symbol-m-ff = { word-mass } in der Vorsteuerung
 rule-symbol-omega = Eigenkreisfrequenz
 rule-symbol-g = Anteil einer Eigenform am Werkzeug, allein oder gegen den Lagegeber; der größere
 rule-symbol-c = Anteil einer Eigenform am Lagegeber
-rule-symbol-T-F = Länge der gleitenden Mittelung
+rule-symbol-T-F = Länge des gleitenden Mittelwerts
 rule-symbol-n = Beschleunigungsrampen: 2 beim Geschwindigkeitssprung, 4 beim Positionieren
-rule-symbol-R = Schwingung nach einer Mittelung, bezogen auf die nach einem einzelnen Anstoß
-rule-symbol-x = Länge der Mittelung in Perioden einer Eigenform, f T_F
+rule-symbol-R = Schwingung nach einem Mittelwert, bezogen auf die nach einem einzelnen Anstoß
+rule-symbol-x = Länge des Mittelwerts in Perioden einer Eigenform, f T_F
 rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
 symbol = Zeichen
 meaning = Bedeutung
@@ -233,11 +233,11 @@ responses-heading = Zeitverläufe
 responses-caption = { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
 responses-alt = Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Soll{ word-force-behind } höchstens { $force }.
 yardstick-caption = { $axis ->
-    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Moment erlaubt (so viel länger dauert sie)
+    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Drehmoment erlaubt (so viel länger dauert sie)
    *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die { word-force } erlaubt (so viel länger dauert sie)
 }
 yardstick-note = { $axis ->
-    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Moment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
+    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Drehmoment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
    *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der { word-force } dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
 }
 move-head = Bewegung

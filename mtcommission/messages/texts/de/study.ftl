@@ -29,7 +29,7 @@ state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it
 state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit am Werkzeug um { CHANGE($change) }.
 state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit am Werkzeug: { CHANGE($change) }).
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen { $axis ->
-    [rotary] ein bleibendes Moment
+    [rotary] ein bleibendes Drehmoment
    *[other] eine bleibende { word-force }
 }, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
 loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
@@ -109,8 +109,8 @@ change-without-margins = kein Kp hält die Reserven ein
 
 # Was eine Python-Konsole und ein Notebook zeigen
 glance = { $machine }, Achse { $axis_name }: { $verdict }; a = { $acceleration }, j = { $jerk }, Sollwertfilter { $filter }, Einschwingzeit { $settling }
-glance-alt = Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit in jeder Ecke
-glance-corners = weitere Ecken
+glance-alt = Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit in jedem Eckfall
+glance-corners = weitere Eckfälle
 glance-deviation = Abweichung am Werkzeug in { $unit }
 glance-end = Sollwert zu Ende
 glance-force = Soll{ word-force-behind } in { $unit }

@@ -4,7 +4,7 @@ what-if-title = Werte zum Probieren
 what-if-skip = Zu den Werten springen
 cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
-what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jeder Ecke, wie der Befehl simulate. { $today ->
+what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jedem Eckfall, wie der Befehl simulate. { $today ->
     [yes] Die heutigen Werte und die Empfehlung stehen
    *[no] Die Empfehlung steht
 } für dieselbe Bewegung daneben.
@@ -19,7 +19,7 @@ what-if-take = Diese nehmen
 what-if-taken = Kopiert.
 what-if-command = Befehlszeile, die die probierten Werte simuliert, und die Zeilen für die Steuerung
 what-if-response-caption = Abweichung des Werkzeugs
-what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün{ $today ->
+what-if-response = Probiert: blau, die Eckfälle dünn; empfohlen: grün{ $today ->
     [yes] ; heute: orange
    *[no] {""}
 }. Ab der senkrechten Linie zählt das Band für das Probierte.
@@ -36,8 +36,8 @@ what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (bl
 what-if-margins = Reserven mit der Bandsperre
 what-if-margins-now = Jetzt, nominal
 what-if-margins-tried = Probiert, nominal
-what-if-margins-worst = Jetzt, schlechteste Ecke
-what-if-margins-worst-tried = Probiert, schlechteste Ecke
+what-if-margins-worst = Jetzt, ungünstigster Eckfall
+what-if-margins-worst-tried = Probiert, ungünstigster Eckfall
 what-if-notch-note = Die Bandsperre tritt an die Stelle der ersten im Kreis, wenn er eine hat. Sie ändert hier die Reserven, nicht die Antwort oben: Dafür die Zeile in [control] des Profils schreiben und neu rechnen.
 what-if-no-notch = Keine Bandsperre: Tiefe 0 dB.
 what-if-unstable = instabil

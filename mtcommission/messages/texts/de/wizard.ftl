@@ -27,7 +27,7 @@ ask-drive-max-force-where = { $axis ->
 ask-drive-force-lag-where = Stromregler des Antriebs: Anstiegszeit auf 63 %; Servoantriebe haben 0,5 bis 5 ms.
 ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
 ask-drive-max-force-shaft-where = Motordatenblatt: Spitzenkraft, oder das Spitzenmoment an der Welle in N m, das in eine Kraft umgerechnet wird.
-ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Moment an der Welle in N m wird in eine Kraft umgerechnet.
+ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Drehmoment an der Welle in N m wird in eine Kraft umgerechnet.
 ask-drive-continuous-force-empty = keine thermische Grenze
 ask-drive-static-load-where = { $axis ->
     [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält; Schwenkachse außer Gleichgewicht: Masse x 9,81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
