@@ -22,8 +22,7 @@ import numpy as np
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import DampingOptimum
 from mtcommission.optimal.transcription.settings import TranscriptionSettings

@@ -110,7 +110,7 @@ class Options:
         if text not in allowed:
             named = tuple(filter(None, allowed))
             words = Message("either", first=named[:-1], last=named[-1])
-            self.refuse(option, Message("option-one-of", got=repr(text), allowed=words))
+            self.refuse(option, Message("got-other-word", got=repr(text), words=words, hint=None))
 
     def move(self, machine: Machine, number: int, *, least: int = 1) -> None:
         """Note a fault where the profile has no move of this number, counted from 1."""
@@ -128,7 +128,7 @@ class Options:
             self.refuse("--limit", Message("option-no-bound", got=repr(text)))
         elif name not in plant.signals:
             close = get_close_matches(name, plant.signals, n=1)
-            hint = Message("option-did-you-mean", name=close[0]) if close else None
+            hint = Message("hint-did-you-mean", name=close[0]) if close else None
             message = Message("option-no-signal", got=repr(name), hint=hint, names=plant.signals)
             self.refuse("--limit", message)
         else:

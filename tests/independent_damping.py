@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.optimal.damping.hamiltonian import terminal_target
+from mtcommission.optimal.saturated import terminal_target
 from mtcommission.optimal.solution import Arc, DampingOptimum, Interior
 from mtcommission.plant.plant import Plant
 

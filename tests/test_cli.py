@@ -276,7 +276,7 @@ def test_options_report_all_faults_at_once(run: Run) -> None:
     )
     assert code == 2
     assert "--kind: got 'fast'" in err
-    assert "did you mean v_phi" in err
+    assert 'did you mean "v_phi"' in err
     assert "--distance: got -2 mm" in err
 
 

@@ -464,7 +464,11 @@ def test_very_tight_bounds_end_with_a_named_outcome(
 @pytest.mark.parametrize(
     ("seed", "what", "gap"),
     [
-        (7, "force bound, three modes: the first programs hold arcs that are none", 1e-10),
+        (
+            7,
+            "force bound, three modes: an arc is left where its multiplier has the wrong sign",
+            1e-10,
+        ),
         (8, "deflection and force: a short arc of the force", 1e-10),
         (16, "force and rate: the bound on F is left and swings to its other side", 1e-10),
         (14, "velocity, three modes: no sequence is recognised", 1e-6),

@@ -14,9 +14,7 @@ from scipy.linalg import expm
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.damping.two_point import doubled, inner_nodes, middle, two_point
-from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.peaks import hermite_peaks
 from mtcommission.optimal.solution import (
@@ -334,32 +332,6 @@ def test_balance_means_equal_terms_along_the_reference() -> None:
         assert weight.value * np.trapezoid(x**2, motion.t) == pytest.approx(effort, rel=1e-6)
     stronger = replace(reference, arcs=reference.arcs[:1])
     assert balanced_weights(plant, stronger)[0].value != balanced_weights(plant, reference)[0].value
-
-
-@pytest.mark.parametrize("length", [0.3, 40.0])
-def test_arc_told_from_both_ends_is_the_matrix_exponential(length: float) -> None:
-    # The doublings carry every long arc: an error there would bend all of its states. The plant
-    # is unstable forwards in its adjoint, so the exponential is taken over short parts only.
-    generator = np.random.default_rng(3)
-    n, pieces = 3, 64
-    A = generator.normal(size=(n, n)) - 1.0 * np.eye(n)
-    B = generator.normal(size=(n, 1))
-    joint = np.block([[A, -0.5 * B @ B.T], [-2.0 * np.eye(n), -A.T]])
-    force = generator.normal(size=2 * n)
-    augmented = np.zeros((2 * n + 1, 2 * n + 1))
-    augmented[:-1, :-1], augmented[:-1, -1] = joint, force
-    flow = expm(augmented * (length / pieces))
-    whole, levels = two_point(flow[None, :-1, :-1], flow[None, :-1, -1]), []
-    for _ in range(6):
-        levels.append((middle(whole), 0))
-        whole = doubled(levels[-1][0])
-    start, end_adjoint = generator.normal(size=n), generator.normal(size=n)
-    ends = whole.form[0] @ np.concatenate([start, end_adjoint, [1.0]])
-    nodes = inner_nodes(
-        levels, np.concatenate([start, ends[n:]]), np.concatenate([ends[:n], end_adjoint])
-    )
-    for before, after in pairwise(nodes):
-        assert flow[:-1] @ np.append(before, 1.0) == pytest.approx(after, rel=1e-9, abs=1e-9)
 
 
 def test_long_slow_move_is_as_exact_as_a_short_one() -> None:

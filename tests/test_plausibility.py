@@ -10,9 +10,11 @@ from mtcommission.machine.control import Control
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
-from mtcommission.machine.plausibility import Remark, check_plausibility
+from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.requirements import Modes
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.profile.read import read_profile
@@ -22,9 +24,9 @@ PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = paper_machine()
 
 
-def said(machine: Machine, remarks: Sequence[Remark]) -> list[str]:
+def said(machine: Machine, remarks: Sequence[Message]) -> list[str]:
     catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
-    return [catalogue.say(remark.with_key()) for remark in remarks]
+    return [catalogue.say(remark).replace(THIN_SPACE, " ") for remark in remarks]
 
 
 def remarks_on(machine: Machine) -> list[str]:
@@ -68,7 +70,7 @@ def test_an_unusual_mode(changes: dict[str, float], remark: str) -> None:
         machine = replace(machine, control=Control(position_cycle=4e-3))
     found = [text for text in remarks_on(machine) if remark in text]
     assert len(found) == 1
-    assert found[0].startswith("plant.modes[1]: mode column: ")
+    assert found[0].startswith("mode column: ")
 
 
 @pytest.mark.parametrize(
@@ -79,7 +81,7 @@ def test_an_unusual_mode(changes: dict[str, float], remark: str) -> None:
             4e-3,
             125e-6,
             [
-                "plant: mode rotation: one period has only 3.5 position cycles of 4 ms; "
+                "mode rotation: one period has only 3.5 position cycles of 4 ms; "
                 "a jerk time can only be set that coarsely",
             ],
         ),
@@ -87,11 +89,11 @@ def test_an_unusual_mode(changes: dict[str, float], remark: str) -> None:
             5.5e-3,
             5.5e-3,
             [
-                "plant: mode base: one period has only 3.6 position cycles of 5.5 ms; "
+                "mode base: one period has only 3.6 position cycles of 5.5 ms; "
                 "a jerk time can only be set that coarsely",
-                "plant: mode rotation: 72.1 Hz is above a third of the velocity loop's sampling "
+                "mode rotation: 72.1 Hz is above a third of the velocity loop's sampling "
                 "rate, 181.8 Hz; no feedback can damp it",
-                "plant: mode rotation: 72.1 Hz is above a third of the position loop's sampling "
+                "mode rotation: 72.1 Hz is above a third of the position loop's sampling "
                 "rate, 181.8 Hz; setpoints at that cycle cannot shape it",
             ],
         ),
@@ -117,70 +119,70 @@ def with_needs(**changes: object) -> Machine:
     [
         (
             with_drive(max_force=2.0),
-            "drive.max_force: 2 N on 750 kg give 0.00267 m/s², which hardly moves the axis; "
+            "Max force: 2 N on 750 kg give 2.67 mm/s², which hardly moves the axis; "
             "check both units",
         ),
         (
             replace(with_needs(tcp_deviation=1e-3), drive=replace(PAPER.drive, max_force=2e6)),
-            "drive.max_force: 2×10⁶ N on 750 kg give 2.67×10³ m/s², which is more than a machine "
+            "Max force: 2000 kN on 750 kg give 2667 m/s², which is more than a machine "
             "axis bears; check both units",
         ),
         (
             with_drive(static_load=-1200.0),
-            "drive.static_load: 1200 N take more than half of max_force = 2000 N; "
+            "Static load: 1.2 kN take more than half of max_force = 2 kN; "
             "consider a counterbalance",
         ),
         (
             with_drive(continuous_force=3000.0),
-            "drive.continuous_force: 3000 N is above max_force = 2000 N, so it limits nothing; "
+            "Continuous force: 3 kN is above max_force = 2 kN, so it limits nothing; "
             "the two may be swapped",
         ),
         (
             with_drive(force_lag=0.25),
-            "drive.force_lag: 250 ms is long for a force loop (servo drives: 0.5 to 5 ms)",
+            "Time constant of the force loop T: 250 ms is long for a force loop "
+            "(servo drives: 0.5 to 5 ms)",
         ),
         (
             replace(PAPER, moves=(VelocityStep(velocity_step=0.1), Positioning(distance=5e3))),
-            "moves[2]: a rigid axis would need 86.6 s for this move; "
+            "Move 2: a rigid axis would need 86.6 s for this move; "
             "check distance, velocity and force",
         ),
         (
             replace(PAPER, moves=(Positioning(distance=1.0, max_velocity=1e-3),)),
-            "moves[1]: a rigid axis would need 1×10³ s for this move; "
+            "Move 1: a rigid axis would need 1×10³ s for this move; "
             "check distance, velocity and force",
         ),
         (
             with_needs(tcp_deviation=0.05),
-            "requirements.tcp_deviation: 0.05 m is no accuracy at all; check the unit",
+            "Permitted TCP deviation (band): 50 mm is no accuracy at all; check the unit",
         ),
         (
             with_needs(payload=(0.0, 3000.0)),
-            "requirements.payload: 3000 kg is more than three times the moving mass, 750 kg; "
+            "the payload, 3000 kg, is more than three times the moving mass, 750 kg; "
             "one set of limits will be slow for the empty axis",
         ),
         (
             with_needs(modes=Modes(surface=20e-6, accuracy=5e-6, speed=2e-6)),
-            "requirements.modes: surface 2×10⁻⁵, accuracy 5×10⁻⁶ and speed 2×10⁻⁶ m do not widen "
-            "in this order; they may be swapped",
+            "the bands of the machining modes, surface 2×10⁻⁵, accuracy 5×10⁻⁶ and speed 2×10⁻⁶ m, "
+            "do not widen in this order; they may be swapped",
         ),
         (
             replace(PAPER, control=Control(feedforward_mass=75.0)),
-            "control.feedforward_mass: 75 kg is far from the moving mass, 750 to 750 kg; "
+            "75 kg in the feed-forward is far from the moving mass, 750 to 750 kg; "
             "the feed-forward will push too little or too much",
         ),
         (
             replace(PAPER, control=Control(position_gain=4.0)),
-            "control.position_gain: Kv = 4 1/s is only 0.24 (m/min)/mm; if 4 (m/min)/mm is meant, "
+            "Kv = 4 1/s is only 0.24 (m/min)/mm; if 4 (m/min)/mm is meant, "
             'write the unit: "4 (m/min)/mm"',
         ),
         (
             replace(PAPER, moves=(Positioning(distance=0.02, max_velocity=30.0),)),
-            "moves[1].max_velocity: 30 m/s is faster than machine axes move, 10 m/s; "
-            "check the unit",
+            "Move 1: Max velocity: 30 m/s is faster than machine axes move, 10 m/s; check the unit",
         ),
         (
             replace(PAPER, control=Control(minimum_bandwidth_hz=15e3)),
-            "control.minimum_bandwidth: 1.5×10⁴ Hz is above a third of the velocity loop's "
+            "a least bandwidth of 1.5×10⁴ Hz is above a third of the velocity loop's "
             "sampling rate, 8000 Hz",
         ),
     ],
@@ -201,7 +203,7 @@ def test_stiffness_a_thousand_times_too_soft_is_noticed() -> None:
 def test_a_rotary_axis_is_described_in_its_own_units() -> None:
     axis = replace(PAPER, motion=Motion.ROTARY, drive=replace(PAPER.drive, max_force=2.0))
     assert remarks_on(axis) == [
-        "drive.max_force: 2 N m on 750 kg m² give 0.00267 rad/s², which hardly moves the axis; "
+        "Max torque: 2 N·m on 750 kg·m² give 0.153°/s², which hardly moves the axis; "
         "check both units"
     ]
 
@@ -210,8 +212,8 @@ def test_a_rotary_axis_is_described_in_its_own_units() -> None:
     ("damping_ratio", "words"),
     [
         (0.02, []),
-        (0.004, ["plant.modes[1]: mode column: 15.9 Hz at a damping ratio of 0.004 rings for "]),
-        (0.0, ["plant.modes[1]: mode column: 15.9 Hz at a damping ratio of 0 rings for ever"]),
+        (0.004, ["mode column: 15.9 Hz at a damping ratio of 0.004 rings for "]),
+        (0.0, ["mode column: 15.9 Hz at a damping ratio of 0 rings for ever"]),
     ],
 )
 def test_a_mode_that_rings_for_long_is_announced(damping_ratio: float, words: list[str]) -> None:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import sys
@@ -18,6 +19,7 @@ from mtcommission import cli
 from mtcommission.record.read_back import read_limits, read_machine
 from mtcommission.record.record import load_record
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from tests.measured_example import PAYLOAD, SOFTER
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
@@ -92,3 +94,27 @@ def test_the_first_command_prints_what_readme_shows(
     planned = [plan_setpoint(move, limits) for move in read_machine(record).moves]
     reached = [sample_setpoint(one, np.linspace(0.0, one.duration, 4001))[:, 2] for one in planned]
     assert max(a.max() for a in reached) == pytest.approx(limits.acceleration, rel=2e-3)
+
+
+def test_the_way_of_an_axis_can_be_typed_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From the measured response to a move that holds.
+
+    Where other limits are recommended, ``python -m tests.measured_example`` makes the move anew.
+    """
+    (lines,) = [block for block in blocks() if block.startswith("mtcommission identify")]
+    (tmp_path / "profiles").mkdir()
+    for name in re.findall(r"profiles/\S+", lines):
+        shutil.copy(ROOT / name, tmp_path / name)
+    printed = []
+    for line in lines.splitlines():
+        assert call(line, tmp_path, monkeypatch) == 0, line
+        printed.append(" ".join(capsys.readouterr().out.split()))
+    assert "Then: mtcommission check identified.toml" in printed[0]
+    assert "The control sent what was entered" in printed[-1]
+    # The deviation that is told to be there is found.
+    refined = json.loads((tmp_path / "verified" / "verdict.json").read_text())["refined"]
+    mass, beam = refined["mass"], refined["beam.frequency"]
+    assert mass["new"] - mass["old"] == pytest.approx(PAYLOAD, abs=2.0 * mass["sigma"])
+    assert beam["new"] / beam["old"] == pytest.approx(SOFTER, abs=2.0 * beam["sigma"] / beam["old"])

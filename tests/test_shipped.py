@@ -130,7 +130,7 @@ def test_list_show_and_copy(run: Run, capsys: pytest.CaptureFixture[str], tmp_pa
     assert "exists already" in capsys.readouterr().err
     assert run("profiles", "copy", "rotary-table.toml", "mine.toml") == 0
     assert run("profiles", "show", "rotary-tabel") == 2
-    assert "did you mean rotary-table" in capsys.readouterr().err
+    assert 'did you mean "rotary-table"' in capsys.readouterr().err
 
 
 def test_profiles_inside_the_package_are_found_first(
@@ -142,7 +142,7 @@ def test_profiles_inside_the_package_are_found_first(
     (package / "profiles" / "only.toml").write_text(read_shipped(NAMES[0]).text, "utf-8")
     monkeypatch.setattr(shipped, "__file__", str(package / "profile" / "shipped.py"))
     assert shipped_names() == ("only",)
-    with pytest.raises(InputError, match="There are: only"):
+    with pytest.raises(InputError, match="there are: only"):
         read_shipped("rotary-table")
 
 

@@ -839,7 +839,7 @@ def test_page_begins_with_the_key_that_has_most_values(tmp_path: Path) -> None:
     found = json.loads(html.unescape(re.findall(r'data-chosen="([^"]*)"', seen)[0]))
     assert found["x"] == "drive.max_force"
     assert found["log"]
-    assert found["names"] == ["plant.base_stiffness [MN/m]", "drive.max_force [kN]"]
+    assert found["names"] == ["Base stiffness [MN/m]", "Max force [kN]"]
     assert found["labels"] == ["2", "1.99995"]
 
 

@@ -13,8 +13,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.solution import (
     Bang,
     Bound,

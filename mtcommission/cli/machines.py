@@ -60,7 +60,7 @@ def check(
     from mtcommission.setpoint.duration import require_short_moves
 
     machine, _ = read_machine(profile)
-    warnings: list[Message | str] = [each.with_key() for each in check_plausibility(machine)]
+    warnings: list[Message | str] = list(check_plausibility(machine))
     if not machine.control.leaves_all_to_rules:
         from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
 

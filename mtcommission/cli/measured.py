@@ -25,6 +25,7 @@ from mtcommission.cli.terminal import print_said, print_written, show, show_stag
 from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
+from mtcommission.units.quantities import FREQUENCY, parse_quantity
 
 MOST_MODES = 8
 """Of a profile."""
@@ -172,7 +173,8 @@ def _identify(
     if written := [name for name in (output, job.page, beside) if name]:
         print_written(Path(), written)
     if output:
-        print_said("identify-next-run" if axis.part.proposals else "identify-next", file=output)
+        how = "-run" if axis.part.proposals else "-check" if job.profile else ""
+        print_said(f"identify-next{how}", file=output)
     return is_sound
 
 
@@ -251,12 +253,11 @@ def read_number(option: str, text: str, *, units: tuple[str, ...] = ()) -> float
 def _read_band(text: str) -> tuple[float, float] | None:
     if not text:
         return None
-    parts = text.lower().replace("hz", "").split(":")
     try:
-        low, high = (float(part) for part in parts)
-    except ValueError:
+        low, high = (parse_quantity(part, FREQUENCY) for part in text.split(":"))
+    except ValueError:  # more or fewer parts, or one that is no frequency
         low = high = 0.0
-    if not (0.0 < low < high and isfinite(high)):
+    if not 0.0 < low < high:
         _refuse("--band", Message("identify-option-band", got=text))
     return low, high
 

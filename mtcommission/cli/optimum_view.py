@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
 from math import isfinite, isnan
 
 from mtcommission.cli.terminal import Line, heading, heads, table
@@ -20,6 +19,7 @@ from mtcommission.optimal.solution import (
     TimeOptimum,
     control_text,
     excess_velocity,
+    join_arcs,
     side_text,
 )
 from mtcommission.plant.plant import Plant
@@ -43,12 +43,11 @@ def describe_optimum(
     origin: Message | None = None,
 ) -> list[Line]:
     """Return arcs, peaks and proof of an optimal control; ``origin`` tells what chose its t_f."""
-    # Interior control is kept in many short pieces; to the reader they are one arc.
-    joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
+    joined = join_arcs(solution.arcs)
     arcs = [
-        [str(number), _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end),
-         _say_control(run[0].control, spoken)]
-        for number, run in enumerate(joined[:SHOWN_ARCS], start=1)
+        [str(number), _ms(spoken, arc.t_start), _ms(spoken, arc.t_end),
+         _say_control(arc.control, spoken)]
+        for number, arc in enumerate(joined[:SHOWN_ARCS], start=1)
     ]  # fmt: skip
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)

@@ -85,8 +85,7 @@ def table(
 
 def heads(spoken: Catalogue, *names: str) -> list[str]:
     """Return heads of columns: the terminal's own short ones, or the sheet's words."""
-    own = ((name, f"terminal-head-{name}") for name in names)
-    return [spoken.text(short if spoken.has(short) else name) for name, short in own]
+    return [spoken.own("terminal-head", name) for name in names]
 
 
 def warn(spoken: Catalogue, warnings: Iterable[Message | str]) -> list[Line]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from mtcommission.cli.terminal import Line, heading, table
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.validate.page import SOURCE, Validation, head_of, heading_of, key_of, name_of
-from mtcommission.validate.row import Row, Verdict
+from mtcommission.validate.row import Row, Verdict, tell
 
 STYLES = {"agrees": "green", "corrected": "yellow", "differs": "yellow", "out": "bold red"}
 
@@ -23,7 +23,8 @@ def describe_validation(
         numbers = [row for row in rows if not row.is_claim]
         yield from ("", heading(heading_of(part, words))) if rows else ()
         yield from _numbers(numbers, words) if numbers else ()
-        yield from (f"  {row.quantity}: {row.reason}" for row in numbers if row.reason)
+        told = [tell(row, words) for row in numbers]
+        yield from (f"  {one.quantity}: {one.reason}" for one in told if one.reason)
         for row in rows:
             if row.is_claim:
                 yield from _claim(row, words)
@@ -32,14 +33,18 @@ def describe_validation(
 
 
 def _claim(row: Row, words: Catalogue) -> Iterator[Line]:
-    verdict = words.text(f"validate-is-{key_of(row)}")
-    yield f"{row.place}: {row.quantity}: {verdict}", STYLES[key_of(row)]
-    told = {"paper": row.printed, "correct": row.corrected, "ours": f"{row.ours} ({row.basis})"}
-    for what, value in told.items():
+    verdict, told = words.text(f"validate-is-{key_of(row)}"), tell(row, words)
+    yield f"{told.place}: {told.quantity}: {verdict}", STYLES[key_of(row)]
+    sides = {
+        "paper": told.printed,
+        "correct": told.corrected,
+        "ours": f"{told.ours} ({told.basis})",
+    }
+    for what, value in sides.items():
         if value:
             yield f"  {words.text('validate-told', what=what, value=value)}"
-    if row.reason:
-        yield f"  {row.reason}"
+    if told.reason:
+        yield f"  {told.reason}"
 
 
 def _numbers(rows: Sequence[Row], words: Catalogue) -> list[Line]:
@@ -49,7 +54,15 @@ def _numbers(rows: Sequence[Row], words: Catalogue) -> list[Line]:
     ]
     cells = []
     for row in rows:
-        values = (row.printed, row.ours, f"{row.difference:.1e}", f"{row.tolerance:.0e}")
-        shown = [value.replace(".", words.format.decimal_mark) for value in values]
-        cells.append([name_of(row), *shown, words.text(f"validate-is-{key_of(row)}")])
+        told, plain = tell(row, words), words.format.plain
+        figures = (plain(row.difference, 1, "e"), plain(row.tolerance, 0, "e"))
+        cells.append(
+            [
+                name_of(told),
+                told.printed,
+                told.ours,
+                *figures,
+                words.text(f"validate-is-{key_of(row)}"),
+            ]
+        )
     return table(heads, cells, [STYLES[key_of(row)] for row in rows])

@@ -166,7 +166,7 @@ def cycles(axis: Axis, unit: float) -> int:
 def say_mode(axis: Axis, mode: str) -> Message:
     """Return what a column of limits is for: a machining mode with its band."""
     if mode not in axis.bands:
-        return Message("limit-recommended")
+        return Message("way-recommended")
     band = show_value(axis.bands[mode], axis.units.length.si, in_degrees=True)
     return Message("limit-of-mode", mode=name_mode(mode), band=band)
 

@@ -52,7 +52,7 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     else:
         sizes = {"m": (MICRO, "µm"), "rad": (MICRO, "µrad"), "s": (MILLI, "ms")}
         size, shown = sizes.get(unit, (1.0, unit))
-    return Message("export-value", value=value / size, unit=shown)
+    return Message("value-about", value=value / size, unit=shown)
 
 
 def name_mode(key: str) -> Message:

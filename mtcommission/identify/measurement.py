@@ -233,14 +233,3 @@ class Evidence:
     def measurements(self) -> tuple[Finding, ...]:
         """Everything that was measured, in the order of the files within each kind."""
         return (*self.responses, *self.spectra, *self.vibrations)
-
-
-def correlation_length(rest: Array) -> float:
-    """Return how many samples of what a fit leaves are worth one independent one, at least 1."""
-    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
-    lags = np.fft.irfft(power)[: rest.size // 4]
-    if lags.size < 2 or lags[0] <= 0.0:
-        return 1.0
-    rho = lags / lags[0]
-    end = int(np.argmax(rho < 0.05)) or rho.size
-    return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))

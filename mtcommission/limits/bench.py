@@ -18,7 +18,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
+from mtcommission.loop.disturbance import EncoderNoise, worst_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (
@@ -90,9 +90,7 @@ class Bench:
 
 def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
     """Return the bench of a machine, encoder noise taken off what is allowed."""
-    resolution = machine.drive.encoder_resolution
-    noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
-    noise = EncoderNoise(tool=max(n.tool for n in noises), force=max(n.force for n in noises))
+    noise = worst_noise(tuned.loops, machine.drive.encoder_resolution)
     poles, asked = find_poles(tuned.loops), sort_requirements(machine, plant)
 
     def left(requirements: Iterable[Requirement]) -> Array:
@@ -274,6 +272,10 @@ class Use:
                 sizes = lay_ages(move, a, float(self.t_j), bench.ages, bench.ramps)
             full = np.full_like(sizes, a)
             steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
+            # The mean over all phases tells which sizes may be the worst.
+            likely = self._worst_share(self.behind.worst_after(steps))
+            most = likely >= LIKELY * likely.max()
+            steps = replace(steps, times=steps.times[most], steps=steps.steps[most])
             worst = max(worst, float(self._worst_share(self.behind.worst_exactly(steps)).max()))
         return worst
 
@@ -346,6 +348,10 @@ def _just_reached(move: Move, a: float, t_j: float) -> float:
     """Size of the move that just reaches the acceleration, own unit."""
     return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
+
+LIKELY = 0.7
+"""Share of the worst mean over all phases from which a size may be the worst at its own (empirical:
+the two are within some per cent)."""
 
 FAR = 2.0
 """Factor from a bound beyond which the mean over all phases of a step within its cycle tells enough

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cbrt, exp, floor, hypot, inf, pi, sin, sqrt
+from math import cbrt, exp, floor, hypot, inf, isfinite, pi, sin, sqrt
 
 import numpy as np
 
@@ -96,7 +96,7 @@ class RuleStep:
 
     name: Message  # what is computed
     formula: Message | str
-    value: float
+    value: float | None  # None: no bound
     unit: str  # SI unit of ``value``
 
 
@@ -416,7 +416,7 @@ def _calculate_by_hand(axis: AxisEstimate, found: Tried) -> tuple[RuleStep, ...]
         (Message("rule-residual"), f"j {TOGETHER}", found.residual_deviation, "m"),
     ]
     return tuple(
-        RuleStep(name=name, formula=formula, value=value, unit=unit)
+        RuleStep(name=name, formula=formula, value=value if isfinite(value) else None, unit=unit)
         for name, formula, value, unit in lines
     )
 

@@ -23,7 +23,7 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.disturbance import EncoderNoise, encoder_noise
+from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (
     Signal,
@@ -151,10 +151,7 @@ class _Sizes:
         else:
             size = size_of(move)
             value, _, corner = self._worst_of(move, np.array([size]), signal)
-        noise = EncoderNoise(
-            tool=max(item.tool for item in self.noises),
-            force=max(item.force for item in self.noises),
-        )
+        noise = worst_noise(self.poles.loops, self.machine.drive.encoder_resolution)
         value, bound = requirement.with_noise(np.array([value, value + between]), noise).tolist()
         return SizeCheck(
             requirement=requirement,

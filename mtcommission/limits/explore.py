@@ -150,9 +150,10 @@ class _Explorer:
             item = self._capped(place)
             if self.soonest() <= item.duration <= AS_SOON * self.soonest():
                 found.append(item)
-        best = list[Found]()
-        for own in {item.setpoint_filter: None for item in found}:
-            of_filter = [item for item in found if item.setpoint_filter == own]
+        best, behind = list[Found](), dict[SetpointFilter | None, list[Found]]()
+        for item in found:
+            behind.setdefault(item.setpoint_filter, []).append(item)
+        for of_filter in behind.values():
             soonest = min(item.duration for item in of_filter)
             late = EQUALLY_SOON * (soonest + self.bench.delay) - self.bench.delay
             near = [item for item in of_filter if item.duration <= late]
@@ -185,9 +186,12 @@ class _Explorer:
 
     def _hopes(self, places: list[Place], latest: float) -> list[Place]:
         """Places not settled yet where quick looks leave that possible, the soonest first."""
-        new = [p for p in dict.fromkeys(places) if p not in self.known and p not in self.hoped]
-        for item in {place[0]: None for place in new}:
-            self._hope(item, np.array([t for other, t in new if other == item]), latest)
+        new: dict[SetpointFilter | None, dict[float, None]] = {}
+        for item, t in places:
+            if (item, t) not in self.known and (item, t) not in self.hoped:
+                new.setdefault(item, {})[t] = None
+        for item, times in new.items():
+            self._hope(item, np.array(list(times)), latest)
         open_ = {p: self.hoped[p].duration for p in places if p in self.hoped}
         soon = [p for p, time in open_.items() if time <= latest and p not in self.known]
         return sorted(soon, key=open_.__getitem__)

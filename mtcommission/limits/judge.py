@@ -185,8 +185,9 @@ def simulate_moves(
             own = np.array([requirement.value(one, plant) for one in responses[judged]])
             values.append(requirement.noisy(own, noises))
         first, *others = responses[move]
-        # Of all corners that ring for long, the states would be a gigabyte.
+        # Of all corners that ring for long, the states would be a gigabyte; views keep all outputs.
         lean = [replace(one, states=one.states[:0].copy()) for one in others]
+        first = replace(first, states=first.states.copy())
         found.append(
             MoveResult(setpoint=setpoint, responses=(first, *lean), values=np.array(values))
         )

@@ -18,8 +18,7 @@ from mtcommission.optimal.at_once import (
     time_optimum_on,
 )
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     TIGHT_GAP,

@@ -63,6 +63,20 @@ class FrequencyResponse:
     """Tool per disturbance force on the line of the drive force, all loops closed [m/N]."""
 
 
+BODE = ("open_loop_db", "open_loop_deg", "closed_velocity_db")
+
+
+def draw_bode(response: FrequencyResponse) -> dict[str, Array]:
+    """Return what a Bode plot shows, by the names of ``BODE``; the phase begins in (-360, 0]."""
+    phase = np.degrees(np.unwrap(np.angle(response.open_loop)))
+    columns = (
+        20.0 * np.log10(np.abs(response.open_loop)),
+        phase - 360.0 * np.ceil(phase[0] / 360.0),
+        20.0 * np.log10(np.abs(response.closed_velocity_loop)),
+    )
+    return dict(zip(BODE, columns, strict=True))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GainGrid:
     """A plant at n frequencies under all controllers that differ in their gains alone."""

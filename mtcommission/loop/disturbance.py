@@ -9,6 +9,7 @@ does, the whole swing after a step of q.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, sqrt
@@ -88,6 +89,13 @@ def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
         tool=resolution * max(float(noise[0]) + 0.5, float(tool)),
         force=resolution * max(float(noise[1]), float(force)),
     )
+
+
+def worst_noise(loops: Sequence[SampledLoop], resolution: float) -> EncoderNoise:
+    """Return the largest of both over some loops."""
+    found = [encoder_noise(loop, resolution=resolution) for loop in loops]
+    tool, force = max(noise.tool for noise in found), max(noise.force for noise in found)
+    return EncoderNoise(tool=tool, force=force)
 
 
 def _standard_deviations(loop: SampledLoop) -> Array:

@@ -292,9 +292,10 @@ STEPPED = 80_000
 """Velocity cycles of a move that are stepped at most, and as many after it: ten seconds at 125 us.
 A longer one that saturates is shown without that, and does not settle (empirical)."""
 
-LOOKED_AT = 4000
+LOOKED_AT = 2000
 """Velocity cycles after each step of the setpoint that are all looked at, and of the rest until the
-next one, evenly spread: half a second each at 125 us, so that no move makes many (empirical)."""
+next one, evenly spread: a quarter of a second each at 125 us, so that no move makes many
+(empirical)."""
 
 
 def _looked_at(motions: Motions, first: int, last: int) -> Cycles:

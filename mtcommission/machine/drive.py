@@ -27,7 +27,7 @@ from mtcommission.machine.ranges import (
     STEP_RATES,
     VELOCITIES,
 )
-from mtcommission.machine.readers import Array, KeyPath, Reading, describe, one_of
+from mtcommission.machine.readers import Array, KeyPath, Reading, must_be, one_of
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import ROTARY, AxisUnits
 
@@ -215,7 +215,7 @@ class DriveReader:
         given = value.get("kind", "servo") if isinstance(value, dict) else "servo"
         if not isinstance(given, str) or given not in self.kinds:
             words = one_of(tuple(self.kinds))
-            message = Message("got-other-word", got=describe(given), words=words)
+            message = must_be(given, words)
             reading.refuse((*place, "kind"), message)
             return None
         return read_table(self.kinds[given], value, place, reading, beside=("kind",))

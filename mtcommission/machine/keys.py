@@ -21,8 +21,8 @@ from mtcommission.machine.readers import (
     Reading,
     Word,
     WordOr,
-    describe,
     find_close,
+    must_be,
     propose,
     read_path,
 )
@@ -186,7 +186,7 @@ def read_values(
     ``beside`` and ``required``: further keys that somebody else reads.
     """
     if not isinstance(value, dict):
-        reading.refuse(place, Message("got-no-table", got=describe(value)))
+        reading.refuse(place, must_be(value, Message("a-table")))
         return {}
     keys = {key: (one.name, about) for key, one, about in list_keys(kind, table)}
     needed = (*required, *(key for key, (_, about) in keys.items() if about.is_required))

@@ -24,6 +24,7 @@ from mtcommission.machine.readers import (
     Text,
     describe,
     find_close,
+    must_be,
     one_of,
 )
 from mtcommission.messages.message import Message
@@ -230,7 +231,7 @@ class Plants:
             elif not isinstance(given, str) or given not in KINDS:
                 hint, words = Message("hint-did-you-mean", name=kind.kind), one_of(tuple(KINDS))
                 got = describe(given)
-                reading.refuse(key, Message("got-other-word-for", got=got, words=words, hint=hint))
+                reading.refuse(key, Message("got-other-word", got=got, words=words, hint=hint))
         found: Mechanics | None = read_table(kind, value, place, reading, beside=("kind",))
         return found
 
@@ -260,7 +261,7 @@ class States:
     def read(self, value: object, place: KeyPath, reading: Reading) -> MachineState | None:
         """Return the state; what is wrong with [plant] itself is noted there."""
         if not isinstance(value, dict):
-            reading.refuse(place, Message("got-no-table", got=describe(value)))
+            reading.refuse(place, must_be(value, Message("a-table")))
             return None
         plant = reading.plant
         given = value.get("modes", [])

@@ -7,7 +7,6 @@ literature, widened generously.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from mtcommission.machine.identified import MOST_MISFIT
@@ -15,6 +14,7 @@ from mtcommission.machine.machine import Machine, Motion, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.catalogue import NAME
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import convert_to
 
@@ -40,23 +40,12 @@ LONGEST_RINGING = 10.0
 SHORTEST_VELOCITY_CYCLE = 20e-6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Remark:
-    """Something unusual in a machine."""
-
-    key: str  # of the profile, elements of arrays counted from 1
-    message: Message  # what was found, and what it means
-
-    def with_key(self) -> Message:
-        """Return the remark with its key, as warnings are listed."""
-        return Message("remark", key=self.key, what=self.message)
+Found = Iterator[tuple[str | Message, Message]]
+"""What is meant, a key of the profile or in words ("" where the rest says so), and what is unusual
+about it."""
 
 
-Found = Iterator[tuple[str, Message]]
-"""Keys and what is unusual at them."""
-
-
-def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
+def check_plausibility(machine: Machine) -> tuple[Message, ...]:
     """Return what a commissioning engineer would ask about a machine; empty if nothing is unusual.
 
     The machine is nominal and valid.
@@ -76,14 +65,19 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
         _check_measurement,
     )
     found = (one for check in checks for one in check(machine))
-    return tuple(Remark(key=key, message=message) for key, message in found)
+    return tuple(
+        Message("remark", of=Message(NAME, key=of) if isinstance(of, str) else of, what=what)
+        if of
+        else what
+        for of, what in found
+    )
 
 
 def _check_modes(machine: Machine) -> Found:
     for index, mode in enumerate(machine.mechanics.modes):
-        key = machine.mechanics.mode_key(index)
-        for what in _doubts(machine, mode, is_stated=key != "plant"):
-            yield key, Message("remark-on-mode", mode=mode.name, what=what)
+        is_stated = machine.mechanics.mode_key(index) != "plant"
+        for what in _doubts(machine, mode, is_stated=is_stated):
+            yield Message("mode-named", mode=mode.name), what
 
 
 def _doubts(machine: Machine, mode: FlexibleMode, *, is_stated: bool) -> Iterator[Message]:
@@ -153,7 +147,7 @@ def _check_moves(machine: Machine) -> Found:
     for i, move in enumerate(machine.moves):
         time = least_motion_time(move, a)
         if time > LONGEST_MOVE:
-            yield f"moves[{i + 1}]", Message("move-lasts-long", time=time)
+            yield Message("move", number=i + 1), Message("move-lasts-long", time=time)
         name, velocity = (
             ("velocity_step", move.velocity_step)
             if isinstance(move, VelocityStep)
@@ -173,13 +167,13 @@ def _check_requirements(machine: Machine) -> Found:
         yield "requirements.tcp_deviation", message
     if needs.payload[1] > PAYLOAD_RATIO * m:
         message = Message("payload-large", payload=needs.payload[1], mass=m)
-        yield "requirements.payload", message
+        yield "", message
     bands = needs.modes
     if not bands.surface <= bands.accuracy <= bands.speed:
         message = Message(
             "bands-not-widening", surface=bands.surface, accuracy=bands.accuracy, speed=bands.speed
         )
-        yield "requirements.modes", message
+        yield "", message
 
 
 def _check_control(machine: Machine) -> Found:
@@ -191,23 +185,23 @@ def _check_control(machine: Machine) -> Found:
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:
         message = Message("feedforward-mass-far", mass=mass, low=low, high=high)
-        yield "control.feedforward_mass", message
+        yield "", message
     gain = control.position_gain
     if gain is not None and gain < LEAST_POSITION_GAIN:
         in_custom = convert_to(gain, "(m/min)/mm")
         message = Message("position-gain-without-unit", gain=gain, in_custom=in_custom)
-        yield "control.position_gain", message
+        yield "", message
     if control.minimum_bandwidth_hz * control.velocity_cycle * SAMPLES_PER_PERIOD > 1.0:
         message = Message(
             "bandwidth-above-sampling",
             bandwidth=control.minimum_bandwidth_hz,
             rate=1.0 / control.velocity_cycle,
         )
-        yield "control.minimum_bandwidth", message
+        yield "", message
 
 
 def _check_measurement(machine: Machine) -> Found:
     misfit = machine.identified.misfit if machine.identified else None
     if misfit is not None and misfit > MOST_MISFIT:
         message = Message("measured-not-described", misfit=misfit, most=MOST_MISFIT)
-        yield "identified.misfit", message
+        yield "", message

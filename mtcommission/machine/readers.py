@@ -159,7 +159,7 @@ class Word:
         if isinstance(value, str) and value in self.meanings:
             return self.meanings[value]
         words = one_of(tuple(self.meanings))
-        reading.refuse(place, Message("got-other-word", got=describe(value), words=words))
+        reading.refuse(place, must_be(value, words))
         return None
 
     def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
@@ -181,7 +181,7 @@ class Flag:
     def read(self, value: object, place: KeyPath, reading: Reading) -> bool:
         """Return it."""
         if not isinstance(value, bool):
-            reading.refuse(place, Message("got-no-boolean", got=describe(value)))
+            reading.refuse(place, must_be(value, Message("json-boolean")))
         return value is True
 
     def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
@@ -203,7 +203,7 @@ class Array:
         before = len(reading.faults)
         if not isinstance(value, list):
             hint = Message("hint-moves-header") if place == ("moves",) else None
-            reading.refuse(place, Message("got-no-array", got=describe(value), hint=hint))
+            reading.refuse(place, must_be(value, Message("json-array"), hint))
             return None
         if len(value) > self.most:
             reading.refuse(place, Message("array-too-long", most=self.most))
@@ -322,7 +322,7 @@ def describe(value: object) -> Message | str:
     Examples
     --------
     >>> describe(True), describe([1, 2]), describe("x" * 100)[:8]
-    ('true', Message('an-array'), '"xxxxxxx')
+    ('true', Message('json-array'), '"xxxxxxx')
     """
     if isinstance(value, bool):
         return str(value).lower()
@@ -334,8 +334,13 @@ def describe(value: object) -> Message | str:
     if isinstance(value, int):
         return f"{value}" if abs(value) < 10**18 else Message("a-huge-integer")
     if isinstance(value, list):
-        return Message("an-array")
+        return Message("json-array")
     return Message("a-date" if isinstance(value, date | datetime | time) else "a-table")
+
+
+def must_be(value: object, words: Message | str, hint: Message | None = None) -> Message:
+    """Return that a value is none of what it must be; ``hint``: what may have been meant."""
+    return Message("got-other-word", got=describe(value), words=words, hint=hint)
 
 
 def propose(name: str, known: Iterable[str]) -> Message:

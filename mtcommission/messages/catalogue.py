@@ -79,23 +79,25 @@ class Catalogue:
         return self.text(message.kind, **message.values)
 
     def text(self, kind: str, /, **values: Value) -> str:
-        """Return the text of a kind with values, as ``say`` does.
+        """Return the text of a kind with values, as ``say`` does; ``KIND.PART`` is a part of it.
 
         Examples
         --------
         >>> Catalogue("en", rotary=True).text("requirement-rms-force")
         'RMS torque'
         """
-        source = entries_of(self.language)[kind]
+        entry, _, part = kind.partition(".")
+        source = entries_of(self.language)[entry]
         if not set("{\n") & set(source):
             return source  # most need no parser
-        self._load(kind)
-        found = self._bundle.get_message(kind)
-        if found.value is None:
+        self._load(entry)
+        found = self._bundle.get_message(entry)
+        pattern = found.attributes.get(part) if part else found.value
+        if pattern is None:
             raise KeyError(kind)
         axis = "open-loop" if self.follows else "rotary" if self.rotary else "linear"
         spoken = {name: self._spoken(value) for name, value in values.items()}
-        text, faults = self._bundle.format_pattern(found.value, {**spoken, "axis": axis})
+        text, faults = self._bundle.format_pattern(pattern, {**spoken, "axis": axis})
         if faults:
             raise ValueError(f"{self.language}: {kind}: {faults[0]}")
         return str(text)
@@ -103,6 +105,17 @@ class Catalogue:
     def known(self, kind: str, otherwise: str) -> str:
         """Return the text of a kind, or another one where the catalogue has no such kind."""
         return self.text(kind) if self.has(kind) else otherwise
+
+    def own(self, scope: str, key: str, **values: Value) -> str:
+        """Return the text that a page or table has of its own for a key, or that of all others.
+
+        Examples
+        --------
+        >>> Catalogue().own("terminal-head", "peak"), Catalogue().own("terminal-head", "jerk")
+        ('Peak', 'Jerk')
+        """
+        kind = f"{scope}-{key}"
+        return self.text(kind if self.has(kind) else key, **values)
 
     def name(self, key: str) -> str:
         """Return the name of a state, an output or a key of the profile as messages spell it.
@@ -132,8 +145,10 @@ class Catalogue:
         return self.known(kind, self.text(form, mode=mode) if form and mode else last)
 
     def has(self, kind: str) -> bool:
-        """Return whether there is a text of this kind."""
-        return kind in entries_of(self.language)
+        """Return whether there is a text of this kind, or a part of one."""
+        entry, _, part = kind.partition(".")
+        source = entries_of(self.language).get(entry)
+        return source is not None and (not part or f" .{part} = " in source)
 
     def _spoken(self, value: Value) -> float | str | FluentNumber | FluentNone:
         """A value as Fluent takes it; messages inside are said, several joined by commas."""

@@ -42,7 +42,9 @@ FOLLOWED: Mapping[str, tuple[str, str]] = {
 }
 """The same where the motor follows its setpoint, and its acceleration stands for every force."""
 
-PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "%": 100.0})
+PER_SI: Mapping[str, float] = MappingProxyType(
+    {"": 1.0, "%": 100.0, "ms": 1e3, "us": 1e6, "ns": 1e9, "kN": 1e-3, "mrad": 1e3, "urad": 1e6}
+)
 """Units in which a text may ask for a plain number, and how many make one of SI."""
 
 

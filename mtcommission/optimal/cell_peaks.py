@@ -8,11 +8,11 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.closed_form import step_response, transition
+from mtcommission.optimal.closed_form import advance, step_response
+from mtcommission.optimal.exponential import powers_of
 from mtcommission.optimal.free_motion import free_gains, free_moments, free_peaks, free_rates
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import Cells, Indices, follows_reach
-from mtcommission.optimal.proof import powers_of
 
 Array = NDArray[np.float64]
 NEAR = 0.02
@@ -83,21 +83,22 @@ def _interior_peaks(problem: BoundedProblem, one: ArcInterior, entered: Array) -
 
 
 def _cell_peaks(problem: BoundedProblem, cells: Cells, off: NDArray[np.bool_]) -> Peaks:
-    plant, force, begin = problem.plant, cells.force[off], cells.start[off]
+    force, begin = cells.force[off], cells.start[off]
     lengths = begin - cells.end[off]
     counts = np.ceil(lengths * problem.vibration_rate / RADIANS_PER_PART).astype(np.intp)
     part = np.repeat(np.arange(lengths.size), counts)
     span, push = (lengths / counts)[part], force[part] * problem.force_limit
     since = span * (np.arange(part.size) - (np.cumsum(counts) - counts)[part])
     elapsed = cells.t_f - begin[part] + since
-    starts = np.einsum("pij,pj->pi", transition(plant, since), cells.states[off][part])
-    starts = starts + step_response(plant, since) * push[:, np.newaxis]
+    starts = _inside(problem, cells.states[off][part], push[:, np.newaxis], since)
     step = span / SAMPLES
-    flows, pushes = transition(plant, step), step_response(plant, step) * push[:, np.newaxis]
-    states = [starts]
-    for _ in range(SAMPLES):
-        states.append(np.einsum("pij,pj->pi", flows, states[-1]) + pushes)
-    levels = np.stack(states, axis=1) @ problem.rows.T
+    levels = np.stack(
+        [
+            _inside(problem, starts, push[:, np.newaxis], k * step) @ problem.rows.T
+            for k in range(SAMPLES + 1)
+        ],
+        axis=1,
+    )
     along = np.vstack([levels[:, :-1].reshape(-1, len(problem.limits)), levels[-1, -1:]])
     size = np.pad(np.abs(along), ((1, 1), (0, 0)))
     inner = size[1:-1]
@@ -140,7 +141,7 @@ def _tops(
 
 
 def _inside(problem: BoundedProblem, starts: Array, push: Array, since: Array) -> Array:
-    moved = np.einsum("pij,pj->pi", transition(problem.plant, since), starts)
+    moved = advance(problem.plant, starts, since)
     return np.asarray(moved + step_response(problem.plant, since) * push)
 
 

@@ -111,10 +111,41 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
     return out
 
 
+def advance(plant: Plant, states: Array, tau: Array) -> Array:
+    """Return expm(A τ) x of many states and times, (..., n) and (...), in closed form.
+
+    Source: free oscillation of each mode; what a force leaves, if it has a lag, from B.
+
+    Examples
+    --------
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.plant.plant import build_plant
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
+    >>> x, tau = np.arange(7.0), np.array(1e-3)
+    >>> bool(np.allclose(advance(plant, x, tau), transition(plant, tau) @ x))
+    True
+    """
+    tau = np.asarray(tau, dtype=np.float64)
+    out = np.empty(np.broadcast_shapes(states.shape, (*tau.shape, 1)))
+    out[...] = states
+    out[..., plant.position] += tau * states[..., plant.velocity]
+    for mode in plant.modes:
+        omega, zeta, p = mode.natural_frequency, mode.damping_ratio, mode.pole
+        d, v = states[..., mode.deflection], states[..., mode.rate]
+        decay, wave = np.exp(p.real * tau), p.imag * tau
+        c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
+        out[..., mode.deflection] = (c + zeta * omega * s) * d + s * v
+        out[..., mode.rate] = -(omega**2) * s * d + (c - zeta * omega * s) * v
+    # A force is what an impulse of the input leaves, behind a lag T times that.
+    if plant.force_lag or plant.follows:
+        force = states[..., plant.force, np.newaxis] * (plant.force_lag or 1.0)
+        out[..., plant.force] = 0.0
+        out += force * impulse_response(plant, tau)
+    return out
+
+
 def transition(plant: Plant, tau: Array) -> Array:
     """Return expm(A τ) in closed form.
-
-    Source: free oscillation of each mode; the column of the force, if it has a lag, from B.
 
     Examples
     --------
@@ -125,18 +156,5 @@ def transition(plant: Plant, tau: Array) -> Array:
     >>> bool(np.allclose(transition(plant, np.array(1e-3)), expm(plant.A * 1e-3), atol=1e-12))
     True
     """
-    tau = np.asarray(tau, dtype=np.float64)
-    out = np.zeros((*tau.shape, plant.order, plant.order))
-    out[..., plant.position, plant.position] = out[..., plant.velocity, plant.velocity] = 1.0
-    out[..., plant.position, plant.velocity] = tau
-    for mode in plant.modes:
-        omega, zeta, p = mode.natural_frequency, mode.damping_ratio, mode.pole
-        d, v = mode.deflection, mode.rate
-        decay, wave = np.exp(p.real * tau), p.imag * tau
-        c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
-        out[..., d, d], out[..., d, v] = c + zeta * omega * s, s
-        out[..., v, d], out[..., v, v] = -(omega**2) * s, c - zeta * omega * s
-    # A force is what an impulse of the input leaves, behind a lag T times that.
-    if plant.force_lag or plant.follows:
-        out[..., plant.force] = (plant.force_lag or 1.0) * impulse_response(plant, tau)
-    return out
+    columns = advance(plant, np.eye(plant.order), np.asarray(tau)[..., np.newaxis])
+    return np.asarray(np.swapaxes(columns, -1, -2))

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm, matrix_balance
 
 Array = NDArray[np.float64]
+
+TERMS = 19
+"""Of the power series over a norm of at most 1: the next one is below 1/19! = 1e-17."""
 
 
 def balanced_expm(matrix: Array) -> Array:
@@ -27,3 +32,42 @@ def balanced_expm(matrix: Array) -> Array:
     """
     balanced, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
     return np.asarray(expm(balanced) * scale[:, np.newaxis] / scale)
+
+
+def powers_of(flow: Array, start: Array, count: int) -> Array:
+    """Return start, flow start, flow² start, ..., of states in the last axis, (count + 1, ..., n).
+
+    Examples
+    --------
+    >>> powers_of(np.array([[2.0]]), np.array([1.0]), 3).ravel()
+    array([1., 2., 4., 8.])
+    """
+    samples, filled, power = np.empty((count + 1, *start.shape)), 1, flow.T
+    samples[0] = start
+    while filled <= count:
+        more = min(filled, count + 1 - filled)
+        np.matmul(samples[:more], power, out=samples[filled : filled + more])
+        filled, power = filled + more, power @ power
+    return samples
+
+
+def carry(generator: Array, states: Array, spans: Array) -> Array:
+    """Return e^{G t} x of many short times and states, shapes (m,) [s] and (m, n).
+
+    By its power series, in states of one size: one product a term for all of them.
+
+    Examples
+    --------
+    >>> turning = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    >>> (carry(turning, np.array([[1.0, 0.0]]), np.array([np.pi / 2])).round(12) + 0.0).tolist()
+    [[0.0, -1.0]]
+    """
+    balanced, (scale, _) = matrix_balance(generator, permute=False, separate=True)
+    parts = max(1, ceil(np.abs(balanced).sum(axis=0).max() * spans.max()))
+    total = states / scale
+    for _ in range(parts):
+        term = total
+        for k in range(1, TERMS):
+            term = term @ balanced.T * (spans / parts / k)[:, np.newaxis]
+            total = total + term
+    return np.asarray(total * scale)

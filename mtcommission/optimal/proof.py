@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.exponential import balanced_expm, powers_of
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
 from mtcommission.optimal.solution import Arc, joint_system
@@ -494,15 +494,6 @@ def require_followable(time: float, rate: float, *, most: float = MOST_RADIANS) 
     if time * rate > most:
         detail = Message("optimum-too-long", t_f=time, radians=time * rate, most=most)
         raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
-
-
-def powers_of(flow: Array, start: Array, count: int) -> Array:
-    """Return start, flow start, flow² start, ..., shape (count + 1, n)."""
-    samples, power = start[np.newaxis], flow
-    while len(samples) <= count:
-        samples = np.vstack([samples, samples @ power.T])
-        power = power @ power
-    return samples[: count + 1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -10,7 +10,9 @@ interior arcs of the linear-quadratic problem (Hamiltonian system) alike.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
 from math import inf
 from typing import Protocol
 
@@ -19,13 +21,16 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
-from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.exponential import balanced_expm, carry, powers_of
 from mtcommission.plant.plant import Plant, driven_at_once
 
 Array = NDArray[np.float64]
 
 SAME = 1e-10
 """Relative distance of two lengths that one matrix exponential serves."""
+
+STILL, ONE = np.zeros((1, 1)), np.ones(1)
+"""Generator and output of every constant force: one object, so that arcs are seen to be alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +101,25 @@ class Arc:
     initial: Array
     output: Array
 
+    @property
+    def length(self) -> float:
+        """Duration [s]."""
+        return self.t_end - self.t_start
+
+
+def join_arcs(arcs: Sequence[Arc]) -> tuple[Arc, ...]:
+    """Return the arcs that a reader counts, to be shown: pieces in a row that do the same are one.
+
+    Examples
+    --------
+    >>> times = (0.0, 0.1, 0.3, 0.4)
+    >>> arcs = [constant_arc(a, b, control=Interior(), force=a) for a, b in pairwise(times)]
+    >>> [(arc.t_start, arc.t_end) for arc in join_arcs(arcs)]
+    [(0.0, 0.4)]
+    """
+    runs = [tuple(run) for _, run in groupby(arcs, key=lambda arc: arc.control)]
+    return tuple(replace(run[0], t_end=run[-1].t_end) for run in runs)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TouchPoint:
@@ -128,61 +152,85 @@ def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: fl
 
     Examples
     --------
-    >>> constant_arc(0.0, 1e-3, control=Bang(1), force=2e3).output
+    >>> constant_arc(0.0, 1e-3, control=Bang(1), force=2e3).initial
     array([2000.])
     """
     return Arc(
         t_start=t_start,
         t_end=t_end,
         control=control,
-        generator=np.zeros((1, 1)),
-        initial=np.ones(1),
-        output=np.array([force]),
+        generator=STILL,
+        initial=np.array([force]),
+        output=ONE,
     )
 
 
-def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
-    """Return the state after all arcs, starting at rest; exact up to rounding.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Run:
+    """Arcs in a row of one flow and length, that are followed together."""
+
+    arcs: tuple[Arc, ...]
+    joint: Array  # generator of plant and arc, see ``joint_system``
+    begins: Array  # states of plant and arc where each begins, shape (n_arcs, n + k)
+    final: Array  # and where the last one ends, shape (n + k,)
+
+
+def _runs(plant: Plant, arcs: Sequence[Arc]) -> Iterator[_Run]:
+    """Follow arcs from rest; the plant is one of ``driven_at_once``.
 
     Source: variation of constants; the input is appended to the state (Van Loan 1978).
     """
+    x, start = np.zeros(plant.order), 0
+    while start < len(arcs):
+        first, stop = arcs[start], start + 1
+        while stop < len(arcs) and _is_alike(first, arcs[stop]):
+            stop += 1
+        run, joint = tuple(arcs[start:stop]), joint_system(plant, first)
+        flow = balanced_expm(joint * first.length)
+        begins = np.empty((len(run), len(joint)))
+        for i, arc in enumerate(run):
+            begins[i] = np.concatenate([x, arc.initial])
+            z = flow @ begins[i]
+            # The pieces of a long arc differ by rounding; the next term would be of order SAME².
+            final = z + (arc.length - first.length) * (joint @ z)
+            x = final[: plant.order]
+        yield _Run(arcs=run, joint=joint, begins=begins, final=final)
+        start = stop
+
+
+def _is_alike(one: Arc, other: Arc) -> bool:
+    is_one = one.generator is other.generator and one.output is other.output
+    return is_one and abs(one.length - other.length) <= SAME * one.length
+
+
+def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
+    """Return the state after all arcs, starting at rest; exact up to rounding."""
     moved = driven_at_once(plant)
-    x = np.zeros(moved.order)
-    known: Arc | None = None
-    for arc in arcs:
-        length = arc.t_end - arc.t_start
-        shift = 0.0 if known is None else length - known.t_end + known.t_start
-        if known is None or known.generator is not arc.generator or abs(shift) > SAME * length:
-            known, shift, joint = arc, 0.0, joint_system(moved, arc)
-            transition = balanced_expm(joint * length)
-        z = transition @ np.concatenate([x, arc.initial])
-        # The pieces of a long arc differ by rounding; the next term would be of order SAME².
-        x = (z + shift * (joint @ z))[: moved.order]
-    return np.append(x, np.zeros(plant.order - moved.order))
+    *_, last = _runs(moved, arcs)
+    return np.append(last.final[: moved.order], np.zeros(plant.order - moved.order))
 
 
 def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Trajectory:
-    """Return the motion under the arcs, sampled evenly inside each arc and at each switch."""
+    """Return the motion under the arcs, sampled evenly inside each arc and at each switch.
+
+    Of short arcs in a row of one law and length, only as many as the step asks for.
+    """
     moved = driven_at_once(plant)
-    n = moved.order
-    x, times, forces, states = np.zeros(n), [], [], []
-    for arc in arcs:
-        length = arc.t_end - arc.t_start
-        count = max(1, int(np.ceil(length / step)))
-        transition = balanced_expm(joint_system(moved, arc) * (length / count))
-        motion = np.empty((count + 1, n + arc.initial.size))
-        motion[0] = np.concatenate([x, arc.initial])
-        for i in range(count):
-            np.matmul(transition, motion[i], out=motion[i + 1])
-        x = motion[-1, :n]
-        times.append(arc.t_start + np.arange(count) * length / count)
-        forces.append(motion[:, n:] @ arc.output)
-        states.append(motion[:-1, :n])
-    force = np.concatenate([*(force[:-1] for force in forces), forces[-1][-1:]])
+    n, times, forces, states = moved.order, [], [], []
+    for run in _runs(moved, arcs):
+        length, output = run.arcs[0].length, run.arcs[0].output
+        count, every = max(1, int(np.ceil(length / step))), max(1, int(step / length))
+        flow = balanced_expm(run.joint * (length / count))
+        motion = powers_of(flow, run.begins[::every], count).swapaxes(0, 1)
+        begins = np.array([arc.t_start for arc in run.arcs[::every]])
+        times.append((begins[:, None] + np.arange(count) * length / count).ravel())
+        forces.append((motion[:, :-1, n:] @ output).ravel())
+        states.append(motion[:, :-1, :n].reshape(-1, n))
+    force = np.append(np.concatenate(forces), run.final[n:] @ output)
     return Trajectory(
         t=np.concatenate([*times, [arcs[-1].t_end]]),
         force=force,
-        states=_with_force(plant, np.concatenate([*states, x[None]]), force),
+        states=_with_force(plant, np.concatenate([*states, run.final[None, :n]]), force),
     )
 
 
@@ -293,22 +341,21 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
     """Return the states at 0, step, 2 step, ... up to a time after the last arc."""
     count = int(np.floor(until / step + 1e-9)) + 1
     moved = driven_at_once(plant)
-    states, force = np.zeros((count, moved.order)), np.zeros(count)
-    last = arcs[-1].t_end
+    n, last = moved.order, arcs[-1].t_end
+    states, force = np.zeros((count, n)), np.zeros(count)
     rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
-    x = np.zeros(moved.order)
-    for arc in (*arcs, rest):
-        joint = joint_system(moved, arc)
-        begin = np.concatenate([x, arc.initial])
-        first = int(np.ceil(arc.t_start / step - 1e-9))
-        stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)
-        if first < stop:
-            z = balanced_expm(joint * max(first * step - arc.t_start, 0.0)) @ begin
-            transition = balanced_expm(joint * step)
-            for i in range(first, stop):
-                states[i], force[i] = z[: moved.order], z[moved.order :] @ arc.output
-                z = transition @ z
-        x = (balanced_expm(joint * (arc.t_end - arc.t_start)) @ begin)[: moved.order]
+    for run in _runs(moved, (*arcs, rest)):
+        begins = np.array([arc.t_start for arc in run.arcs])
+        first = np.ceil(begins / step - 1e-9).astype(np.intp)
+        stop = np.ceil((begins + run.arcs[0].length) / step - 1e-9).astype(np.intp)
+        most = int((np.minimum(stop, count) - first).max())
+        if most <= 0:
+            continue
+        entered = carry(run.joint, run.begins, np.maximum(first * step - begins, 0.0))
+        motion = powers_of(balanced_expm(run.joint * step), entered, most - 1)
+        at = first + np.arange(most)[:, None]
+        own = at < np.minimum(stop, count)
+        states[at[own]], force[at[own]] = motion[own, :n], motion[own, n:] @ run.arcs[0].output
     return _with_force(plant, states, force)
 
 

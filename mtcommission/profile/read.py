@@ -16,7 +16,7 @@ from mtcommission.files import read_bytes
 from mtcommission.machine.keys import build_table, read_values
 from mtcommission.machine.machine import ABOUT, MOST_ASSUMED, Machine
 from mtcommission.machine.mechanics import HELD, SOURCE, kind_of
-from mtcommission.machine.readers import KeyPath, Reading, describe, find_close
+from mtcommission.machine.readers import KeyPath, Reading, find_close, must_be
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.lines import find_key_lines, show_key
@@ -172,7 +172,7 @@ def _read_machine(data: dict[str, Any], reading: Reading) -> Machine | None:
     """The machine, whose fields stand in [machine] and in tables of their own."""
     schema = data.get("schema", 1)
     if isinstance(schema, bool) or schema != 1:
-        reading.refuse(("schema",), Message("schema-not-one", got=describe(schema)))
+        reading.refuse(("schema",), must_be(schema, "1"))
     values = read_values(Machine, data, (), reading, required=("schema", ABOUT))
     if ABOUT in data:
         values |= read_values(Machine, data[ABOUT], (ABOUT,), reading, table=ABOUT)

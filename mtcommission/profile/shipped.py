@@ -41,8 +41,8 @@ def read_shipped(name: str) -> ShippedProfile:
     known, wanted = shipped_names(), name.strip().removesuffix(".toml")
     if wanted not in known:
         close = get_close_matches(wanted, known, n=1)
-        meant = Message("profile-meant", name=close[0]) if close else Message("profile-none-meant")
-        message = Message("profile-unknown", got=repr(name), meant=meant, names=", ".join(known))
+        hint = Message("hint-did-you-mean", name=close[0]) if close else None
+        message = Message("profile-unknown", got=repr(name), hint=hint, names=", ".join(known))
         raise InputError([Fault(where="profiles", message=message)])
     text = read_profile_text(_folder() / f"{wanted}.toml")
     return ShippedProfile(

@@ -7,7 +7,13 @@ from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
 
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.commissioning_rule import ADVICE, DESCRIPTION, VALIDITY, RuleFormula
+from mtcommission.limits.commissioning_rule import (
+    ADVICE,
+    DESCRIPTION,
+    VALIDITY,
+    RuleFormula,
+    RuleStep,
+)
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.recommend import Recommendation
@@ -161,16 +167,6 @@ class TodayEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RuleStepEntry:
-    """One line of the hand calculation."""
-
-    name: Words
-    formula: Words
-    value: float | None
-    unit: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleText:
     """The commissioning rule, in words and as a formula, with its range, applied here."""
 
@@ -186,7 +182,7 @@ class RuleText:
     bound_by: Words = of("best.bound_by")
     predicted_settling_time: float | None
     predicted_residual: float | None = of("best.residual_deviation")
-    steps: list[RuleStepEntry]
+    steps: list[RuleStep]
     warnings: list[Words]
 
 

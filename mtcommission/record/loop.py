@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.loop.analysis import FrequencyResponse, find_mixed_modes
-from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, encoder_noise
-from mtcommission.loop.model.assembly import INPUTS
-from mtcommission.loop.model.controller import Controller, filter_delay
+from mtcommission.loop.analysis import BODE, draw_bode, find_mixed_modes
+from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
+from mtcommission.loop.model.assembly import INPUTS, CrossCheck
+from mtcommission.loop.model.controller import PathDelay, list_delays
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
@@ -36,7 +36,6 @@ from mtcommission.record.values import (
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loops import LoopChoice, LoopTrial
 
-BODE = ("open_loop_db", "open_loop_deg", "closed_velocity_db")
 LOOPS = ("without-state-feedback", "with-state-feedback", "loop-in-use")
 """Whose answer to a disturbance there may be."""
 
@@ -136,18 +135,6 @@ class LoopCornerEntry(Margins):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DelayEntry:
-    """What delays one path of the loop [s]."""
-
-    path: Message
-    setpoint_age: float  # how old the setpoint is that is taken
-    dead_time: float  # whole cycles until it acts
-    hold: float  # mean age of a held value
-    lag: float  # first-order lags: drive, filters
-    total: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FeatureEntry:
     """Whether the kind of control has something, and where that was read."""
 
@@ -156,15 +143,6 @@ class FeatureEntry:
     parameters: str  # its names in the control
     source: str
     verified: bool  # else printed with "(?)"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CrossCheckEntry:
-    """What python-control says of the nominal loop, put together from the same blocks."""
-
-    pole_difference: float  # largest distance of a pole in the z plane [-]
-    gain_margin_db: float | None
-    phase_margin_deg: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,8 +193,8 @@ class LoopPart:
     worst_corner: Margins | None
     worst_mode_damping: Annotated[dict[str, float], named(_damped)]
     corners: list[LoopCornerEntry]
-    cross_check: CrossCheckEntry | None
-    delays: list[DelayEntry]
+    cross_check: CrossCheck | None  # by python-control, from the same blocks
+    delays: list[PathDelay]
     # The tool's displacement per newton after a step of force, by loop.
     disturbance: Annotated[Series, one_of(*LOOPS)]
     bode: Annotated[Series, named(_drawn)]
@@ -256,6 +234,7 @@ def loop_part(found: LoopFound) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant, machine = found.tuned, found.plant, found.machine
     controller, control, outputs = tuned.controller, machine.control, tuned.loops[0].outputs
+    resolution = machine.drive.encoder_resolution
     gains = zip(plant.states, controller.state_gains.tolist(), strict=True)
     return entry_of(
         LoopPart,
@@ -266,7 +245,7 @@ def loop_part(found: LoopFound) -> LoopPart:
         machine.drive,
         position_loop=control.position_loop,
         features=feature_entries(control.kind),
-        encoder_noise=_noise(tuned, machine.drive.encoder_resolution),
+        encoder_noise=worst_noise(tuned.loops, resolution) if resolution else None,
         state_feedback={state: gain for state, gain in gains if gain},
         feedforward=controller,
         observer=entry_of(
@@ -292,7 +271,7 @@ def loop_part(found: LoopFound) -> LoopPart:
             entry_of(LoopCornerEntry, corner, a, mode_damping=by_mode(plant, a.mode_damping))
             for corner, a in zip(tuned.corners, tuned.analyses, strict=bool(tuned.analyses))
         ],
-        delays=_delay_entries(controller),
+        delays=list_delays(controller),
         disturbance=_disturbance(found.disturbed),
         **_judged(plant, tuned),
     )
@@ -305,26 +284,18 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         return dict.fromkeys(NOT_WITHOUT_LOOP) | empty
     from mtcommission.loop.model.diagram import check_by_blocks  # python-control: 0.3 s
 
-    nominal = tuned.nominal
+    nominal, response = tuned.nominal, tuned.responses[0]
+    drawn = draw_bode(response)
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return {
         "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
         "mode_damping": by_mode(plant, nominal.mode_damping),
         "worst_corner": _worst_corner(tuned),
-        "cross_check": check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz),
+        "cross_check": check_by_blocks(tuned.loops[0], response.frequency_hz),
         "worst_mode_damping": by_mode(plant, tuned.least_damping),
-        "bode": _bode(tuned.responses[0]),
+        "bode": entry_of(Series, t=response.frequency_hz, signals=_lists(drawn, drawn.values())),
         "remarks": [*tuned.remarks, *(item.remark for item in mixed)],
     }
-
-
-def _noise(tuned: TunedLoop, resolution: float) -> EncoderNoise | None:
-    """What the steps of the encoder do in the worst corner; None: they are not stated."""
-    if not resolution:
-        return None
-    found = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
-    tool, force = max(noise.tool for noise in found), max(noise.force for noise in found)
-    return EncoderNoise(tool=tool, force=force)
 
 
 def feature_entries(kind: ControlKind) -> list[FeatureEntry]:
@@ -363,21 +334,6 @@ def _variant_entry(plant: Plant, variant: LoopTrial) -> VariantEntry:
     )
 
 
-def _bode(response: FrequencyResponse) -> Series:
-    phase = np.degrees(np.unwrap(np.angle(response.open_loop)))
-    # The phase begins in (-360, 0], as drive engineers draw it.
-    columns = (
-        _decibel(response.open_loop),
-        phase - 360.0 * np.ceil(phase[0] / 360.0),
-        _decibel(response.closed_velocity_loop),
-    )
-    return entry_of(Series, t=response.frequency_hz, signals=_lists(BODE, columns))
-
-
-def _decibel(response: NDArray[np.complex128]) -> NDArray[np.float64]:
-    return np.asarray(20 * np.log10(np.abs(response)))
-
-
 def _disturbance(disturbed: dict[str, DisturbanceStep]) -> Series:
     if not disturbed:
         return NO_SERIES
@@ -389,38 +345,3 @@ def _disturbance(disturbed: dict[str, DisturbanceStep]) -> Series:
 
 def _lists(names: Iterable[str], columns: Iterable[NDArray[np.float64]]) -> dict[str, list[float]]:
     return {name: column.tolist() for name, column in zip(names, columns, strict=True)}
-
-
-def _delay_entries(controller: Controller) -> list[DelayEntry]:
-    """Which path carries which dead time."""
-    T_p, T_v = controller.position_cycle, controller.velocity_cycle
-    filters = sum(filter_delay(item) for item in controller.force_filters)
-    left = (1.0 - controller.jerk_feedforward) * controller.force_lag
-    held, half = 0.5 * (T_p - T_v), 0.5 * T_v
-    # Interpolation between two setpoints waits for the second one.
-    down = held if controller.position_loop is PositionLoop.CONTROL else T_p
-    in_drive = controller.position_loop is PositionLoop.DRIVE
-    position = (0.0, 0.0) if in_drive else (T_p, held)
-    paths = {  # age of the setpoint, dead time, hold, lag
-        "position-setpoint": (controller.reference_delay, 0.0, 0.0, 0.0),
-        "position-controller": (0.0, *position, 0.0),
-        "velocity-feed-forward": (controller.velocity_age, T_p, down, 0.0),
-        "wanted-state": (controller.reference_age, T_p, down, 0.0),
-        "force-feed-forward": (0.0, T_p + T_v, down + half, left + filters),
-        "velocity-controller": (half, T_v, half, controller.force_lag + filters),
-    }
-    if controller.follows:
-        paths = {"position-setpoint": (0.0, T_p, T_p, 0.0)}
-    elif not controller.state_gains.any():
-        del paths["wanted-state"]
-    return [
-        DelayEntry(
-            path=Message(f"path-{path}"),
-            setpoint_age=age,
-            dead_time=dead,
-            hold=hold,
-            lag=lag,
-            total=age + dead + hold + lag,
-        )
-        for path, (age, dead, hold, lag) in paths.items()
-    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 from typing import Annotated, Any
 
 import numpy as np
@@ -35,6 +36,9 @@ REFERENCES = ("x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation", "F_set")
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
+
+PLOT_SAMPLES = 8000
+"""So many of them at most: those of a move of a second are all kept."""
 
 PLOT_TAIL = 0.15
 """What a plot shows after the end of the setpoint at most [s]."""
@@ -150,8 +154,8 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
     late = nominal.settling_time - nominal.t_end
     tail = max(LEAST_TAIL * nominal.t_end, 2.0 * longest_period(plant), 1.2 * late)
-    shown = nominal.t <= nominal.t_end + min(tail, PLOT_TAIL)
-    shown[:] &= np.arange(len(shown)) % every == 0
+    shown = np.flatnonzero(nominal.t <= nominal.t_end + min(tail, PLOT_TAIL))
+    shown = shown[:: max(every, ceil(len(shown) / PLOT_SAMPLES))]
     t = nominal.t[shown]
     delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)
     now = sample_setpoint(setpoint, t)

@@ -10,6 +10,7 @@ from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
     control_text,
+    join_arcs,
     sample_trajectory,
     side_text,
 )
@@ -92,8 +93,10 @@ class OptimumEntry:
     move: MoveKeys = of("move", by=describe_move)
     limits: dict[str, float]
     t_f: Positive
-    arcs: list[ArcEntry]
-    switching_times: list[float] = of("arcs", by=lambda arcs: [arc.t_end for arc in arcs[:-1]])
+    arcs: list[ArcEntry] = of("arcs", by=join_arcs)
+    switching_times: list[float] = of(
+        "arcs", by=lambda arcs: [arc.t_end for arc in join_arcs(arcs)[:-1]]
+    )
     touch_points: list[TouchPointEntry]
     peaks: BySignal
     terminal_error: dict[str, float]

@@ -126,7 +126,7 @@ def record_run(found: Commissioning, *, created: str) -> Record:
         found,
         profile=entry_of(Profile, source),
         created=created,
-        warnings=[remark.with_key() for remark in check_plausibility(machine)],
+        warnings=check_plausibility(machine),
         identified=read_evidence(machine, source.path.parent),
     )
 

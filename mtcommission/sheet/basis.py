@@ -94,7 +94,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
         for name in ("band", "force")
     }
     said = _marked(record, "requirements.reserve", text("reserve-kept", **reserve), words)
-    rows = [(text("control"), _control(record, words)), (text("basis-reserve"), said)]
+    rows = [(text("control"), _control(record, words)), (text("name-reserve"), said)]
     if loop.encoder_noise is not None:
         steps = text(
             "encoder-steps",

@@ -24,8 +24,6 @@ class Interactive(Protocol):
     """The interactive part of a page: its template and scripts, and what they show."""
 
     @property
-    def texts(self) -> Mapping[str, str]: ...  # noqa: D102
-    @property
     def template(self) -> Path: ...  # noqa: D102
     @property
     def scripts(self) -> tuple[Path, ...]: ...  # noqa: D102

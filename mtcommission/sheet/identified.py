@@ -110,8 +110,8 @@ def result_table(part: IdentifiedPart, words: Catalogue) -> Table:
 
 def mode_heads(words: Catalogue) -> tuple[str, ...]:
     """Return the heads of a table of modes."""
-    kinds = ("mode", "frequency", "damping", "encoder", "tool")
-    return tuple(words.text(f"identify-head-{kind}") for kind in kinds)
+    kinds = ("mode", "frequency", "damping-ratio", "identify-head-encoder", "name-tcp-gain")
+    return tuple(map(words.text, kinds))
 
 
 def mode_row(
@@ -151,7 +151,7 @@ def mode_tables(
         for mode in state.modes
         if mode.name == name
     )
-    state = Column(head=words.text("identify-head-state"), width=1.5)
+    state = Column(head=words.text("machine-state"), width=1.5)
     caption = words.text("identify-caption-states")
     return (found, Table(caption=caption, columns=(state, *columns), rows=tuple(each)))
 
@@ -283,10 +283,10 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
             continue
         for kind, unit, measured, value in (
             ("frequency", "Hz", mode.frequency_hz, now.frequency_hz),
-            ("damping", "", mode.damping_ratio, now.damping_ratio),
+            ("damping-ratio", "", mode.damping_ratio, now.damping_ratio),
         ):
             if abs(value - measured.value) > CHANGED * abs(measured.value):
-                what = text(f"identify-head-{kind}")
+                what = text(kind)
                 both = {"now": show(value, words, unit), "was": plus_minus(measured, unit, words)}
                 found.append(text("identified-changed", mode=mode.name, what=what, **both))
     mass = record.plant.moving_mass

@@ -47,6 +47,9 @@ from mtcommission.sheet.verdict import move_title, reference_sentence, slowest_m
 MOST_CHANGES = 5
 """Changes that are listed; those that bring less are named."""
 
+WORTH = 1e-3
+"""Share of the settling time from which a change is listed; nobody builds for less."""
+
 NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
 """Remarks on why there is no optimum with the band in place of exact rest."""
 
@@ -120,7 +123,7 @@ def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
     if not found:
         return
     gains = [item for item in found if item.settling_time is not None or not item.outcome]
-    gains = [item for item in gains if item.saved is None or item.saved > 0.0][:MOST_CHANGES]
+    gains = [item for item in gains if item.share is None or item.share >= WORTH][:MOST_CHANGES]
     rest = [words.say(item.change) for item in found if item not in gains]
 
     def share(item: ImprovementEntry) -> str | None:

@@ -159,7 +159,8 @@ def signature(record: Record, typed: Export | Message, words: Catalogue) -> tupl
         jerk=_jerk(record, words),
         filter=say_filter(record.limits.recommended.setpoint_filter, words),
     )
-    lines = Form(fields=tuple(words.text(f"signature-field-{i}") for i in range(1, 5)))
+    kinds = (*(f"signature-field-{i}" for i in range(1, 4)), "remarks")
+    lines = Form(fields=tuple(map(words.text, kinds)))
     return Paragraph(text=values), lines
 
 
@@ -349,6 +350,8 @@ def show_typed(value: str, entry: Entry, words: Catalogue) -> str:
 
 def _meaning(entry: Entry, words: Catalogue) -> str:
     said = words.say(entry.row.text) if entry.row.text else ""
+    if entry.row.unit.startswith("rad/"):  # typed so, while the sheet counts in degrees
+        said = f"{said}, {words.format.quantity(float(entry.value), entry.row.unit)}"
     return said if entry.row.is_verified else f"{said} (?)".strip()
 
 

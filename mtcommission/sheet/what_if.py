@@ -6,8 +6,9 @@ It computes nothing: engine.js runs the loop, what_if.js shows what comes of it.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from math import pi
 from pathlib import Path
 from types import MappingProxyType
@@ -63,24 +64,6 @@ MARGINS: Mapping[str, str] = MappingProxyType(
 )
 """What the tables of the page show, and what it is called."""
 
-FIELDS: Mapping[str, str] = MappingProxyType(
-    {
-        "acceleration": "acceleration",
-        "jerk": "jerk",
-        "time": "filter-of-length",
-        "payload": "payload",
-    }
-)
-"""What is moved and has a name on the sheet, too."""
-
-TEXTS = (
-    "bode", "bode-caption", "command", "heading", "intro", "landscape", "landscape-caption", "load",
-    "margins", "move-head", "no-script", "notch-note", "phase", "quantity", "response",
-    "response-caption", "setpoint-filter", "sizes", "sizes-caption", "slider", "take", "tried",
-    "values",
-)  # fmt: skip
-
-
 Pair = tuple[str, str]
 """Key in the script, and what is said."""
 
@@ -103,9 +86,9 @@ class Field:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
-    """Texts of the template by their key, what can be moved, and what the script computes with."""
+    """What says the template's texts, what can be moved, and what the script computes with."""
 
-    texts: Mapping[str, str]
+    say: Callable[[str], str]
     moves: tuple[str, ...]
     columns: tuple[str, ...]
     margin_columns: tuple[str, ...]
@@ -130,14 +113,14 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
     known = [_known(item, filters) for item in part.limits]
     today = "yes" if any(item.name == "today" for item in part.limits) else "no"
     return Panel(
-        texts={key.replace("-", "_"): _say(key, words, today=today) for key in TEXTS},
+        say=partial(words.own, "what-if", today=today),
         moves=tuple(
             words.text("what-if-move-named", number=number, size=_size(move, words))
             for number, move in enumerate(part.moves, start=1)
         ),
         columns=tuple(names[item.name] for item in part.limits),
         margin_columns=tuple(
-            _say(f"margins-{key}", words) for key in ("now", "tried", "worst", "worst-tried")
+            words.text(f"what-if-margins-{key}") for key in ("now", "tried", "worst", "worst-tried")
         ),
         filters=tuple((key, item["name"]) for key, item in filters.items()),
         rows=tuple((key, words.text(name)) for key, name in ROWS.items() if _has(part, key)),
@@ -164,16 +147,9 @@ def _has(part: WhatIfPart, row: str) -> bool:
     return part.jerk != "none" or row not in ("jerk", "jerk-time")
 
 
-def _say(key: str, words: Catalogue, **values: str) -> str:
-    """A text of the page, or of the sheet where it has none of its own."""
-    return words.text(
-        key if words.has(key) and not words.has(f"what-if-{key}") else f"what-if-{key}", **values
-    )
-
-
 def _template(key: str, words: Catalogue) -> str:
     """A text with its places left open."""
-    return _say(key, words, **{place: f"{{{place}}}" for place in PLACES})
+    return words.own("what-if", key, **{place: f"{{{place}}}" for place in PLACES})
 
 
 def _size(move: dict[str, float], words: Catalogue) -> str:
@@ -186,7 +162,7 @@ def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     """The filters to choose among: none, an average of any length, and those that are known."""
     found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
     if part.averages:
-        name = words.text("what-if-moving-average")
+        name = words.text("moving-average")
         found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}
     for item in part.limits:
         given = item.setpoint_filter
@@ -268,12 +244,19 @@ def _fields(
     jerks = [best.jerk, slowest / (LONGEST_RAMP * cycle) * SMALLEST_SHARE, fastest / cycle]
 
     def field(
-        key: str, unit: str, low: float, high: float, value: float, *, log: bool = False
+        key: str,
+        unit: str,
+        low: float,
+        high: float,
+        value: float,
+        *,
+        log: bool = False,
+        name: str = "",
     ) -> Field:
         scale = units[unit]
         return Field(
             key=key,
-            label=words.text(FIELDS.get(key) or f"what-if-field-{key.replace('_', '-')}"),
+            label=words.own("what-if-field", name or key.replace("_", "-")),
             unit=scale["unit"],
             size=scale["size"],
             low=low,
@@ -291,7 +274,8 @@ def _fields(
         given = best.setpoint_filter
         longest = max(part.averages[1], 10.0 * cycle)
         time = given.time if given and given.kind == MOVING_AVERAGE else 0.25 * longest
-        found.append(field("time", "time", max(part.averages[0], 0.5 * cycle), longest, time))
+        shortest = max(part.averages[0], 0.5 * cycle)
+        found.append(field("time", "time", shortest, longest, time, name="filter-of-length"))
     # Ends and unit of the size follow the move that is chosen.
     found.append(field("size", "distance", 1e-3, 1.0, 1.0, log=True))
     if not part.loop.follows:

@@ -176,8 +176,11 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     """
     machine = proposals.family.machine
     looked = _look_at_all(machine, proposals)
-    finalists = looked[: STUDY.finalists]
-    finalists = [one if one.is_explored else _explore(machine, one) for one in finalists]
+    finalists: list[LoopTrial] = []
+    for one in looked[: STUDY.finalists]:
+        least = min((item.price for item in finalists), default=inf)
+        is_done = one.is_explored or one.price > STUDY.too_dear * least
+        finalists.append(one if is_done else _explore(machine, one))
     finalists.sort(key=lambda one: one.price)
     best: LoopTrial | None = None
     for item in finalists:
@@ -285,7 +288,7 @@ def _weigh_state_feedback(
             with_it=say_settling(with_it.candidate),
             without=say_settling(without.candidate),
         ),
-        Message("state-feedback-stiffness", ratio=ratio),
+        Message("state-feedback-stiffness", change=ratio - 1.0),
         *(needs if helps else ()),
     )
     return replace(
@@ -346,13 +349,12 @@ def show_state_feedback(
     near = used.candidate.limits
     tried = [LoopTrial(shape=item.shape, tuned=item.tuned, name=WITH) for item in found.loops]
     explored = [_explore(machine, item, near=near, refined=1) for item in tried]
-    judged = [_judge(machine, item, near=near) for item in explored]
-    best = min(judged, key=lambda item: item.candidate.settling_time)
+    best = _judge(machine, min(explored, key=lambda item: item.expected_time), near=near)
     remark = Message(
         "state-feedback-would",
         with_it=say_settling(best.candidate),
         without=say_settling(used.candidate),
-        ratio=best.tuned.least_stiffness / choice.tuned.least_stiffness,
+        change=best.tuned.least_stiffness / choice.tuned.least_stiffness - 1.0,
     )
     without = replace(used, tuned=choice.tuned, name=WITHOUT, is_used=True)
     remarks = (*choice.remarks, remark)

@@ -392,42 +392,69 @@ def _advance(
 
     ``wanted``: states of some motions, shape (n_motions, n_samples + 1, n). The force acts one
     velocity cycle late, so the controllers compare with the motion wanted one cycle ago, its
-    velocity by differences as the encoder's. All loops have the same states, and all of them and
-    all motions advance together.
+    velocity by differences as the encoder's.
     """
-    first, controller, plant = loops[0], loops[0].controller, loops[0].plant
-    n, held, own, integrator = plant.order, first.held, first.own_size, first.integrator
-    fed = [held, held + 1, first.states.index("held_force")]
+    controller, plant, size = loops[0].controller, loops[0].plant, len(loops[0].states) + 2
+    # ∫ F_set over a cycle, from T F' = F_set - F and m v' = F.
+    momentum = np.zeros(plant.order)
+    momentum[plant.force], momentum[plant.velocity] = plant.force_lag, plant.moving_mass
+    mean_force = np.diff(wanted @ momentum) / controller.velocity_cycle
+    late = np.pad(wanted[:, :-1], ((0, 0), (1, 0), (0, 0)))[:, :-1]
+    position = late @ plant.row("encoder")
+    rate = np.diff(position, prepend=0.0) / controller.velocity_cycle
+    fed = np.stack([position, rate, mean_force + late @ controller.state_gains], axis=-1)
+    # Cycles in which no force saturates are one product, found by stepping unit states and inputs.
+    together = controller.cycles * ceil(STUDY.cycles_together / controller.cycles)
+    unit = np.eye(size + 3 * together)
+    units = np.repeat(unit[:, None, :size], len(loops), axis=1)
+    whole = _step_on(loops, units, unit[:, size:].reshape(-1, together, 3), limit=inf)
+    whole, states = whole.swapaxes(0, 1), np.zeros((len(fed), len(loops), size))
+    parts = []
+    for start in range(0, fed.shape[1], together):
+        given = fed[:, start : start + together]
+        given = np.pad(given, ((0, 0), (0, together - given.shape[1]), (0, 0)))
+        flat = np.repeat(given.reshape(len(given), 1, -1), len(loops), axis=1)
+        found = (np.concatenate([states, flat], axis=-1).swapaxes(0, 1) @ whole).swapaxes(0, 1)
+        if np.abs(found[..., -together:]).max() > limit:
+            found = _step_on(loops, states, given, limit=limit)
+        states = found[..., :size]
+        parts.append(found[..., size:].reshape(*found.shape[:2], 2, together))
+    tool, demand = np.moveaxis(np.concatenate(parts, axis=-1), (2, 3), (0, 1))[:, : fed.shape[1]]
+    return tool, np.abs(demand) > limit * (1.0 + ROUNDING)
+
+
+def _step_on(loops: Sequence[SampledLoop], states: Array, fed: Array, *, limit: float) -> Array:
+    """Some velocity cycles later, the first one of which begins a position cycle.
+
+    All loops have the same states, and all of them and all motions advance together. ``states``:
+    with what is handed down and what waits for that, shape (n_motions, n_loops, n + 2); ``fed``:
+    position, velocity and force, shape (n_motions, n_cycles, 3). Returned are the states, the tool
+    and the force asked for in each cycle, side by side in the last axis.
+    """
+    first, controller, n = loops[0], loops[0].controller, loops[0].plant.order
+    held, own, integrator = first.held, first.own_size, first.integrator
+    places = [held, held + 1, first.states.index("held_force")]
     rows = np.array([np.vstack([one.demand, one.integration, one.step]) for one in loops])
     encoder = np.array([loop.plant.row("encoder") for loop in loops])
     tool_row = np.array([loop.plant.row("tcp") for loop in loops])
-    # ∫ F_set over a cycle, from T F' = F_set - F and m v' = F.
-    momentum = np.zeros(n)
-    momentum[plant.force], momentum[plant.velocity] = plant.force_lag, plant.moving_mass
-    mean_force = np.diff(wanted @ momentum) / controller.velocity_cycle
-    late = np.pad(wanted[:, :-1], ((0, 0), (1, 0), (0, 0)))
-    position = late @ plant.row("encoder")
-    rate = np.diff(position, prepend=0.0) / controller.velocity_cycle
-    ahead = mean_force + late[:, :-1] @ controller.state_gains
-
-    X = np.zeros((len(wanted), len(loops), len(first.states)))
-    handed = asked = np.zeros(X.shape[:2])
-    tool = np.empty((ahead.shape[1], *handed.shape))
-    saturated = np.zeros(tool.shape, dtype=np.bool_)
-    for i in range(len(tool)):
+    X, handed, asked = states[..., :-2], states[..., -2], states[..., -1]
+    tool, demands = [], []
+    for i, (position, rate, ahead) in enumerate(np.moveaxis(fed, (1, 2), (0, 1))[..., None]):
         if controller.position_loop is PositionLoop.DRIVE:
-            handed = np.broadcast_to(position[:, i, None], handed.shape)
+            handed = np.broadcast_to(position, handed.shape)
         elif i % controller.cycles == 0:
-            error = position[:, i, None] - np.sum(encoder * X[..., :n], axis=-1)
+            error = position - np.sum(encoder * X[..., :n], axis=-1)
             handed, asked = asked, controller.position_gain * error
-        tool[i] = np.sum(tool_row * X[..., :n], axis=-1)
+        tool.append(np.sum(tool_row * X[..., :n], axis=-1))
+        X = X.copy()
         X[..., held:own] = 0.0
-        for place, values in zip(fed, (handed, rate[:, i, None], ahead[:, i, None]), strict=True):
+        for place, values in zip(places, (handed, rate, ahead), strict=True):
             X[..., place] = values
         Y = (rows @ X[..., None])[..., 0]
         demand, increment, X = Y[..., 0], Y[..., 1], Y[..., 2:]
         acting = np.clip(demand, -limit, limit)
-        saturated[i] = np.abs(demand) > limit * (1.0 + ROUNDING)
+        demands.append(demand)
         X[..., integrator] += np.where(acting == demand, increment, 0.0)
         X[..., integrator + 1] = acting
-    return tool, saturated
+    seen = np.stack([*tool, *demands], axis=-1)
+    return np.concatenate([X, handed[..., None], asked[..., None], seen], axis=-1)

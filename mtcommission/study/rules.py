@@ -52,8 +52,12 @@ def evaluate_rules(machine: Machine, tuned: TunedLoop, rule: RuleResult) -> tupl
         limits=rule.limits,
     )
     known = (*apply_rules_of_thumb(machine, plant), *apply_slower_ramps(machine, plant))
-    rows = (replace(own, label=item.name, source=item.source, limits=item.limits) for item in known)
-    return tuple(map(judge, (own, *rows)))
+    judged: dict[MotionLimits, Candidate] = {}  # some rules give the same limits
+    for item in known:
+        if item.limits not in judged:
+            judged[item.limits] = judge(replace(own, limits=item.limits))
+    others = (replace(judged[item.limits], name=item.name, source=item.source) for item in known)
+    return (judge(own), *others)
 
 
 def compare_shapers(

@@ -47,7 +47,8 @@ class StudySettings:
     stiffer: float = 1.2  # or as soon with a tool that is 20 % stiffer
     centres: int = 2  # loops about which others are looked at
     beside: int = 4  # kinds of setpoint filters of a first look, the best of another loop first
-    finalists: int = 3  # loops whose limits are sought more closely
+    finalists: int = 3  # loops whose limits are sought more closely,
+    too_dear: float = 1.03  # unless their price at a first look is beyond that of the least one
     push_time: float = 0.3  # of the response to a step of force [s]
     other_filter: float = 0.6  # how far about it another filter may serve the listed sizes [-]
     # Improvements: what may be known of a machine, or reached by a redesign.
@@ -77,6 +78,7 @@ class StudySettings:
     # The optimum beside the loop, and fed forward.
     usual_spread: float = 0.05  # of frequencies where none is stated: rarely better known
     tail: float = 0.4  # how long the motion after t_f is followed [s]
+    cycles_together: int = 64  # velocity cycles of the loop that are one product
     motion_samples: int = 4000  # of an optimal motion, for its integrals
     overshoot_seen: float = 5e-4  # below it there is none [-]
     followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]

@@ -42,7 +42,7 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> tuple[R
         found,
         profile=Profile(name=name, sha256=sha256(text.encode()).hexdigest(), text=text),
         created=created,
-        warnings=[remark.with_key() for remark in check_plausibility(machine)],
+        warnings=check_plausibility(machine),
         identified=read_evidence(machine, None),
     )
     cells = _cells(found.plant, found.optima, found.moves, found.recommended, found.choice.bound_by)

@@ -16,7 +16,7 @@ for (const column of columns) {
   const [size, prefix] = (takes && PREFIXES.find(([limit]) => largest >= limit && limit <= most)) || [1, ""];
   column.size = size; column.shown = prefix + column.unit;
 }
-const title = (column) => column.shown ? `${column.name} [${column.shown}]` : column.name;
+const title = (column) => column.shown ? `${column.head} [${column.shown}]` : column.head;
 const number = (value) => value === null ? "" : String(Number(value.toPrecision(6)));
 const short = (value) => String(Number(value.toPrecision(4)));
 // As many digits as tell neighbouring ticks apart.

@@ -64,6 +64,7 @@ def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any
         "columns": [
             _column(column, table.frame[column.name], is_exact=column.name in plan.keys)
             | {
+                "head": _head(column, words),
                 "meaning": words.say(column.meaning),
                 "varies": column.name in plan.keys,
                 "result": column in results,
@@ -71,8 +72,16 @@ def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any
             for column in table.columns
             if column.name not in LEFT_OUT
         ],
-        "words": {name: words.text(f"sweep-page-{name}") for name in SAID},
+        "words": {name: words.own("sweep-page", name) for name in SAID},
     }
+
+
+def _head(column: Column, words: Catalogue) -> str:
+    """The column in words; a varied key by the name that messages give it."""
+    meaning = column.meaning
+    if column.varies:
+        return words.name(column.name)
+    return words.text(f"{meaning.kind}.head", **meaning.values)
 
 
 def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from hashlib import sha256
 from math import isnan
 
 from mtcommission.machine.machine import Motion
+from mtcommission.messages.catalogue import NAME
 from mtcommission.messages.message import Message
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
 from mtcommission.plant.plant import Plant, build_plant
@@ -47,7 +48,8 @@ class Column:
         if self.varies:
             return Message("sweep-column-key")
         if self.name.startswith(PEAK) and self.name != "peak_deviation":
-            return Message("sweep-column-peak", name=self.name.removeprefix(PEAK))
+            signal = Message(NAME, key=self.name.removeprefix(PEAK))
+            return Message("sweep-column-peak", name=signal)
         return Message(f"sweep-column-{self.name.replace('_', '-')}")
 
 

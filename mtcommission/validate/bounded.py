@@ -7,30 +7,18 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import expm
 
-from mtcommission.errors import Outcome
-from mtcommission.optimal.damping.weights import balanced_weights
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import (
-    Boundary,
-    TimeOptimum,
-    TouchPoint,
-    control_text,
-    sample_trajectory,
-)
+from mtcommission.messages.message import Message
+from mtcommission.optimal.damping import balanced_weights
+from mtcommission.optimal.solution import Boundary, TimeOptimum, control_text, sample_trajectory
+from mtcommission.validate import paper
 from mtcommission.validate.adjoint import law_residual
 from mtcommission.validate.free import SURE_GAP
 from mtcommission.validate.paper import (
     BANG_ARCS,
-    BOUNDED_T_F,
-    FORCE_LAG,
     FORCE_LIMIT,
-    INCREASE,
-    MECHANICS,
-    PEAKS,
     RATE_BOUND,
     T_F,
     TIME_ACCURACY,
-    WEIGHTS,
     Array,
     Cases,
 )
@@ -40,23 +28,8 @@ FORMULA_TOLERANCE = 1e-7
 """Relative error of a formula that holds [-]: rounding of motions and adjoints."""
 FORMULA_SAMPLES = 400
 """Samples of a motion on which a formula is measured."""
-PEAK_TOLERANCE = 2e-3
-"""Relative tolerance of a printed peak [-]: less than half of what 1e-4 s in t_f does to the
-damping-optimal one."""
-WEIGHT_TOLERANCE = 0.02
-"""Relative tolerance of a printed weight [-]: see docs/optimal-control.md, section 9."""
 LAW_TOLERANCE = 1e-6
 """Largest deviation from (16) over F_max [-]."""
-SAME_MAGNITUDE = 10.0
-"""Ratio up to which terms have "the same magnitude" (a decade) [-]."""
-LAW_SAMPLES = 40_000
-"""Instants at which the law (16) is looked at."""
-SAMPLES = 4000
-"""Samples of a motion for its integrals."""
-SIGNIFICANT = 0.9
-"""Ratio below which a deflection is "significantly" smaller [-]."""
-NOTABLY, HALF = 1.25, 0.5
-"""Ratio from which a rate is "notably" higher, and below which "significantly" smaller [-]."""
 
 
 def bounded_rows(cases: Cases) -> list[Row]:
@@ -68,89 +41,82 @@ def _times(cases: Cases) -> list[Row]:
     bounded, free = cases.bounded, cases.time
     return [
         number(
-            "sec. 5.2",
-            "t_f under |v_phi| <= 0.005",
-            BOUNDED_T_F,
+            "5.2",
+            "bounded-time",
+            paper.BOUNDED_T_F,
             bounded.t_f,
             unit="s",
             tolerance=TIME_ACCURACY,
-            basis="one unit of the last printed decimal",
-            reason=f"No control is faster than {bounded.certificate.t_f_lower_bound:.9f} s "
-            "(proved): rounded to four decimals 0.0523. Again the printed time is a little too "
-            "short, so that the t_f = 0.0522 s of sec. 6 cannot be reached under the bound.",
+            least=bounded.certificate.t_f_lower_bound,
         ),
         number(
-            "sec. 5.2",
-            "increase of t_f over (12), relative",
-            INCREASE,
+            "5.2",
+            "increase",
+            paper.INCREASE,
             bounded.t_f / free.t_f - 1.0,
-            corrected=BOUNDED_T_F / T_F - 1.0,
+            corrected=paper.BOUNDED_T_F / T_F - 1.0,
             tolerance=2.0 * TIME_ACCURACY / T_F,
-            basis="1e-4 s in either time",
-            reason="The paper's own two times give 20 %, not 23 %.",
         ),
         number(
-            "sec. 5.2, (13)",
-            "largest |v_phi| of our control",
+            "5.2, (13)",
+            "largest-rate",
             RATE_BOUND,
             cases.peak(bounded, "v_phi"),
             unit="rad/s",
             tolerance=1e-9 * RATE_BOUND,
-            basis="what docs/optimal-control.md promises",
         ),
     ]
 
 
-def arc_groups(optimum: TimeOptimum) -> tuple[int, ...]:
-    """Return the numbers of bang arcs before, between and after the boundary arcs."""
-    at = [i for i, arc in enumerate(optimum.arcs) if isinstance(arc.control, Boundary)]
-    return tuple(after - before - 1 for before, after in pairwise([-1, *at, len(optimum.arcs)]))
-
-
-def _side(held: Boundary | TouchPoint) -> str:
-    return f"v_phi = {'+' if held.side > 0 else '-'}c"
+def _sum(counts: tuple[int, ...]) -> str:
+    return f"{' + '.join(map(str, counts))} = {sum(counts)}"
 
 
 def _structure(optimum: TimeOptimum) -> list[Row]:
-    groups, certificate = arc_groups(optimum), optimum.certificate
+    arcs, certificate = optimum.arcs, optimum.certificate
     proved = certificate.relative_gap < SURE_GAP and certificate.switching_law_holds
-    basis = f"certified optimum, relative gap {certificate.relative_gap:.1g}"
-    bangs = [arc for arc in optimum.arcs if not isinstance(arc.control, Boundary)]
+    at = [i for i, arc in enumerate(arcs) if isinstance(arc.control, Boundary)]
+    groups = tuple(after - before - 1 for before, after in pairwise([-1, *at, len(arcs)]))
+    bangs = [arc for arc in arcs if not isinstance(arc.control, Boundary)]
     shortest = min(bangs, key=lambda arc: arc.t_end - arc.t_start)
     length = shortest.t_end - shortest.t_start
-    touches = [f"{_side(touch)} at {1e3 * touch.t:.3f} ms" for touch in optimum.touch_points]
-    held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
+    sides = {1: "v_phi = +c", -1: "v_phi = -c"}
+    touches = tuple(
+        Message("paper-touch", side=sides[each.side], t=each.t) for each in optimum.touch_points
+    )
+    held = [arc.control.side for arc in arcs if isinstance(arc.control, Boundary)]
     return [
         claim(
-            "sec. 5.2",
-            "boundary arcs",
+            "5.2",
+            "boundary-arcs",
             "one with v_phi = +c, then one with v_phi = -c",
-            ", ".join(map(_side, held)),
-            basis=basis,
-            holds=held == [Boundary("v_phi", 1), Boundary("v_phi", -1)],
+            holds=held == [1, -1],
             refuted=proved,
+            held=", ".join(sides[side] for side in held),
+            gap=certificate.relative_gap,
         ),
         claim(
-            "sec. 5.2",
-            "bang arcs before, between and after them",
-            " + ".join(map(str, BANG_ARCS)) + f" = {sum(BANG_ARCS)}",
-            " + ".join(map(str, groups))
-            + f" = {sum(groups)}; touch points: {', '.join(touches) or 'none'}",
-            basis=basis,
+            "5.2",
+            "bang-arcs",
+            _sum(BANG_ARCS),
             holds=groups == BANG_ARCS,
             refuted=proved,
-            reason=f"The shortest arc ({control_text(shortest.control)}, {1e6 * length:.1f} µs "
-            f"from {1e3 * shortest.t_start:.3f} ms) is {1e4 * length / optimum.t_f:.1f} steps of "
-            "the paper's grid of 10000 long, and a touch point is one instant: both are "
-            "easily lost on a grid. A constraint of order 2 admits both.",
+            arcs=_sum(groups),
+            count=len(touches),
+            touches=touches,
+            gap=certificate.relative_gap,
+            control=control_text(shortest.control),
+            length=length,
+            start=shortest.t_start,
+            steps=1e4 * length / optimum.t_f,
         ),
     ]
 
 
 def _formulas(cases: Cases) -> list[Row]:
     """Measure both formulas: on the free time optimum v_phi moves most, the other at the bound."""
-    plant, m = cases.plant, MECHANICS
-    k, d, J, r, T = m.rotary_stiffness, m.rotary_damping, m.rotary_inertia, m.lever_arm, FORCE_LAG
+    plant, m, T = cases.plant, paper.MECHANICS, paper.FORCE_LAG
+    k, d, J, r = m.rotary_stiffness, m.rotary_damping, m.rotary_inertia, m.lever_arm
     at = [plant.states.index(name) for name in ("phi", "v_phi", "F")]
     free, bounded = (
         sample_trajectory(plant, best.arcs, step=best.t_f / FORMULA_SAMPLES)
@@ -180,40 +146,37 @@ def _formulas(cases: Cases) -> list[Row]:
     largest = float(np.abs(force).max())
     return [
         claim(
-            "sec. 5.2",
-            "second derivative of S_1",
+            "5.2",
+            "second-derivative",
             "(d^2 - k)/J v_phi + d k/J phi - ...",
-            f"relative error of the printed formula {off:.1g}, corrected {off_corrected:.1g}",
             corrected="(d^2/J - k)/J v_phi + d k/J^2 phi - ...",
-            basis="c A (A x + B F_set) along the time-optimal control",
             holds=off_corrected <= FORMULA_TOLERANCE < off,
-            reason="Misprint: factors 1/J are missing; the units show it, too.",
+            off=off,
+            off_corrected=off_corrected,
         ),
         claim(
-            "sec. 5.2",
-            "boundary control",
+            "5.2",
+            "boundary-control",
             "T (k - d^2)/r v_phi - T d k/r phi + (1 + T d/J) F",
-            f"along our boundary arcs the printed formula is off by up to {gap:.2g} F_max, "
-            f"the corrected one by {gap_corrected:.1g} F_max",
             corrected="T (k - d^2/J)/r v_phi - T d k/(r J) phi + (1 + T d/J) F",
-            basis="F_set of the certified control",
             holds=gap_corrected <= FORMULA_TOLERANCE < gap,
-            reason="Misprint: the same factors 1/J are missing.",
+            off=gap,
+            off_corrected=gap_corrected,
         ),
         claim(
-            "sec. 5.2",
-            "boundary control inside the control set",
+            "5.2",
+            "inside",
             "assumed",
-            f"|F_set| <= {largest:.1f} N on the boundary arcs, F_max = {FORCE_LIMIT:g} N",
-            basis="certified optimum",
             holds=largest < FORCE_LIMIT,
+            largest=largest,
+            limit=FORCE_LIMIT,
         ),
     ]
 
 
 def _multiplier(cases: Cases) -> list[Row]:
     """Follow the adjoint along the first boundary arc under both forms of (15)."""
-    plant, m = cases.plant, MECHANICS
+    plant, m = cases.plant, paper.MECHANICS
     J, r, m_b = m.rotary_inertia, m.lever_arm, m.base_mass
     arc = next(arc for arc in cases.bounded.arcs if isinstance(arc.control, Boundary))
     before = cases.bounded.certificate.adjoint_initial @ expm(-plant.A * arc.t_start)
@@ -231,37 +194,30 @@ def _multiplier(cases: Cases) -> list[Row]:
     at_entry = abs(float(entry[plant.force])) / scale
     return [
         claim(
-            "sec. 5.2, (14)",
-            "switching function on the boundary arc",
+            "5.2, (14)",
+            "switching-function",
             "lambda_I(t) / T = H_U(t) = 0",
-            f"zero at entry to {at_entry:.1g} of |lambda_F(0)|",
             corrected="lambda_F(t) / T = H_{F_set}(t) = 0",
-            basis="lambda(0) of our certificate up to the entry, by matrix exponentials",
             holds=at_entry < FORMULA_TOLERANCE,
-            reason="Misprint: subscripts I and U belong to another machine, a voice-coil motor.",
+            at_entry=at_entry,
         ),
         claim(
-            "sec. 5.2, (15)",
-            "multiplier mu_1 of the bound",
+            "5.2, (15)",
+            "multiplier",
             "J/(r m_b) lambda_xb - lambda_phi - J d_b/(r m_b^2) lambda_vb",
-            f"lambda_F drifts to {drift:.2g} of |lambda_F(0)| with the printed formula, "
-            f"to {held:.1g} with the corrected one; mu_1 >= {least:.0f} s/rad on the arc",
-            corrected="the same + d/J lambda_vphi",
-            basis="(8) with mu_1 along our first boundary arc; lambda_F must stay 0",
+            corrected=Message("paper-multiplier.correct"),
             holds=held <= FORMULA_TOLERANCE < drift and least > 0.0,
-            reason="Misprint: d^2 lambda_F / dt^2 = 0 contains d/J lambda_vphi, too, and "
-            "lambda_vphi does not vanish on the arc.",
+            drift=drift,
+            held=held,
+            least=least,
         ),
         claim(
-            "sec. 5.2",
-            "jumps of the adjoint at entry and exit",
+            "5.2",
+            "jumps",
             "lambda_vphi may have jumps at entry and exit",
-            f"at the first entry from {before[5]:.5g} to {entry[5]:.5g} s²/rad",
-            basis="lambda(0) of our certificate up to the entry; inside, d lambda_F/dt = 0 fixes "
-            "it",
             holds=bool(entry[5] < before[5]),
-            reason="Downwards, as the bound from above demands; mu_1 keeps lambda_F at 0 from "
-            "there.",
+            before=float(before[5]),
+            after=float(entry[5]),
         ),
     ]
 
@@ -285,91 +241,84 @@ def damping_rows(cases: Cases) -> list[Row]:
 def _peaks(cases: Cases) -> list[Row]:
     rows = []
     for name, printed, solution in (
-        ("damping-optimal", PEAKS[0], cases.damping),
-        ("time-optimal, bounded", PEAKS[1], cases.bounded),
-        ("time-optimal, free", PEAKS[2], cases.time),
+        ("damping", paper.PEAKS[0], cases.damping),
+        ("bounded", paper.PEAKS[1], cases.bounded),
+        ("free", paper.PEAKS[2], cases.time),
     ):
         angle = cases.peak(solution, "phi")
         rows.append(
             number(
-                "sec. 6",
-                f"peak rate, {name}",
+                "6",
+                "peak-rate",
                 printed,
                 cases.peak(solution, "v_phi"),
                 literal=angle,
                 unit="rad/s",
-                tolerance=PEAK_TOLERANCE * printed,
-                basis="0.2 %; 1e-4 s in t_f does 0.5 %",
-                correction="v_phi instead of phi",
-                reason="Misprint: printed as the maximum norm of phi; it is that of v_phi. phi "
-                f"itself stays below {angle:.2g} rad.",
+                tolerance=2e-3 * printed,
+                correction=Message("paper-peak-rate.correct"),
+                control=name,
+                angle=angle,
             )
         )
     return rows
 
 
 def _weights(cases: Cases) -> list[Row]:
-    pairs = list(zip(WEIGHTS, balanced_weights(cases.plant, cases.time), strict=True))
+    pairs = list(zip(paper.WEIGHTS, balanced_weights(cases.plant, cases.time), strict=True))
     off = max(abs(ours.value / printed.value - 1.0) for printed, ours in pairs)
-    reason = (
-        "The paper does not say along which motion. Equal integrals of all terms along "
-        f"the time-optimal motion of sec. 5.1 give all four to {100.0 * off:.1f} %."
-    )
     return [
         number(
-            "sec. 6, (17)",
-            f"weight of {printed.state}",
+            "6, (17)",
+            "weight",
             printed.value,
             ours.value,
-            tolerance=WEIGHT_TOLERANCE * printed.value,
-            basis="2 %: a grid blurs the switches of the motion that is balanced",
-            reason=reason if printed is WEIGHTS[0] else "",
+            tolerance=0.02 * printed.value,
+            state=printed.state,
+            off=off,
+            is_first="yes" if printed is paper.WEIGHTS[0] else "no",
         )
         for printed, ours in pairs
     ]
 
 
 def coasting_cost(cases: Cases) -> float:
-    """Return J of the time-optimal control followed by rest until the t_f of sec. 6."""
-    motion = sample_trajectory(cases.plant, cases.time.arcs, step=cases.time.t_f / SAMPLES)
-    cost = float(np.sum(np.diff(motion.t) * motion.force[:-1] ** 2))
-    for weight in WEIGHTS:
-        x = motion.states[:, cases.plant.states.index(weight.state)]
-        cost += weight.value * float(np.trapezoid(x**2, motion.t))
-    return cost
+    """Return J of the time-optimal control followed by rest until the t_f of sec. 6 [N² s].
+
+    With balanced weights each term would be the first, ∫ F_set² dt.
+    """
+    balanced = balanced_weights(cases.plant, cases.time)
+    shares = [mine.value / one.value for mine, one in zip(paper.WEIGHTS, balanced, strict=True)]
+    return FORCE_LIMIT**2 * cases.time.t_f * (1.0 + sum(shares))
 
 
 def _cost(cases: Cases) -> list[Row]:
     terms, cost = cases.damping.cost_terms, cases.damping.cost
-    ratio = " : ".join(f"{value:.3g}" for value in terms / terms[0])
+    shares = (terms[1:] / terms[0]).tolist()
     share = cost / coasting_cost(cases)
     return [
         claim(
-            "sec. 6",
-            "terms of the functional",
+            "6",
+            "terms",
             "all of the same magnitude",
-            f"{ratio} along the damping-optimal motion, J = {cost:.7g} N² s",
-            basis="within a decade",
-            holds=float(terms.max() / terms.min()) < SAME_MAGNITUDE,
-            reason="F_set^2, x_b, phi, v_b, v_phi. They are equal along the time-optimal motion; "
-            "the two rates are what the optimisation then reduces.",
+            holds=float(terms.max() / terms.min()) < 10.0,
+            cost=cost,
+            **dict(zip((weight.state for weight in paper.WEIGHTS), shares, strict=True)),
         ),
         claim(
-            "sec. 6, (5)",
-            "the cost is minimal",
+            "6, (5)",
+            "cost",
             "no value printed",
-            f"J = {cost:.7g} N² s, {100.0 * share:.1f} % of that of the time-optimal control "
-            "followed by rest",
-            basis="another admissible control of the same problem must cost more",
             holds=share < 1.0,
+            cost=cost,
+            share=share,
         ),
     ]
 
 
 def _law(cases: Cases) -> list[Row]:
     damping, plant = cases.damping, cases.plant
-    motion = sample_trajectory(plant, damping.arcs, step=damping.t_f / SAMPLES)
-    followed = law_residual(plant, damping, samples=LAW_SAMPLES)
+    motion = sample_trajectory(plant, damping.arcs, step=damping.t_f / 4000)
+    followed = law_residual(plant, damping, samples=40_000)
     jump = 0.0
     for before, after in pairwise(damping.arcs):
         length = before.t_end - before.t_start
@@ -378,56 +327,49 @@ def _law(cases: Cases) -> list[Row]:
     labels = {control_text(arc.control) for arc in damping.arcs}
     return [
         number(
-            "sec. 6, (16)",
-            "control law with an adjoint integrated backward from t_f",
+            "6, (16)",
+            "control-law",
             0.0,
             followed,
             tolerance=LAW_TOLERANCE,
-            basis="matrix exponentials; lambda(t_f) fitted to the force",
-            reason="The problem is convex: where an adjoint fits, the control is optimal.",
         ),
         claim(
-            "sec. 6",
-            "the optimal control is continuous",
+            "6",
+            "continuous",
             "any optimal control is continuous",
-            f"largest jump {jump / FORCE_LIMIT:.1g} F_max, at the joints of "
-            f"{len(damping.arcs)} arcs",
-            basis="ends of neighbouring arcs",
             holds=jump < LAW_TOLERANCE * FORCE_LIMIT,
+            jump=jump / FORCE_LIMIT,
+            arcs=len(damping.arcs),
         ),
         claim(
-            "sec. 7",
-            "saturated linear-quadratic control",
+            "7",
+            "saturated",
             "linear-quadratic with control constraints (saturated control)",
-            f"arcs: {', '.join(sorted(labels))}; max |F_set| "
-            f"{float(np.abs(motion.force).max()):.1f} N",
-            basis="arcs of the damping-optimal control",
             holds={"+F_max", "interior"} <= labels,
+            arcs=", ".join(sorted(labels)),
+            largest=float(np.abs(motion.force).max()),
         ),
         claim(
-            "sec. 6",
-            "matrix D and adjoint equation of the functional",
+            "6",
+            "functional",
             "lambda = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4)",
-            f"{plant.order} states; with the corrected equation (16) holds, rows above",
             corrected="d lambda/dt = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4, 0)",
-            basis="number of states",
             holds=plant.order == 7 and followed < LAW_TOLERANCE,
-            reason="Misprint: six entries for seven states, and the dot over lambda is missing.",
+            states=plant.order,
         ),
     ]
 
 
 def _least_time(cases: Cases) -> Row:
-    least = solve_time_optimal(cases.plant, cases.machine.moves[0], force_limit=FORCE_LIMIT).t_f
-    refused = Outcome.FINAL_TIME_TOO_SHORT.name if least > T_F else "solved"
+    is_refused = cases.time.certificate.t_f_lower_bound > T_F
     return claim(
-        "sec. 4",
-        "t_f must be larger than the minimal time",
+        "4",
+        "least-time",
         "t_f > t_f,min",
-        f"t_f = {BOUNDED_T_F:g} s is solved; t_f = {T_F:g} s, the printed minimum: "
-        + refused.lower().replace("_", " "),
-        basis="our solver, which proves a refusal by weak duality",
-        holds=refused == Outcome.FINAL_TIME_TOO_SHORT.name,
+        holds=is_refused,
+        longer=paper.BOUNDED_T_F,
+        least=T_F,
+        refused="yes" if is_refused else "no",
     )
 
 
@@ -437,21 +379,22 @@ def peak_rows(cases: Cases) -> list[Row]:
     damped, fast = (cases.peak(best, "v_phi") for best in (cases.damping, cases.time))
     return [
         claim(
-            "sec. 5.2",
-            "the bound on v_phi reduces the largest |phi|, too",
+            "5.2",
+            "bound-helps",
             "significant reduction",
-            f"from {1e6 * free:.1f} to {1e6 * bounded:.1f} µrad, by "
-            f"{100.0 * (1.0 - bounded / free):.0f} %",
-            basis="peaks of the two certified controls",
-            holds=bounded < SIGNIFICANT * free,
+            holds=bounded < 0.9 * free,
+            free=free,
+            bounded=bounded,
+            less=1.0 - bounded / free,
         ),
         claim(
-            "sec. 6",
-            "peak rate of the damping-optimal control between the other two",
+            "6",
+            "rate-between",
             "notably higher than the bound, significantly smaller than time-optimal",
-            f"{1e3 * damped:.2f} mrad/s: {damped / RATE_BOUND:.2f} times the bound, "
-            f"{100.0 * damped / fast:.0f} % of the free time-optimal control",
-            basis=f"damping-optimal and certified time-optimal control, F_max = {FORCE_LIMIT:g} N",
-            holds=NOTABLY * RATE_BOUND < damped < HALF * fast,
+            holds=1.25 * RATE_BOUND < damped < 0.5 * fast,
+            rate=damped,
+            over=damped / RATE_BOUND,
+            share=damped / fast,
+            limit=FORCE_LIMIT,
         ),
     ]

@@ -13,8 +13,8 @@ from scipy.linalg import expm
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
+from mtcommission.plant.plant import Plant
 from mtcommission.sheet.document import (
-    Block,
     Border,
     Bullets,
     Column,
@@ -33,7 +33,7 @@ from mtcommission.validate.bounded import bounded_rows, damping_rows, peak_rows
 from mtcommission.validate.free import plant_rows, structure_rows, time_rows, vibration_rows
 from mtcommission.validate.loops import loop_rows
 from mtcommission.validate.paper import FORCE_LIMIT, RATE_BOUND, VELOCITY_STEP, Cases, solve_cases
-from mtcommission.validate.row import Row, Verdict
+from mtcommission.validate.row import Row, Told, Verdict, tell
 
 SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool Manipulators"
 SIGNS = (
@@ -45,8 +45,10 @@ SIGNS = (
     (r"\^2\b", "²"),
 )
 """What a terminal may not have, and how the page shows it."""
-NUMBERS = ("printed", "correct", "ours", "difference", "tolerance")
-"""Columns of numbers."""
+WIDTHS = {"quantity": 2.0, "printed": 1.5, "correct": 1.5, "ours": 2.5}
+"""Of columns wider than the others [-]."""
+FIGURES = ("printed_value", "ours_value", "difference", "tolerance")
+"""Of a row, for machines."""
 SAMPLES = 800
 """Points of a curve; more are not seen."""
 SOLID = 4
@@ -111,19 +113,25 @@ def validate(progress: Callable[[Message], None] = lambda _: None) -> Validation
 
 
 def validation_entry(validation: Validation) -> dict[str, object]:
-    """Return the comparison as it is written to JSON."""
+    """Return the comparison as it is written to JSON, in English."""
+    words = Catalogue()
     return {
         "source": "Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators",
         "met": validation.is_met,
         "rows": [
-            {"part": heading_of(part, Catalogue()), **asdict(row), "verdict": row.verdict.value}
+            {
+                "part": heading_of(part, words),
+                **asdict(tell(row, words)),
+                **{name: getattr(row, name) for name in FIGURES},
+                "verdict": row.verdict.value,
+            }
             for part, rows in validation.parts.items()
             for row in rows
         ],
     }
 
 
-def name_of(row: Row) -> str:
+def name_of(row: Told) -> str:
     """Return what a row compares, with its unit."""
     return f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
 
@@ -135,16 +143,15 @@ def heading_of(part: str, words: Catalogue) -> str:
 
 def head_of(column: str, words: Catalogue) -> str:
     """Return the head of a column."""
-    own = f"validate-head-{column}"
-    return words.text(own if words.has(own) else column)
+    return words.own("validate-head", column)
 
 
 def print_validation(validation: Validation, words: Catalogue, *, created: str) -> str:
-    """Return the comparison as one page that works offline; its rows quote the paper."""
+    """Return the comparison as one page that works offline; what the paper prints stays English."""
     machine, say = validation.cases.machine, words.text
     parts = enumerate(validation.parts.items(), start=1)
     figures = Section(
-        key="figures", heading=say("validate-figures"), blocks=_figures(validation.cases)
+        key="figures", heading=say("validate-figures"), blocks=_figures(validation.cases, words)
     )
     page = document(
         words,
@@ -179,16 +186,17 @@ def _verdict(validation: Validation, words: Catalogue) -> Section:
     for verdict in (Verdict.OUT, Verdict.DIFFERS, Verdict.CORRECTED):
         for row in validation.rows:
             if row.verdict is verdict:
-                told = say(
+                told = tell(row, words)
+                line = say(
                     "validate-found",
                     verdict=key_of(row),
-                    quantity=row.quantity,
-                    place=row.place,
-                    printed=row.printed,
-                    value=row.corrected or row.ours,
-                    **{"is": "correct" if row.corrected else "ours"},
+                    quantity=told.quantity,
+                    place=told.place,
+                    printed=told.printed,
+                    value=told.corrected or told.ours,
+                    **{"is": "correct" if told.corrected else "ours"},
                 )
-                found.append(_typeset(told))
+                found.append(_typeset(line))
     remark = note(say("validate-remark", source=SOURCE))
     blocks = (headline, Bullets(items=tuple(found)), remark)
     return Section(key="verdict", heading=say("verdict"), blocks=blocks)
@@ -196,70 +204,41 @@ def _verdict(validation: Validation, words: Catalogue) -> Section:
 
 def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> Section:
     """Return a part, what matters most on the left: a telephone shows four columns."""
-    blocks: list[Block] = []
-    numbers, claims = ([row for row in rows if row.is_claim is kind] for kind in (False, True))
-    if numbers:
-        cells = {
-            "quantity": [name_of(row) for row in numbers],
-            "printed": [row.printed for row in numbers],
-            "correct": [row.corrected for row in numbers],
-            "ours": [row.ours for row in numbers],
-            "difference": [f"{row.difference:.2g}" for row in numbers],
-            "tolerance": [f"{row.tolerance:.2g}" for row in numbers],
-        }
-        cells |= {
-            name: [text.replace(".", words.format.decimal_mark) for text in cells[name]]
-            for name in list(cells)[1:]
-        }
-        bases: dict[str, list[str]] = {}
-        for row in numbers:
-            bases.setdefault(row.basis, []).append(row.quantity)
-        told = [
-            words.text("validate-tolerance-of", names="; ".join(names), basis=basis)
-            for basis, names in bases.items()
-        ]
-        blocks += _table("validate-numbers", cells, {"quantity": 2.0}, numbers, told, words)
-    if claims:
-        cells = {
-            "claim": [row.quantity for row in claims],
-            "printed": [row.printed for row in claims],
-            "correct": [row.corrected for row in claims],
-            "tested": [f"{row.ours} ({row.basis})" for row in claims],
-        }
-        widths = {"claim": 1.5, "printed": 1.5, "correct": 1.5, "tested": 3.0}
-        blocks += _table("validate-claims", cells, widths, claims, [], words)
-    return Section(key=key, heading=heading, blocks=tuple(blocks))
-
-
-def _table(
-    caption: str,
-    cells: dict[str, list[str]],
-    widths: dict[str, float],
-    rows: list[Row],
-    told: list[str],
-    words: Catalogue,
-) -> list[Block]:
-    """Return a table without the columns that are empty throughout, and its remarks."""
-    cells["verdict"] = [words.text(f"validate-is-{key_of(row)}") for row in rows]
-    cells["place"] = [row.place for row in rows]
-    filled = {name: map(_typeset, texts) for name, texts in cells.items() if any(texts)}
-    loud = (Verdict.OUT, Verdict.DIFFERS)
+    told = [tell(row, words) for row in rows]
+    columns = {
+        "quantity": [name_of(one) for one in told],
+        "printed": [one.printed for one in told],
+        "correct": [one.corrected for one in told],
+        "ours": [one.ours for one in told],
+        "tolerance": [
+            "" if row.is_claim else words.format.plain(row.tolerance, 2, "g") for row in rows
+        ],
+        "verdict": [words.text(f"validate-is-{key_of(row)}") for row in rows],
+        "place": [one.place for one in told],
+    }
+    filled = {name: map(_typeset, texts) for name, texts in columns.items() if any(texts)}
     table = Table(
-        caption=words.text(caption),
+        caption=words.text("validate-title"),
         columns=tuple(
-            Column(
-                head=head_of(name, words),
-                width=widths.get(name, 1.0),
-                is_number=caption == "validate-numbers" and name in NUMBERS,
-            )
-            for name in filled
+            Column(head=head_of(name, words), width=WIDTHS.get(name, 1.0)) for name in filled
         ),
         rows=tuple(zip(*filled.values(), strict=True)),
-        strong_rows=tuple(i for i, row in enumerate(rows) if row.verdict in loud),
+        strong_rows=tuple(
+            i for i, row in enumerate(rows) if row.verdict in (Verdict.OUT, Verdict.DIFFERS)
+        ),
     )
-    reasons = [f"{row.quantity}: {row.reason}" for row in rows if row.reason]
-    remarks = tuple(_typeset(text) for text in (*reasons, *told))
-    return [table, Bullets(items=remarks, tone=Tone.NOTE)] if remarks else [table]
+    bases: dict[str, list[str]] = {}
+    for one in told:
+        bases.setdefault(one.basis, []).append(one.quantity)
+    remarks = (
+        *(f"{one.quantity}: {one.reason}" for one in told if one.reason),
+        *(
+            words.text("validate-tested-by", names="; ".join(names), basis=basis)
+            for basis, names in bases.items()
+        ),
+    )
+    notes = Bullets(items=tuple(map(_typeset, remarks)), tone=Tone.NOTE)
+    return Section(key=key, heading=heading, blocks=(table, notes))
 
 
 def _typeset(text: str) -> str:
@@ -275,22 +254,36 @@ def _typeset(text: str) -> str:
     return text
 
 
-def _figures(cases: Cases) -> tuple[LinePlot, ...]:
+def _figures(cases: Cases, words: Catalogue) -> tuple[LinePlot, ...]:
     """Return Figs. 4 and 5: the two time-optimal controls, free and under the bound."""
-    caption = "time-optimal solution, F_max = 2 kN"
-    free = _plot(cases, cases.time, 4, f"Fig. 4: {caption}", (_switching(cases),))
-    bounded = f"Fig. 5: {caption}, |v_φ| ≤ 0.005 rad/s"
-    return free, _plot(cases, cases.bounded, 5, bounded, ())
+    free, bounded = (words.text("paper-figure", number=number) for number in (4, 5))
+    return (
+        _plot(
+            cases.plant, cases.time, words, key="figure-4", caption=free, more=(_switching(cases),)
+        ),
+        _plot(
+            cases.plant,
+            cases.bounded,
+            words,
+            key="figure-5",
+            caption=f"{bounded}, |v_φ| ≤ 0.005 rad/s",
+        ),
+    )
 
 
 def _plot(
-    cases: Cases, solution: TimeOptimum, number: int, caption: str, more: tuple[Panel, ...]
+    plant: Plant,
+    solution: TimeOptimum,
+    words: Catalogue,
+    *,
+    key: str,
+    caption: str,
+    more: tuple[Panel, ...] = (),
 ) -> LinePlot:
-    plant = cases.plant
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / SAMPLES)
     rate, force = 1e3 * RATE_BOUND, FORCE_LIMIT / 1e3
     borders = {
-        "v_s": (Border(label="target", y=1e3 * VELOCITY_STEP),),
+        "v_s": (Border(label=words.text("paper-target"), y=1e3 * VELOCITY_STEP),),
         "v_phi": (Border(label="c", y=rate), Border(label="c", y=-rate)),
     }
     set_force = Panel(
@@ -307,13 +300,12 @@ def _plot(
         for name, label, factor in STATES
     )
     return LinePlot(
-        key=f"figure-{number}",
+        key=key,
         caption=caption,
-        alt=f"Set force and states over time up to t_f = {1e3 * solution.t_f:.3f} ms; "
-        f"{len(solution.arcs)} arcs.",
+        alt=words.text("paper-figure-alt", t_f=solution.t_f, arcs=len(solution.arcs)),
         x_label="t in ms",
         x_is_log=False,
-        link=f"figure-{number}",
+        link=key,
         panels=(set_force, *states, *more),
     )
 

@@ -17,7 +17,7 @@ from mtcommission.machine.machine import Machine, Weight
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.plant.manipulator import Manipulator

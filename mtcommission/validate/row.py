@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import isnan, nan
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message, Value
 
 
 class Verdict(Enum):
@@ -24,21 +28,21 @@ class Verdict(Enum):
 class Row:
     """One number or claim."""
 
-    place: str  # Where the paper prints it
-    quantity: str  # What it is
+    place: str  # section and equation of the paper that print it
+    key: str  # of its texts: what it is, ours, what it was judged by, the reason of a difference
+    values: Mapping[str, Value]  # of which they speak
     unit: str = ""  # SI unit; "" for a claim or a plain number
-    # printed, corrected, ours: As text; ``corrected`` is "" where nothing had to be corrected.
+    # printed, corrected, ours: As text; "" where nothing had to be corrected, and where our side
+    # of a claim is among the texts.
     printed: str
-    corrected: str = ""
-    ours: str
+    corrected: str | Message = ""
+    ours: str = ""
     # printed_value, ours_value: As numbers in the unit; nan for a claim.
     printed_value: float = nan
     ours_value: float = nan
     difference: float = nan  # Ours less the printed (or corrected) value; nan for a claim
     tolerance: float = nan  # Largest |difference| that agrees; nan for a claim
-    basis: str  # Where the tolerance comes from, or what a claim was tested by
     verdict: Verdict
-    reason: str = ""  # Why paper and we differ, or what to know
 
     @property
     def is_claim(self) -> bool:
@@ -46,71 +50,104 @@ class Row:
         return isnan(self.tolerance)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """A row in the words and numbers of a language; claims of the paper stay as printed."""
+
+    place: str
+    quantity: str  # what it is
+    unit: str
+    printed: str
+    corrected: str
+    ours: str
+    basis: str  # where the tolerance comes from, or what a claim was tested by
+    reason: str  # why paper and we differ, or what to know; "" where there is nothing to say
+
+
+def tell(row: Row, words: Catalogue) -> Told:
+    """Return a row in the words of a catalogue."""
+
+    def say(part: str) -> str:
+        kind = f"paper-{row.key}{part}"
+        return words.text(kind, **row.values) if words.has(kind) else ""
+
+    def figure(text: str) -> str:
+        return text if row.is_claim else text.replace(".", words.format.decimal_mark)
+
+    return Told(
+        place=words.text("paper-place", at=row.place),
+        quantity=say(""),
+        unit=row.unit,
+        printed=figure(row.printed),
+        corrected=figure(words.say(row.corrected)),
+        ours=figure(row.ours) or say(".ours"),
+        basis=say(".basis"),
+        reason=say(".reason"),
+    )
+
+
 def number(
     place: str,
-    quantity: str,
+    key: str,
     printed: float,
     ours: float,
     *,
     tolerance: float,
-    basis: str,
     unit: str = "",
     corrected: float = nan,
     literal: float = nan,
-    correction: str = "",
-    reason: str = "",
+    correction: Message | str = "",
+    **values: Value,
 ) -> Row:
     """Return a comparison of two numbers; ``literal`` is ours where the print is taken literally.
 
     Examples
     --------
-    >>> number("sec. 1", "t", 2.0, 1.01, corrected=1.0, tolerance=0.1, basis="b").verdict.value
+    >>> number("1", "increase", 2.0, 1.01, corrected=1.0, tolerance=0.1).verdict.value
     'agrees with the correction'
     """
     as_printed = ours if isnan(literal) else literal
     wanted = printed if isnan(corrected) else corrected
-    verdict, difference, words = Verdict.AGREES, as_printed - printed, ""
+    verdict, difference = Verdict.AGREES, as_printed - printed
+    repaired: Message | str = ""
     if not abs(difference) <= tolerance:
         is_repaired = not (isnan(corrected) and isnan(literal))
         difference = ours - wanted
         close = abs(difference) <= tolerance
         verdict = Verdict.CORRECTED if is_repaired and close else Verdict.OUT
-        words = correction or ("" if isnan(corrected) else f"{corrected:.7g}")
+        repaired = correction or ("" if isnan(corrected) else f"{corrected:.7g}")
     return Row(
         place=place,
-        quantity=quantity,
+        key=key,
+        values=values,
         unit=unit,
         printed=f"{printed:.7g}",
-        corrected=words,
+        corrected=repaired,
         # Two digits where the printed number is 0: the rest is rounding.
         ours=f"{ours:.7g}" if wanted != 0.0 else f"{ours:.2g}",
         printed_value=printed,
         ours_value=ours,
         difference=difference,
         tolerance=tolerance,
-        basis=basis,
         verdict=verdict,
-        reason=reason,
     )
 
 
 def claim(
     place: str,
-    quantity: str,
+    key: str,
     printed: str,
-    ours: str,
     *,
-    basis: str,
     holds: bool,
     refuted: bool = False,
-    corrected: str = "",
-    reason: str = "",
+    corrected: Message | str = "",
+    **values: Value,
 ) -> Row:
     """Return a statement that ``holds`` (as ``corrected``, where that is given) or is ``refuted``.
 
     Examples
     --------
-    >>> claim("sec. 1", "a", "p", "o", basis="b", holds=False).verdict.value
+    >>> claim("1", "order", "order 2", holds=False, order=3).verdict.value
     'OUT OF TOLERANCE'
     """
     verdict = Verdict.DIFFERS if refuted else Verdict.OUT
@@ -118,11 +155,9 @@ def claim(
         verdict = Verdict.CORRECTED if corrected else Verdict.AGREES
     return Row(
         place=place,
-        quantity=quantity,
+        key=key,
+        values=values,
         printed=printed,
         corrected=corrected,
-        ours=ours,
-        basis=basis,
         verdict=verdict,
-        reason=reason,
     )

@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 from math import inf, log, pi, sqrt
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import convolve1d
 
+from mtcommission.identify.damped import regress
 from mtcommission.identify.measurement import FreeMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
 from mtcommission.verify.columns import Role
 from mtcommission.verify.planner import number_of, planned
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
-from mtcommission.verify.regression import regress
 from mtcommission.verify.ringing import find_modes
 from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Array, Channel, Trace, resolution
@@ -235,7 +235,8 @@ def _smoothed(values: Array, width: int) -> Array:
     if width == 1 or values.shape[-1] <= width:
         return values
     onto, half = _parabola(width), width // 2
-    smooth: Array = convolve1d(values, onto[half], axis=-1)
+    smooth = np.empty_like(values)
+    smooth[..., half:-half] = sliding_window_view(values, width, axis=-1) @ onto[half]
     smooth[..., :half] = values[..., :width] @ onto[:half].T
     smooth[..., -half:] = values[..., -width:] @ onto[-half:].T
     return smooth

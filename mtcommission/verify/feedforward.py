@@ -14,6 +14,8 @@ from math import inf, sqrt
 
 import numpy as np
 
+from mtcommission.identify.damped import regress
+from mtcommission.identify.measurement import Array
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop
 from mtcommission.machine.identified import Estimate
@@ -21,7 +23,6 @@ from mtcommission.verify.beside import Recorded
 from mtcommission.verify.columns import Role
 from mtcommission.verify.prediction import Rebuilt, cycles_of
 from mtcommission.verify.refine import Parameter
-from mtcommission.verify.regression import Array, regress
 from mtcommission.verify.verify import Verification
 
 COUNTS = 3.0

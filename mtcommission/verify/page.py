@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -11,19 +12,17 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.document import (
     BigValue,
     Block,
-    Border,
     Bullets,
-    Column,
     Headline,
-    Line,
     LinePlot,
-    Panel,
     Section,
     Table,
     Tone,
     document,
 )
 from mtcommission.sheet.html import set_html
+from mtcommission.sheet.plots import FOURTH, MAIN, OTHER, THIRD, Curve, Signals, line_plot
+from mtcommission.sheet.tables import Quantity, table
 from mtcommission.verify.beside import Recorded
 from mtcommission.verify.checks import Verdict
 from mtcommission.verify.columns import Role
@@ -39,11 +38,11 @@ from mtcommission.verify.report import (
     say_reasons,
     say_verdict,
 )
-from mtcommission.verify.trace import Array
+from mtcommission.verify.trace import Trace
 from mtcommission.verify.verify import Verification
 
-MOST_POINTS = 1500
-"""Of a curve."""
+SETPOINT_POINTS = 1500
+"""Of the setpoint's curve."""
 
 MOST_PLOTS = 6
 """Moves that are drawn."""
@@ -117,91 +116,61 @@ def _headline(found: Verification, words: Catalogue) -> Headline:
 
 def _checks(found: Verification, words: Catalogue) -> Table:
     widths = {"what": 1.6, "predicted": 1.8, "allowed": 0.9, "measured": 1.4, "verdict": 0.9}
-    checks = known_first(found)
-    return Table(
-        caption=words.text("verify-caption-checks"),
-        columns=tuple(
-            Column(head=words.text(f"verify-head-{head}"), width=width)
-            for head, width in widths.items()
-        ),
-        rows=tuple(check_row(check, words) for check in checks),
-        strong_rows=tuple(k for k, one in enumerate(checks) if one.verdict is Verdict.FAILS),
+    columns = (
+        Quantity(f"verify-head-{head}", itemgetter(k), width=width)
+        for k, (head, width) in enumerate(widths.items())
     )
+    checks = known_first(found)
+    failed = tuple(k for k, one in enumerate(checks) if one.verdict is Verdict.FAILS)
+    rows = [check_row(one, words) for one in checks]
+    return replace(table(words, "verify-caption-checks", columns, rows), strong_rows=failed)
 
 
 def _sources(found: Verification, words: Catalogue) -> Table:
-    heads = {"identify-head-file": 1.0, "verify-head-columns": 2.0, "identify-head-hash": 2.0}
-    return Table(
-        caption=words.text("verify-caption-sources"),
-        columns=tuple(Column(head=words.text(head), width=width) for head, width in heads.items()),
-        rows=tuple(
-            (
-                trace.file,
-                ", ".join(f"{one.name} = {one.role.value}" for one in trace.channels),
-                trace.sha256,
-            )
-            for trace in found.traces
-        ),
+    def roles(trace: Trace) -> str:
+        return ", ".join(f"{one.name} = {one.role.value}" for one in trace.channels)
+
+    columns = (
+        Quantity("identify-head-file", "file"),
+        Quantity("verify-head-columns", roles, width=2.0),
+        Quantity("identify-head-hash", "sha256", width=2.0),
     )
+    return table(words, "verify-caption-sources", columns, found.traces)
 
 
 def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> LinePlot:
     """Setpoint's acceleration, then each signal over its predicted band and their difference."""
-    motion = one.motion
-    length, force = ("rad", "N m") if words.rotary else ("m", "N")
-    units = {Role.FORCE: force, Role.ACCELERATION: f"{length}/s^2"}
-    t = np.linspace(motion.begin, motion.until, MOST_POINTS)
-    setpoint = Line(label="setpoint", x=1e3 * (t - motion.begin), y=motion.sample(t)[:, 2], style=1)
-    panels = [_panel(words, "acceleration", f"{length}/s^2", [setpoint])]
+    motion, say = one.motion, words.text
+    t = np.linspace(motion.begin, motion.until, SETPOINT_POINTS)
+    setpoint = Curve(say("setpoint"), t - motion.begin, motion.sample(t)[:, 2], OTHER)
+    panels = [Signals(say("verify-plot-acceleration"), "m/s^2", [setpoint])]
     band = found.rebuilt.machine.requirements.tcp_deviation
     for signal in one.beside:
-        unit = units.get(signal.role, length)
-        stride = max(signal.t.size // MOST_POINTS, 1)
-        x = 1e3 * (signal.t[::stride] - motion.begin)
-        rows = signal.predicted[:, ::stride]
-        measured = signal.deviation[::stride]
-        is_acceleration = signal.role is Role.ACCELERATION
-
-        def line(name: str, y: Array, style: int, x: Array = x) -> Line:
-            return Line(label=f"verify-line-{name}", x=x, y=y, style=style)
-
-        panels += [
-            _panel(
-                words,
-                f"{signal.role.value}{'-measured' if is_acceleration else ''}",
-                unit,
-                [
-                    line("measured", measured, 4),
-                    line("low", rows.min(axis=0), 2),
-                    line("high", rows.max(axis=0), 2),
-                ],
-                borders=(band, -band) if signal.is_position else (),
-            ),
-            _panel(words, "difference", unit, [line("difference", measured - rows[0], 3)]),
+        x, measured, rows = signal.t - motion.begin, signal.deviation, signal.predicted
+        curves = [
+            Curve(say("verify-line-measured"), x, measured, MAIN),
+            Curve(say("verify-line-low"), x, rows.min(axis=0), THIRD),
+            Curve(say("verify-line-high"), x, rows.max(axis=0), THIRD),
         ]
-    return LinePlot(
-        key=key,
-        caption=words.text("verify-plot-caption", file=one.trace.file, begin=motion.begin),
-        alt=words.text("verify-plot-alt", verdict=words.say(found.headline)),
-        x_label=words.text("verify-plot-time", unit=words.format.with_unit("", "ms").strip()),
-        x_is_log=False,
+        name, unit = PANELS.get(signal.role, (signal.role.value, "m"))
+        limits = (band, -band) if signal.is_position else ()
+        missed = Curve(say("verify-line-difference"), x, measured - rows[0], FOURTH)
+        panels += [
+            Signals(say(f"verify-plot-{name}"), unit, curves, limits, say("verify-line-band")),
+            Signals(say("verify-plot-difference"), unit, [missed]),
+        ]
+    return line_plot(
+        words,
+        key,
+        panels,
+        x=(say("verify-plot-time"), "s"),
+        text="verify-plot",
         link="moves",
-        panels=tuple(panels),
+        file=one.trace.file,
+        begin=motion.begin,
+        verdict=found.headline,
     )
 
 
-def _panel(
-    words: Catalogue, kind: str, unit: str, lines: Iterable[Line], *, borders: Sequence[float] = ()
-) -> Panel:
-    """Curves in SI, labelled by the names of texts, in the unit that fits them."""
-    lines = list(lines)
-    scale = words.format.scale_for([line.y for line in lines], unit)
-    return Panel(
-        y_label=words.text(f"verify-plot-{kind}", unit=scale.unit),
-        lines=tuple(
-            replace(line, label=words.text(line.label), y=line.y / scale.size) for line in lines
-        ),
-        borders=tuple(
-            Border(label=words.text("verify-line-band"), y=value / scale.size) for value in borders
-        ),
-    )
+PANELS = {Role.FORCE: ("force", "N"), Role.ACCELERATION: ("acceleration-measured", "m/s^2")}
+"""Text and unit of a signal that is no position."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import hypot, isfinite, pi, sqrt
+from math import hypot, pi, sqrt
 
 import numpy as np
 
@@ -21,14 +21,18 @@ from mtcommission.verify.verify import Verification
 SYSTEMATIC = 0.005
 """Of the mass: what recorders and units leave open beside the noise (facts: 0.3 % on a bench)."""
 
+ALIASED = 0.01
+"""The same where the trace has one sample a position cycle: what the force does between is not in
+it (up to 1.8 % of the mass in simulations)."""
+
 COARSE = 0.03
 """The same where the trace is coarser than the position cycle: the force between is not seen."""
 
+WHOLE = 1.01
+"""Largest ratio of two steps that are the same."""
+
 FREQUENCY_FLOOR, DAMPING_FLOOR = 0.003, 0.02
 """Standard errors, relative, that a loop which is only nearly linear leaves (empirical)."""
-
-CLOCK = 0.1
-"""Share of a sample by which columns of a recorder may be apart unknown to anybody (empirical)."""
 
 ROUNDS = 3
 """Times the loop is closed again on the refined machine (empirical: 0.1 % of a frequency)."""
@@ -107,7 +111,7 @@ def _estimate(
         except MtcommissionError:
             break
         modes = _modes(rebuilt, recorded, closer)
-    parameters = (*bodies, *_delay(rebuilt, recorded), *modes)
+    parameters = (*bodies, *modes)
     return _with(machine, parameters), parameters, force_left
 
 
@@ -122,9 +126,9 @@ def _bodies(
     rigid = fit_rigid_body([trace.before(end) for trace, end in ends.items()], plant)
     if rigid is None:
         return (), None
-    step = max(trace.setpoint.step for trace in ends)
-    coarse = step > rebuilt.controller.position_cycle
-    doubt = (COARSE if coarse else SYSTEMATIC) * rigid.mass.value
+    cycles = max(trace.setpoint.step for trace in ends) / rebuilt.controller.position_cycle
+    share = COARSE if cycles > WHOLE else ALIASED if cycles * WHOLE > 1.0 else SYSTEMATIC
+    doubt = share * rigid.mass.value
     mass = Estimate(value=rigid.mass.value, sigma=hypot(rigid.mass.sigma, doubt))
     rows = (
         ("mass", units.mass.si, plant.moving_mass, mass),
@@ -139,19 +143,6 @@ def _friction(one: Estimate) -> Estimate:
     """It is not negative, and none where it does not stand out."""
     stands_out = one.value > SIGNIFICANT * one.sigma
     return one if stands_out else Estimate(value=0.0, sigma=max(one.sigma, abs(one.value)))
-
-
-def _delay(rebuilt: Rebuilt, recorded: Sequence[Recorded]) -> tuple[Parameter, ...]:
-    known = [one for one in recorded if isfinite(one.shift_error) and not one.trace.is_delayed]
-    if not known:
-        return ()
-    shifts = [one.shift for one in known]
-    step = max(one.trace.setpoint.step for one in known)
-    error = 0.5 * float(np.median([one.shift_error for one in known]))
-    sigma = max(float(np.std(shifts)), error, CLOCK * step)
-    tau = rebuilt.controller.reference_delay
-    new = Estimate(value=tau + float(np.median(shifts)), sigma=sigma)
-    return (Parameter(key="delay", unit="s", old=tau, new=new),)
 
 
 def _modes(rebuilt: Rebuilt, recorded: Sequence[Recorded], near: Rebuilt) -> tuple[Parameter, ...]:

@@ -18,10 +18,11 @@ from math import ceil, pi
 import numpy as np
 from scipy.linalg import expm, solve_banded
 
+from mtcommission.identify.damped import Regression, regress
+from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
 from mtcommission.plant.plant import Plant
 from mtcommission.verify.columns import Role
-from mtcommission.verify.regression import Array, Regression, regress
 from mtcommission.verify.setpoint import runs
 from mtcommission.verify.trace import Trace
 

@@ -1,8 +1,6 @@
 """The modes in a dwell: frequencies and damping ratios that explain what was recorded.
 
-    y(t) = c + Σ e^(Re(p) t) (A cos Im(p) t + B sin Im(p) t)
-
-over the poles p of the closed loop. Which ones matter, the prediction tells; where those that modes
+They are poles of the closed loop. Which ones matter, the prediction tells; where those that modes
 have become begin, a scan: a damped vibration hides beside a servo tail from every fit that starts
 blind. All oscillating ones are free then, since another mode moves the servo's poles, too.
 """
@@ -11,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import hypot, inf, pi, sqrt
+from math import hypot, inf, pi
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from mtcommission.identify.measurement import FreeMode
+from mtcommission.identify.damped import fit_damped, weigh
+from mtcommission.identify.measurement import Array, FreeMode
 from mtcommission.verify.prediction import Rebuilt
-from mtcommission.verify.regression import Array, regress
 
 FEWEST, MOST = 64, 2000
 """Samples of a dwell."""
@@ -39,7 +36,9 @@ NO_VIBRATION = 0.03
 """Share of an amplitude that a fit leaves, beyond the noise, where no free vibration is behind it:
 an axis that sticks (empirical)."""
 
-LARGEST_DAMPING = 0.6
+ENDS = (0.8, 1.25)
+"""Factors on a frequency between which it is fitted."""
+
 BELOW_NYQUIST = 0.75
 """Share of half the sampling frequency up to which a mode is looked for, scan included."""
 
@@ -68,7 +67,7 @@ def find_modes(
     for number, pole in own.items():
         others = [*fixed, *start.values()]
         tried = [factor * pole for factor in SCANNED]
-        power = [float(np.sum(_rest(t, measured, [*others, one]) ** 2)) for one in tried]
+        power = [float(np.sum(weigh(t, measured, [*others, one])[1] ** 2)) for one in tried]
         start[number] = tried[int(np.argmin(power))]
     found = _fit(t, measured, fixed, start, noise=noise / size)
     # What the same fit makes of the prediction, whose poles are known, is its error on such a
@@ -113,9 +112,8 @@ def _poles_that_matter(
         for pole in (*damped, *rebuilt.servo_poles)
         if pole.imag < fastest and -0.5 / step < pole.real < -1.0 / t[-1]
     ]
-    basis = _basis(t, [*(all_modes[k] for k in numbers), *others])
-    weights = np.linalg.lstsq(basis, expected, rcond=None)[0][1:].reshape(-1, 2)
-    size = np.hypot(*weights.T)
+    weights, _ = weigh(t, expected, [*(all_modes[k] for k in numbers), *others])
+    size = np.hypot(*weights[1:].reshape(-1, 2).T)
     notable = size > NOTABLE * float(size.max())
     fixed = [pole for pole, counts in zip(others, notable[len(numbers) :], strict=True) if counts]
     seen = [
@@ -124,19 +122,6 @@ def _poles_that_matter(
         if notable[place] and 4.0 * size[place] > noise
     ]
     return fixed, seen
-
-
-def _basis(t: Array, poles: Sequence[complex]) -> Array:
-    columns = [np.ones_like(t)]
-    for pole in poles:
-        decay = np.exp(pole.real * t)
-        columns += [decay * np.cos(pole.imag * t), decay * np.sin(pole.imag * t)]
-    return np.column_stack(columns)
-
-
-def _rest(t: Array, y: Array, poles: Sequence[complex]) -> Array:
-    basis = _basis(t, poles)
-    return np.asarray(y - basis @ np.linalg.lstsq(basis, y, rcond=None)[0])
 
 
 def _fit(
@@ -148,39 +133,14 @@ def _fit(
     noise: float,
 ) -> dict[int, FreeMode]:
     """The modes that stand out, by number; all oscillating poles are free."""
-    begin = np.array([*start.values(), *(pole for pole in fixed if pole.imag > 0.0)])
+    free = [*start.values(), *(pole for pole in fixed if pole.imag > 0.0)]
     real = [pole for pole in fixed if pole.imag == 0.0]
-    scale = np.column_stack([np.abs(begin), np.full(begin.size, 0.05)])
-    x0 = np.column_stack([np.ones(begin.size), -begin.real / np.abs(begin) / 0.05]).ravel()
-    low = np.tile([0.8, 0.0], begin.size)
-    high = np.tile([1.25, LARGEST_DAMPING / 0.05], begin.size)
-
-    def poles_of(x: Array) -> list[complex]:
-        rows = x.reshape(-1, 2) * scale
-        return [*(complex(-z * w, w * sqrt(max(1.0 - z * z, 1e-6))) for w, z in rows), *real]
-
-    def residuals(x: Array) -> Array:
-        return _rest(t, y, poles_of(x))
-
-    within = np.clip(x0, low + 1e-6, high - 1e-6)
-    solved = least_squares(residuals, within, bounds=(low, high))
-    basis = _basis(t, poles_of(solved.x))
-    weights = np.linalg.lstsq(basis, y, rcond=None)[0]
-    sigma = regress(np.column_stack([np.asarray(solved.jac), basis]), solved.fun).sigma
-    found = {}
-    for place, number in enumerate(start):
-        own = slice(2 * place, 2 * place + 2)
-        omega, zeta = solved.x[own] * scale[place]
-        omega_sigma, zeta_sigma = sigma[own] * scale[place]
-        amplitude = float(np.hypot(*weights[1:][own]))
-        error = float(np.hypot(*sigma[2 * begin.size + 1 :][own]))
-        rings = float(np.std(solved.fun)) <= max(0.5 * noise, NO_VIBRATION * amplitude)
-        if rings and amplitude >= SIGNIFICANT * error and omega_sigma <= SURE * omega:
-            found[number] = FreeMode(
-                frequency_hz=float(omega) / (2 * pi),
-                frequency_sigma_hz=float(omega_sigma) / (2 * pi),
-                damping_ratio=float(zeta),
-                damping_sigma=float(zeta_sigma),
-                amplitude=amplitude,
-            )
-    return found
+    fitted = fit_damped(t, y, free, held=real, ends=ENDS)
+    left = float(np.std(fitted.rest))
+    return {
+        number: one
+        for number, one, error in zip(start, fitted.modes, fitted.errors, strict=False)
+        if left <= max(0.5 * noise, NO_VIBRATION * one.amplitude)
+        and one.amplitude >= SIGNIFICANT * error
+        and one.frequency_sigma_hz <= SURE * one.frequency_hz
+    }

@@ -43,7 +43,7 @@ def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[
         yield f"# {title(way, words)}"
     for key, text in derived.items():
         if text:
-            mark = f" ({words.text('document-default-accepted')})" if key in defaults else ""
+            mark = f" ({words.text('source-accepted-default')})" if key in defaults else ""
             yield f"#   {key.partition('.')[2]} = {text}{mark}"
 
 

@@ -338,7 +338,7 @@ class _Interview:
             named = (self.words.name(key) for key in machine.assumed)
             self.tell(Message("wizard-assumed", keys=", ".join(dict.fromkeys(named))))
         for remark in check_plausibility(machine):
-            self.tell(Message("warning", warning=remark.with_key()))
+            self.tell(Message("warning", warning=remark))
 
     def offer_run(self) -> bool:
         question = Question(key="wizard.run", choices=(YES, NO), default=YES)

@@ -204,7 +204,7 @@ def _sinumerik_average(loop: Values) -> Iterator[Row]:
         return
     yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", "sinumerik-filter-on")
     has_two = (Setting.SECOND_AVERAGE, "") in loop
-    kind = "sinumerik-two-averages" if has_two else "sinumerik-moving-average"
+    kind = "sinumerik-two-averages" if has_two else "moving-average"
     yield fixed("N32402 $MA_AX_JERK_MODE", "4" if has_two else "2", Message(kind))
     yield Row(Setting.AVERAGE, "N32410 $MA_AX_JERK_TIME", unit="s", digits=6)
     yield Row(Setting.SECOND_AVERAGE, "N32411 $MA_AX_JERK_TIME_ADD", unit="s", digits=6)

@@ -40,6 +40,9 @@ SEPARATION = 0.75
 to one sum, and two estimates within one peak are one mode and the error of the model."""
 LEAST_CERTAINTY = 4.0
 """Least gain of a mode, in its standard errors."""
+PLACED = 0.25
+"""Error of a frequency, in the distance of two lines, up to which a mode narrower than that is one
+whose damping alone is not known (empirical)."""
 SHARPEST = 1e-3
 """Damping ratio below which a mode narrower than half the lines' distance is a single bad line."""
 BROADEST = 0.2
@@ -261,8 +264,9 @@ def _gain_errors(variances: Variances) -> Array:
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     """The least sure mode that nothing determines; None if all are determined.
 
-    Its frequency is less sure than its half-power width, no response has a gain beyond its error,
-    or it is a spike between two lines, sharper than any structure.
+    Its frequency is less sure than its half-power width or a part of the lines' distance, no
+    response has a gain beyond its error, or it is a spike between two lines, sharper than any
+    structure.
     """
     n = fit.poles.omega.size
     if not n:
@@ -276,7 +280,8 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     f = fit.poles.omega / (2 * np.pi)
     spacing = np.array([min(_spacing(lines, one) for lines in responses) for one in f])
     is_spike = (fit.poles.zeta < SHARPEST) & (2 * fit.poles.zeta * f < 0.5 * spacing)
-    is_unsure = (by_omega > 2.0 * fit.poles.zeta) | (surest < LEAST_CERTAINTY) | is_spike
+    known_to = np.maximum(2.0 * fit.poles.zeta * f, PLACED * spacing)
+    is_unsure = (by_omega * f > known_to) | (surest < LEAST_CERTAINTY) | is_spike
     # Background need not be sure: it only stands for what lies about the band.
     is_unsure &= np.array(_modes(responses, fit), dtype=bool)
     if not is_unsure.any():

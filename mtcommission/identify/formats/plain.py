@@ -17,6 +17,7 @@ import numpy as np
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
+    Item,
     ResponseContents,
     TimeContents,
     refuse,
@@ -67,24 +68,22 @@ def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) 
     said = tuple((name, settings[name]) for name in _SAID if name in settings)
     remarks = [Message("identify-cut", line=table.cut_line)] if table.cut_line else []
     frequency = _find(heads, columns, FREQUENCY, _FREQUENCIES)
-    state = settings.get("state", "")
-    on = settings.get("date", "")
-    averages = _positive(settings.get("averages", ""))
+    items: tuple[Item, ...]
     if frequency is not None:
-        responses = _responses(table, heads, columns, frequency, averages, where=where)
-        kind = Message("identify-format-response-table")
-        return FileContents(
-            format=kind, items=responses, measured_on=on, state=state, said=said,
-            remarks=tuple(remarks),
-        )  # fmt: skip
-    record, more = _record(table, heads, columns, where=where)
-    kind = Message(
-        "identify-format-time-table" if any(table.heads) else "identify-format-halsampler"
-    )
+        kind, averages = "response-table", _positive(settings.get("averages", ""))
+        items = _responses(table, heads, columns, frequency, averages, where=where)
+    else:
+        kind = "time-table" if any(table.heads) else "halsampler"
+        record, more = _record(table, heads, columns, where=where)
+        items, remarks = (record,), [*remarks, *more]
     return FileContents(
-        format=kind, items=(record,), measured_on=on, state=state, said=said,
-        remarks=(*remarks, *more),
-    )  # fmt: skip
+        format=Message(f"identify-format-{kind}"),
+        items=items,
+        measured_on=settings.get("date", ""),
+        state=settings.get("state", ""),
+        said=said,
+        remarks=tuple(remarks),
+    )
 
 
 def _head_of(head: str) -> _Head:
@@ -204,7 +203,7 @@ def _record(
 ) -> tuple[TimeContents, list[Message]]:
     clock_place = _find(heads, columns, CLOCK, _TIMES)
     rows, remarks = _longest_stretch(table)
-    clock, step = None, 0.0
+    clock = None
     if clock_place is not None:
         _, said = find_column(
             [head.name for head in heads], columns.get(CLOCK, heads[clock_place].name)
@@ -218,9 +217,7 @@ def _record(
         for place, head in enumerate(heads)
         if place != clock_place
     )
-    return TimeContents(
-        clock=clock, sample_time=step, columns=found, lines=table.lines[rows]
-    ), remarks
+    return TimeContents(clock=clock, columns=found, lines=table.lines[rows]), remarks
 
 
 def _longest_stretch(table: Table) -> tuple[slice, list[Message]]:

@@ -40,6 +40,9 @@ SETPOINT = "setpoint"
 MOSTLY_GOOD = 0.9
 """Share of lines with numbers that a response must have."""
 
+ABSURD = 1e100
+"""Beyond it a number is a broken one."""
+
 AT_NYQUIST = 0.02
 """Relative distance of a session's last line from half the sampling rate."""
 
@@ -77,12 +80,12 @@ def _text(root: Element, name: str) -> str:
 
 
 def _number(root: Element, name: str) -> float:
-    """The number of that name; 0 where there is none."""
+    """The number of that name; 0 where there is none, or no measurement gives it."""
     try:
         value = float(_text(root, name))
     except ValueError:
         return 0.0
-    return value if np.isfinite(value) else 0.0
+    return value if abs(value) < ABSURD else 0.0
 
 
 def _series(parent: Element, name: str, *, where: str) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.identify.formats.contents import Lines, TimeContents, refuse
-from mtcommission.identify.formats.heads import SAMPLE_TIME
+from mtcommission.identify.formats.heads import CLOCK, SAMPLE_TIME
 from mtcommission.identify.measurement import Array
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import TIME, parse_quantity
@@ -27,6 +27,9 @@ JITTER = 0.5
 
 SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
 """Other steps are no sampling of an axis but a wrong unit [s]."""
+
+LATEST = 1e12
+"""Beyond it a time is a broken number [s]; a clock may count from the year 1601."""
 
 SIGMAS = 3.0
 """Standard errors that the largest error of an interpolation is taken for."""
@@ -112,6 +115,8 @@ def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -
             raise refuse(where, "identify-no-sample-time")
         times: Array = step * np.arange(size, dtype=np.float64)
     else:
+        if not (np.abs(contents.clock) < LATEST).all():
+            raise refuse(where, "identify-series-not-finite", name=CLOCK)
         times = _rising(contents.clock, contents.lines, where=where)
         steps = np.diff(times)
         step = float(np.mean(steps[steps <= GAP * np.median(steps)]))

@@ -19,8 +19,17 @@ _TURNS_PER_MINUTE = re.compile(r"(?<![\w/])(?:1/min|min\^?-1|min⁻¹|[UuR]/min)
 _CURRENT = re.compile(r"(?<![A-Za-z])([mk]?)A(?:_?(?:rms|eff|pk))?(?![A-Za-z])")
 _GRAVITIES = re.compile(r"(?<![A-Za-z])(m?)g(?:_?n)?(?![A-Za-z])")
 
-_M, _RAD = (1, 0, 0, 0), (0, 0, 0, 1)
+Exponents = tuple[int, int, int, int]
+"""Of m, kg, s and rad."""
+
 _FORCE, _TORQUE = (1, 1, -2, 0), (2, 1, -2, 0)
+_RATES: dict[Exponents, tuple[Signal, bool]] = {
+    (1 - rotary, 0, -output.derivative, int(rotary)): (Signal(output.value), rotary)
+    for output in Output
+    for rotary in (False, True)
+}
+"""What each unit of a motion measures, and whether its lengths are angles."""
+_SIGNALS = {_FORCE: (Signal.FORCE, False), _TORQUE: (Signal.TORQUE, True), **_RATES}
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +68,8 @@ def read_signal_unit(text: str) -> SignalUnit | None:
     if match := _GRAVITIES.fullmatch(plain):
         return SignalUnit(Signal.ACCELERATION, False, GRAVITY * (1e-3 if match[1] else 1.0))
     for unit in _meanings(plain):
-        if unit.exponents == _FORCE:
-            return SignalUnit(Signal.FORCE, False, unit.si_value)
-        if unit.exponents == _TORQUE:
-            return SignalUnit(Signal.TORQUE, True, unit.si_value)
-        for output in Output:
-            for rotary, length in ((False, _M), (True, _RAD)):
-                if unit.exponents == _rate(length, output):
-                    return SignalUnit(Signal(output.value), rotary, unit.si_value)
+        if unit.exponents in _SIGNALS:
+            return SignalUnit(*_SIGNALS[unit.exponents], unit.si_value)
     return None
 
 
@@ -88,15 +91,16 @@ def read_response_unit(text: str) -> ResponseUnit | None:
     factor = 1.0
     if "kg" not in plain and _GRAVITIES.search(plain):
         plain, factor = _GRAVITIES.sub(r"(\1m/s^2)", plain), GRAVITY
+    per = {_FORCE: "current"} if per_current else {_FORCE: "force", _TORQUE: "torque"}
     for unit in _meanings(plain):
-        for output in Output:
-            for rotary, length in ((False, _M), (True, _RAD)):
-                force = _FORCE if per_current or not rotary else _TORQUE
-                exponents = _ratio(_rate(length, output), force)
-                without_radian = (*exponents[:3], 0)
-                if unit.exponents == exponents or (rotary and unit.exponents == without_radian):
-                    name = "current" if per_current else "torque" if rotary else "force"
-                    return ResponseUnit(output, name, rotary, unit.si_value * factor)
+        for rate, (signal, rotary) in _RATES.items():
+            force = _FORCE if per_current or not rotary else _TORQUE
+            exponents = _ratio(rate, force)
+            without_radian = (*exponents[:3], 0)
+            if unit.exponents == exponents or (rotary and unit.exponents == without_radian):
+                return ResponseUnit(
+                    Output(signal.value), per[force], rotary, unit.si_value * factor
+                )
     return None
 
 
@@ -105,14 +109,6 @@ def _meanings(text: str) -> tuple[Unit, ...]:
         return read_unit(text) if text else ()
     except Refused:
         return ()
-
-
-Exponents = tuple[int, int, int, int]
-
-
-def _rate(length: Exponents, output: Output) -> Exponents:
-    m, kg, s, rad = length
-    return m, kg, s - output.derivative, rad
 
 
 def _ratio(above: Exponents, below: Exponents) -> Exponents:

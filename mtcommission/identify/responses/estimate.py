@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -189,9 +190,12 @@ def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
     for motion in motions:
         start = find_start(reference, motion.values)
         rest = motion.values[start:]
-        source = replace(record.source, label=_label(record, motion))
-        kind = Output(motion.signal.value)
-        sensor = motion.sensor or Sensor.ENCODER
+        seen: dict[str, Any] = {
+            "source": replace(record.source, label=_label(record, motion)),
+            "output": Output(motion.signal.value),
+            "sensor": motion.sensor or Sensor.ENCODER,
+            "rotary": bool(motion.rotary),
+        }
         is_free = reference is not None or begins(motion.values, start)
         if rest.size >= 64 and is_free and is_decay(rest):
             ringing = fit_ringing(rest, record.sample_time)
@@ -203,32 +207,13 @@ def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
                     explained=ringing.explained,
                 )
                 more = (Message("identify-loop-in-decay"),) if reference is not None else ()
-                found.append(
-                    FreeVibration(
-                        source=source,
-                        output=kind,
-                        sensor=sensor,
-                        rotary=bool(motion.rotary),
-                        modes=ringing.modes,
-                        remarks=(*record.remarks, said, *more),
-                    )
-                )
+                remarks = (*record.remarks, said, *more)
+                found.append(FreeVibration(modes=ringing.modes, remarks=remarks, **seen))
                 continue
-        if kind is Output.ACCELERATION:
+        if motion.signal is Signal.ACCELERATION:
             power = estimate_power(motion.values, record.sample_time)
-            found.append(
-                Spectrum(
-                    source=source,
-                    frequency_hz=power.frequency_hz,
-                    density=power.density,
-                    resolution_hz=power.resolution_hz,
-                    averages=power.averages,
-                    output=kind,
-                    sensor=sensor,
-                    rotary=bool(motion.rotary),
-                    remarks=(*record.remarks, Message("identify-by-power")),
-                )
-            )
+            remarks = (*record.remarks, Message("identify-by-power"))
+            found.append(Spectrum(remarks=remarks, **seen, **power._asdict()))
     spectra = [one for one in found if isinstance(one, Spectrum)]
     if len(spectra) > 1:  # of one sensor's directions the one that shakes most
         loudest = max(spectra, key=lambda one: float(one.density.max()))

@@ -1,8 +1,6 @@
 """What rings after a move or a step: decaying oscillations, by matrix pencil and least squares.
 
-    y(t) = c + Σ e^(-ζ ω t) (A cos ω_d t + B sin ω_d t) + tail,   ω_d = ω √(1 - ζ²)
-
-c and the amplitudes enter linearly. Starts come from a matrix pencil, the order from the Bayesian
+Starts come from a matrix pencil, the order from the Bayesian
 information criterion, intervals from the Jacobian and the correlation of the residuals.
 
 Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824; G. Schwarz, Ann. Stat. 6 (1978).
@@ -11,12 +9,13 @@ Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824; G. Schwarz, An
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.signal import decimate
 
-from mtcommission.identify.measurement import Array, FreeMode, correlation_length
+from mtcommission.identify.damped import Damped, correlation_length, fit_damped, weigh
+from mtcommission.identify.measurement import Array, FreeMode
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6
@@ -27,6 +26,8 @@ BAND_SHARE = 0.99
 """Share of the energy of a signal's rate below the frequency up to which it is looked at."""
 
 LARGEST_DAMPING = 0.3
+ENDS = (0.3, 3.0)
+"""Factors on a starting frequency between which it is fitted."""
 SMALLEST_AMPLITUDE = 0.02
 """Share of the largest amplitude below which a mode is left out."""
 
@@ -95,42 +96,31 @@ def fit_ringing(values: Array, step: float) -> Ringing:
     """Return the modes in a free vibration."""
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
-    best: _Fit | None = None
+    duration, total = float(t[-1]), _power(y)
+    best, least = Damped(modes=(), errors=(), rest=y - y.mean()), np.inf
     for order in range(1, MOST_MODES + 1):
         start = _pencil(y, step, order)
-        if len(start) < order:
+        if len(start) < order or total == 0.0 or y.size <= 2 * (4 * order + 1):
             break
-        fit = _refine(y, t, start)
-        if fit is None or (best is not None and fit.criterion > best.criterion - LEAST_GAIN):
+        try:
+            fit = fit_damped(t, y, start, ends=ENDS)
+        except (ValueError, np.linalg.LinAlgError):
             break
-        best = fit
-    if best is None:
-        return Ringing(modes=(), duration=float(t[-1]), explained=0.0)
+        criterion = _criterion(fit.rest, y, order)
+        if criterion > least - LEAST_GAIN:
+            break
+        best, least = fit, criterion
+    largest = max((mode.amplitude for mode in best.modes), default=0.0)
     modes = [
-        FreeMode(
-            frequency_hz=omega / (2 * np.pi),
-            frequency_sigma_hz=sigma_omega / (2 * np.pi),
-            damping_ratio=zeta,
-            damping_sigma=sigma_zeta,
-            amplitude=amplitude,
-        )
-        for omega, zeta, sigma_omega, sigma_zeta, amplitude, share in best.modes
-        if 0.0 < zeta < LARGEST_DAMPING
-        and share > SIGNIFICANT
-        and amplitude > SMALLEST_AMPLITUDE * max(row[4] for row in best.modes)
-        and omega * t[-1] > 2 * np.pi * FEWEST_CYCLES
+        mode
+        for mode, error in zip(best.modes, best.errors, strict=True)
+        if 0.0 < mode.damping_ratio < LARGEST_DAMPING
+        and mode.amplitude > max(SIGNIFICANT * error, SMALLEST_AMPLITUDE * largest)
+        and mode.frequency_hz * duration > FEWEST_CYCLES
     ]
     modes.sort(key=lambda mode: -mode.amplitude)
-    return Ringing(modes=tuple(modes), duration=float(t[-1]), explained=best.explained)
-
-
-@dataclass(frozen=True, slots=True)
-class _Fit:
-    """Modes as (ω, ζ, σ_ω, σ_ζ, amplitude, amplitude over its standard error)."""
-
-    modes: list[tuple[float, float, float, float, float, float]]
-    criterion: float
-    explained: float
+    explained = 1.0 - float(best.rest @ best.rest) / total if best.modes else 0.0
+    return Ringing(modes=tuple(modes), duration=duration, explained=explained)
 
 
 def _thinned(values: Array, step: float) -> tuple[Array, float]:
@@ -146,8 +136,8 @@ def _thinned(values: Array, step: float) -> tuple[Array, float]:
     return values[:MOST_SAMPLES], step
 
 
-def _pencil(y: Array, step: float, order: int) -> list[tuple[float, float]]:
-    """Starting (ω, ζ) of the strongest oscillations."""
+def _pencil(y: Array, step: float, order: int) -> list[complex]:
+    """The poles of the strongest oscillations, to start with [1/s]."""
     stride = max(y.size // 600, 1)  # the pencil's cost grows with the cube
     y = np.ascontiguousarray(y[::stride])
     step *= stride
@@ -162,64 +152,17 @@ def _pencil(y: Array, step: float, order: int) -> list[tuple[float, float]]:
     for pole in np.log(poles[np.abs(poles) > 1e-6]) / step:
         omega = float(abs(pole))
         if pole.imag > 0.0 and omega > 0.0 and pole.imag < 0.98 * np.pi / step:
-            found.append((omega, float(np.clip(-pole.real / omega, 1e-4, 0.5))))
-    sizes = [float(np.linalg.norm(_amplitudes(y, t, [one])[1:])) for one in found]
-    ranked = [one for _, one in sorted(zip(sizes, found, strict=True), reverse=True)]
-    return ranked[:order]
+            zeta = float(np.clip(-pole.real / omega, 1e-4, 0.5))
+            found.append(omega * complex(-zeta, sqrt(1.0 - zeta**2)))
+    return sorted(found, key=lambda one: -float(np.linalg.norm(weigh(t, y, [one])[0][1:])))[:order]
 
 
-def _basis(t: Array, modes: list[tuple[float, float]]) -> Array:
-    columns = [np.ones_like(t)]
-    for omega, zeta in modes:
-        decay, angle = np.exp(-zeta * omega * t), omega * np.sqrt(max(1.0 - zeta**2, 1e-6)) * t
-        columns += [decay * np.cos(angle), decay * np.sin(angle)]
-    return np.column_stack(columns)
+def _criterion(rest: Array, y: Array, order: int) -> float:
+    """The Bayesian information criterion of what some modes leave of a signal."""
+    independent = y.size / correlation_length(rest)
+    noise = max(float(rest @ rest), 1e-24 * _power(y))
+    return float(independent * np.log(noise / y.size) + (4 * order + 1) * np.log(independent))
 
 
-def _amplitudes(y: Array, t: Array, modes: list[tuple[float, float]]) -> Array:
-    return np.asarray(np.linalg.lstsq(_basis(t, modes), y, rcond=None)[0], dtype=np.float64)
-
-
-def _refine(y: Array, t: Array, start: list[tuple[float, float]]) -> _Fit | None:
-    count = len(start)
-    scale = np.array([[omega, 0.05] for omega, _ in start]).ravel()
-
-    def modes_of(x: Array) -> list[tuple[float, float]]:
-        return [(float(w), float(z)) for w, z in (x * scale).reshape(-1, 2)]
-
-    def residuals(x: Array) -> Array:
-        basis = _basis(t, modes_of(x))
-        rest: Array = y - basis @ np.linalg.lstsq(basis, y, rcond=None)[0]
-        return rest
-
-    x0 = np.array(start).ravel() / scale
-    low = np.tile([0.3, 0.0], count)
-    high = np.tile([3.0, 0.6 / 0.05], count)
-    try:
-        solved = least_squares(residuals, np.clip(x0, low + 1e-6, high - 1e-6), bounds=(low, high))
-    except (ValueError, np.linalg.LinAlgError):
-        return None
-    rest = solved.fun
-    power = float(rest @ rest)
-    free = 4 * count + 1
-    total = float(((y - y.mean()) ** 2).sum())
-    if total == 0.0 or y.size <= 2 * free:
-        return None
-    spread = correlation_length(rest)
-    independent = y.size / spread
-    noise = max(power, 1e-24 * total)
-    criterion = independent * np.log(noise / y.size) + free * np.log(independent)
-    variance = noise / (y.size - free) * spread
-    jacobian = np.column_stack([np.asarray(solved.jac), _basis(t, modes_of(solved.x))])
-    covariance = variance * np.linalg.pinv(jacobian.T @ jacobian)
-    sigma = np.sqrt(np.diag(covariance)[: 2 * count]) * scale
-    weights = _amplitudes(y, t, modes_of(solved.x))[1:].reshape(-1, 2)
-    errors = np.sqrt(np.diag(covariance)[2 * count + 1 :]).reshape(-1, 2)
-    rows = []
-    for (omega, zeta), s, weight, error in zip(
-        modes_of(solved.x), sigma.reshape(-1, 2), weights, errors, strict=True
-    ):
-        amplitude = float(np.hypot(*weight))
-        certainty = amplitude / max(float(np.hypot(*error)), 1e-300)
-        rows.append((omega, zeta, float(s[0]), float(s[1]), amplitude, certainty))
-    return _Fit(rows, float(criterion), 1.0 - power / total)
+def _power(y: Array) -> float:
+    return float(((y - y.mean()) ** 2).sum())

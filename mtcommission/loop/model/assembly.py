@@ -67,6 +67,15 @@ def _held_over(A: Array, B: Array, step: float) -> tuple[Array, Array]:
     return transition[:n, :n], transition[:n, n]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossCheck:
+    """What python-control says of the nominal loop, put together from the same blocks."""
+
+    pole_difference: float  # largest distance of a pole of ours from theirs in the z plane [-]
+    gain_margin_db: float | None  # None: by any amount
+    phase_margin_deg: float | None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stage:
     """A discrete single-input single-output block x⁺ = A x + B u, y = C x + D u."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -102,6 +103,53 @@ class Controller:
         """
         arrival = self.reference_delay + 0.5 * self.velocity_cycle
         return max(arrival - self.handing_down_delay, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathDelay:
+    """What delays one path of the loop [s]."""
+
+    path: Message
+    setpoint_age: float  # how old the setpoint is that is taken
+    dead_time: float  # whole cycles until it acts
+    hold: float  # mean age of a held value
+    lag: float  # first-order lags: drive, filters
+    total: float
+
+
+def list_delays(controller: Controller) -> list[PathDelay]:
+    """Return which path carries which dead time."""
+    T_p, T_v = controller.position_cycle, controller.velocity_cycle
+    filters = sum(filter_delay(item) for item in controller.force_filters)
+    left = (1.0 - controller.jerk_feedforward) * controller.force_lag
+    held, half = 0.5 * (T_p - T_v), 0.5 * T_v
+    # Interpolation between two setpoints waits for the second one.
+    down = held if controller.position_loop is PositionLoop.CONTROL else T_p
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    position = (0.0, 0.0) if in_drive else (T_p, held)
+    paths = {  # age of the setpoint, dead time, hold, lag
+        "position-setpoint": (controller.reference_delay, 0.0, 0.0, 0.0),
+        "position-controller": (0.0, *position, 0.0),
+        "velocity-feed-forward": (controller.velocity_age, T_p, down, 0.0),
+        "wanted-state": (controller.reference_age, T_p, down, 0.0),
+        "force-feed-forward": (0.0, T_p + T_v, down + half, left + filters),
+        "velocity-controller": (half, T_v, half, controller.force_lag + filters),
+    }
+    if controller.follows:
+        paths = {"position-setpoint": (0.0, T_p, T_p, 0.0)}
+    elif not controller.state_gains.any():
+        del paths["wanted-state"]
+    return [
+        PathDelay(
+            path=Message(f"path-{path}"),
+            setpoint_age=age,
+            dead_time=dead,
+            hold=hold,
+            lag=lag,
+            total=age + dead + hold + lag,
+        )
+        for path, (age, dead, hold, lag) in paths.items()
+    ]
 
 
 def filter_delay(item: ForceFilter) -> float:

@@ -12,15 +12,21 @@ searches and simulates takes its matrices from ``assembly``, which a test holds 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import exp, inf, pi
+from math import exp, pi
 
 import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.model.assembly import INPUTS, HandedDown, LiftedLoop, SampledLoop, hand_down
+from mtcommission.loop.model.assembly import (
+    INPUTS,
+    CrossCheck,
+    HandedDown,
+    LiftedLoop,
+    SampledLoop,
+    hand_down,
+)
 from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.plant.plant import Plant
 
@@ -244,15 +250,6 @@ DEAD_TIME_RADIUS = 1e-3
 """Several dead times are one defective pole, spread by rounding: not compared within it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CrossCheck:
-    """Poles and margins of the block diagram."""
-
-    pole_difference: float  # largest distance of one of our poles from theirs, z plane [-]
-    gain_margin_db: float  # inf without a crossing
-    phase_margin_deg: float  # inf without a crossing
-
-
 def check_by_blocks(loop: SampledLoop, frequency_hz: Array) -> CrossCheck:
     """Return what the block diagram says of the nominal loop; margins on the same frequencies."""
     plant, controller = loop.plant, loop.controller
@@ -265,6 +262,6 @@ def check_by_blocks(loop: SampledLoop, frequency_hz: Array) -> CrossCheck:
     gains, phases, *_ = control.stability_margins(answer, returnall=True)
     return CrossCheck(
         pole_difference=float(np.max(np.min(np.abs(alive[:, None] - theirs), axis=1))),
-        gain_margin_db=float(np.min(np.abs(20.0 * np.log10(gains)), initial=inf)),
-        phase_margin_deg=float(np.min(np.abs(phases), initial=inf)),
+        gain_margin_db=float(np.min(np.abs(20.0 * np.log10(gains)))) if len(gains) else None,
+        phase_margin_deg=float(np.min(np.abs(phases))) if len(phases) else None,
     )

@@ -1,8 +1,9 @@
 """A solved sequence without what its conditions do not call for, and with its proof.
 
-A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign, is taken out,
-and a bound of order 1 exceeded where the force turns is held there for a while. What a sequence
-lacks besides is not searched for: finer cells show it.
+A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign, is taken out;
+a bound of order 1 exceeded where the force turns is held there for a while, and left for a while
+where its multiplier has the wrong sign. What a sequence lacks besides is not searched for: finer
+cells show it.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from mtcommission.optimal.polish.sequence import (
 )
 from mtcommission.optimal.polish.structure import place_touches
 from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
-from mtcommission.optimal.proof import EXCESS, Found, prove
+from mtcommission.optimal.proof import EXCESS, Found, densities, prove, stretches
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,10 @@ CLOSED_GAP = 1e-9
 VANISHED, SLIVER, SPLINTER = 1e-8, 1e-6, 2e-4
 """Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
 without it; of what cells show, where it may be their ripple."""
+WRONG = 1e-6
+"""Share of the largest density of an arc from which one of the wrong sign counts."""
+DIP = 0.5
+"""First length of each half of a departure from an arc, in radians of the fastest rate."""
 MOST_GROWTH = 10.0
 """Growth of the motion over an arc, as exponent of e, from which no digits are left."""
 
@@ -48,7 +53,9 @@ def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     best: Found | None = None
-    following: Sequence | None = guess
+    # Arcs that a guess drives over each other, as where a force turns before it is on its bound.
+    shared = _joined([piece for piece in _shared(list(guess.pieces)) if piece.duration != 0.0])
+    following: Sequence | None = replace(guess, pieces=tuple(shared))
     for _ in range(EDITS):
         if following is None or not _may_be_solved(problem, following):
             break
@@ -60,7 +67,7 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
         if following is None and found is not None:  # it may hold slivers at no cost
             following = pruned(problem, extremal, least=SLIVER)
         if following is None and extremal.residual <= RESIDUAL:
-            following = with_short_arc(problem, extremal)
+            following = with_short_arc(problem, extremal) or with_departure(problem, extremal)
     return best
 
 
@@ -170,6 +177,40 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
         replace(after, duration=after.duration - half),
     ]
     touches = touch_points(extremal.sequence)
+    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
+
+
+def with_departure(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence that leaves an arc of order 1 where holding costs; None if nowhere.
+
+    There its multiplier has the wrong sign: a force that leaves the bound and returns saves time.
+    """
+    sequence, span = extremal.sequence, DIP / problem.rate
+    parts = {part.start: part for part in stretches(problem, extremal.measure) if part.limit >= 0}
+    starts = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
+    worst, most = None, WRONG
+    for index, piece in enumerate(sequence.pieces):
+        if piece.limit < 0 or problem.limits[piece.limit].order > 1 or piece.duration < 4.0 * span:
+            continue
+        near = min(parts, key=lambda start: abs(start - starts[index]))
+        density = -piece.side * densities(problem, parts[near])[0][::-1]
+        k = int(density.argmax())
+        share = float(density[k]) / float(np.abs(density).max())
+        if share > most:
+            worst, most = (index, piece.duration * k / (density.size - 1)), share
+    if worst is None:
+        return None
+    index, at = worst
+    piece = sequence.pieces[index]
+    at = min(max(at, 2.0 * span), piece.duration - 2.0 * span)
+    pieces = list(sequence.pieces)
+    pieces[index : index + 1] = [
+        replace(piece, duration=at - span),
+        Piece(limit=-1, side=-piece.side, duration=span),
+        Piece(limit=-1, side=piece.side, duration=span),
+        replace(piece, duration=piece.duration - at - span),
+    ]
+    touches = touch_points(sequence)
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
 
 

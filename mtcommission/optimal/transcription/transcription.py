@@ -34,7 +34,7 @@ from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
-from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
+from mtcommission.optimal.saturated import state_scales, terminal_target
 from mtcommission.optimal.solution import (
     Bound,
     Certificate,

@@ -1,26 +1,24 @@
 either = { $first } oder { $last }
 
-option-one-of = erhalten { $got }, muss { $allowed } sein
-option-between = erhalten { $got }, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
-option-not-positive = erhalten { $got }, muss > 0 { $unit } sein
-option-filter-form = erhalten: { $got }; { $numbers ->
+option-between = { $got } angegeben, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
+option-not-positive = { $got } angegeben, muss > 0 { $unit } sein
+option-filter-form = { $got } angegeben; { $numbers ->
     [time] erlaubt ist { $kind }:ZEIT, z. B. { $kind }:8ms
     [times] erlaubt ist { $kind }:ZEIT:ZEIT, z. B. { $kind }:8ms:4ms
     [fir] seine Koeffizienten passen nicht in eine Zeile; im Profil angeben
    *[mode] erlaubt ist { $kind }:FREQUENZ:DÄMPFUNG, z. B. { $kind }:45Hz:0.02
 }
-option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $count }
-option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
+option-no-such-move = { $got } angegeben, das Profil hat die Bewegungen 1 bis { $count }
+option-force-below-static-load = { PLAIN($force, digits: 6) } { $unit } angegeben, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
-option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der { word-force } den Ruck
+option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante des { word-force-before }regelkreises den Ruck
 option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht die Beschleunigung ihre Grenze in { TIME($ramp) }, so gut wie sofort; ohne --jerk springt sie
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
-option-no-bound = erhalten { $got }, muss NAME=WERT sein
+option-no-bound = { $got } angegeben, muss NAME=WERT sein
 option-no-signal = kein Zustand oder Ausgang { $got }{ $hint }; es gibt: { $names }
-option-did-you-mean = ; gemeint { $name }?
-option-no-language = erhalten "{ $got }", muss eine davon sein: { $allowed }
+option-no-language = "{ $got }" angegeben, muss eine davon sein: { $allowed }
 
 file-folder-not-writable = dort kann nicht geschrieben werden ({ $reason }); mit -o einen anderen Ordner angeben
 file-above = { $place } ist eine Datei
@@ -37,11 +35,11 @@ file-named-twice = ist für zwei Ergebnisse genannt; jedem eine eigene Datei geb
 file-write-protected = ist schreibgeschützt; einen anderen Namen angeben oder das Schreiben erlauben
 
 cli-no-profile = kein Profil angegeben; eine TOML-Datei angeben
-cli-no-record = kein Protokoll angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
+cli-no-record = keine Ergebnisdatei angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
 cli-file-exists = gibt es schon; einen anderen Namen angeben
 print-boxes = sheet.pdf hat keine Zeichen für { $characters } und druckt Kästchen dafür; sheet.html zeigt sie, oder den Namen in lateinischen, griechischen oder kyrillischen Buchstaben schreiben
 cli-interrupted = abgebrochen; jede Datei ist ganz: wie zuvor oder, wenn sie gerade geschrieben wurde, neu
-cli-no-epoch = erhalten "{ $got }", muss Sekunden seit 1970 sein; sonst die Variable löschen
+cli-no-epoch = "{ $got }" angegeben, muss Sekunden seit 1970 sein; sonst die Variable löschen
 cli-file-system = Standardausgabe oder Arbeitsordner
 cli-internal-error = interner Fehler, bitte mit dem Profil einsenden: { $error }
 cli-written = geschrieben: { $files }
@@ -70,10 +68,7 @@ simulated-ramp-of-a-cycle = Die Rampe a/j = { TIME($ramp, digits: 3) } ist kürz
 option-jerk-needed = die Steuerung begrenzt den Ruck, der zu prüfende Grenzwert ist also nötig, z. B. --jerk 100m/s^3
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
 simulated-with-loop = Regelkreis, Offenes eingestellt: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
-simulated-with-filters = Filter im { $axis ->
-    [rotary] Momentensollwert
-   *[linear] { word-force-before }sollwert
-}: { $filters }.
+simulated-with-filters = Filter im { word-force-before }sollwert: { $filters }.
 simulated-without-loop = Gesteuerte Achse: es gibt keinen Regelkreis einzustellen.
 
 # Ein Aufruf, der zu den Befehlen nicht passt.

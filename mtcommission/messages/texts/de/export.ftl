@@ -1,11 +1,11 @@
 # Steuerungen lesen diese Dateien: Was in ihnen steht, kommt ohne Umlaute aus.
 
-export-profile-edited = das Profil in diesem Protokoll wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
-export-other-loop = der Regelkreis in diesem Protokoll ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
+export-profile-edited = das Profil in dieser Ergebnisdatei wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
+export-other-loop = der Regelkreis in dieser Ergebnisdatei ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
 export-too-small = die Beschleunigung { SI($acceleration, "ACCELERATION", digits: 3) } ist kleiner als eine Einheit dieser Steuerung; --control generic verwenden
 export-no-control = keine Steuerung { $given }. Es gibt: { $there_are }
 export-no-control-but = keine Steuerung { $given }; ist { $meant } gemeint? Es gibt: { $there_are }
-export-other-letter = { $control } nennt seine Achsen { $letters }; dieses Protokoll gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
+export-other-letter = { $control } nennt seine Achsen { $letters }; diese Ergebnisdatei gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
 export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rundachse; --control generic verwenden
 
 export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis für { $control }
@@ -36,12 +36,12 @@ export-feature = { $what ->
     [jerk] Ruckvorsteuerung
     [delay] Verzögerung des Lagesollwerts
     [setpoint-filter] Sollwertfilter dieser Art und Länge
-    [force-filters] einige Filter der Soll{ word-force-behind }
+    [force-filters] einige { has-force-filters }
     [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
    *[loop-drive] Lageregelung im Antrieb
 }
-export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Toleranzband nicht ein, { $band }
+export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Band nicht ein, { $band }
 export-neutral = In neutralen Worten, denn { $why }
 export-mode-left-out = ENTFÄLLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
 export-warning-here = WARNUNG, für den Regelkreis dieses Textes: { $warning }
@@ -65,9 +65,8 @@ export-missed = { $name } { $value }, erlaubt { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
 export-mode-missed = keine Grenzwerte für die Bearbeitungsart { $mode }
-export-value = { PLAIN($value, digits: 4) } { $unit }
-export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }
-export-no-limits-but = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
+export-no-limits-within = keine Grenzwerte halten das Werkzeug im Band der Bearbeitungsart { $mode }, { $band }
+export-no-limits-but = keine Grenzwerte halten das Werkzeug im Band der Bearbeitungsart { $mode }, { $band } ({ $attainable } wäre einzuhalten)
 export-least-vibration = KEINE BESCHLEUNIGUNG ERFÜLLT HIER DIE ANFORDERUNGEN: von den erprobten Werten lässt dieser, { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung, { $shaper ->
     [yes] mit dem Shaper
    *[no] ohne Shaper
@@ -109,7 +108,6 @@ limit-jerk = Ruck
 limit-path-nci = Bahnbeschleunigung, -verzögerung, -ruck (NCI)
 limit-axis-jerk = Achsruck
 limit-axis-jerk-at-rapid = Achsruck im Eilgang; die Regel des Herstellers, 5 x axPathJerk, wurde nicht beurteilt
-limit-recommended = empfohlen
 limit-rapid = Eilgang, zu dem die Anstiegszeit gehört; so lassen, wie er ist
 limit-of-mode = { $mode }, Band { $band }, erfüllt
 gain-integral-time = Nachstellzeit, aufgerundet
@@ -120,28 +118,28 @@ gain-kv-name-and-unit = Kv dieses Regelkreises; Name und Einheit
 gain-kp-at-axis = Geschwindigkeitsverstärkung, an der Achse
 gain-tn-unit = Tn dieses Regelkreises, aufgerundet; Einheit
 row-feedforward-velocity = Gewicht der Geschwindigkeitsvorsteuerung
-row-feedforward-force = { word-drive-force } je Beschleunigung, an der Achse
-row-feedforward-jerk = { word-drive-force } je Ruck, an der Achse
+row-feedforward-force = { word-force } je Beschleunigung, an der Achse
+row-feedforward-jerk = { word-force } je Ruck, an der Achse
 row-feedforward-inertia = Vorsteuerung: alle Trägheit, an der Welle
 cycle-position = Takt des Lagereglers
-cycle-velocity = Takt des Drehzahlreglers
-loop-place = wo er sich schließt: control (Werte gehalten), interpolated, drive (DSC)
+cycle-velocity = Takt des Geschwindigkeitsreglers
+loop-place = wo der Lageregelkreis schließt: control (Werte gehalten), interpolated, drive (DSC)
 filter-average = Mittelwert des Sollwerts; 0: keiner darf wirken
 filter-second-average = zweiter gleitender Mittelwert hinter dem ersten
 filter-tap = Gewicht des Sollwerts vor so vielen Abständen, der erste der neueste
 filter-tap-spacing = Abstand der Stützstellen des Sollwertfilters
 filter-count = wirksame { has-force-filters }, in dieser Reihenfolge
-filter-kind = seine Art
-filter-frequency = seine Eigenfrequenz
+filter-kind = Art des Filters
+filter-frequency = Eigenfrequenz des Filters
 filter-damping = Dämpfungsgrad: Zähler einer Bandsperre, Nenner eines Tiefpasses
 filter-width = Dämpfungsgrad des Nenners der Bandsperre
-row-state-gain = { word-drive-force } je Einheit dieses Zustands, über den Beobachter zurückgeführt
+row-state-gain = { word-force } je Einheit dieses Zustands, über den Beobachter zurückgeführt
 delay-of-reference = Verzögerung des Lagesollwerts, bis die Vorsteuerung wirkt
 
 sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; Einheit
 sinumerik-filter-on = Ruckfilter ein
-sinumerik-moving-average = gleitender Mittelwert
+moving-average = gleitender Mittelwert
 sinumerik-two-averages = zwei gleitende Mittelwerte hintereinander
 sinumerik-filter-off = Ruckfilter aus: seine Zeit käme zur Rampe hinzu
 sinumerik-ffw-mode = 0 keine, 3 Drehzahl, 4 Moment; mit Totzeit
@@ -154,10 +152,10 @@ sinumerik-numerator-frequency = Eigenfrequenz des Zählers
 sinumerik-denominator-damping = Dämpfungsgrad des Nenners
 sinumerik-numerator-damping = Dämpfungsgrad des Zählers
 sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zähler; Reihenfolge der fünf Parameter
-sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Toleranzband beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
+sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Band beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
 sinumerik-one-mode = DYNNORM und DYNPOS erhalten die Empfehlung; die übrigen Dynamikmodi behalten, was sie haben, und das wurde nicht beurteilt. G0 kann MD32434/MD32435 (Faktoren) verwenden, JOG verwendet MD32420/MD32430.
 sinumerik-path-jerk = Der Bahnruck MD20600 muss über den Achswerten liegen, sonst begrenzt er.
-sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Toleranzbänder in Grad.
+sinumerik-turns = Beschleunigungen zählen in Umdrehungen, Lagen und Bänder in Grad.
 
 heidenhain-path = maxPathJerk und maxPathJerkHi (Vorgabe 40 m/s^3) und maxPathYank begrenzen die Bahn: über den Achswerten halten, nach der Regel des Herstellers mindestens 1,75 x der größte Achswert.
 heidenhain-filters = Die Lagefilter der Steuerung bringen eigene Ruckzeit mit: sie darf nicht doppelt gezählt werden.
@@ -217,7 +215,7 @@ shaper-of-run = wie im Lauf
 klipper-no-jerk = Klipper hat keine Ruckgrenze; square_corner_velocity ist ein Geschwindigkeitssprung, kein Ruck.
 klipper-cruise = minimum_cruise_ratio (Vorgabe 0.5) senkt die Geschwindigkeit kurzer Bewegungen: sie sind ohne das simuliert.
 klipper-corner = Geschwindigkeitssprung am rechten Winkel
-klipper-corner-bound = square_corner_velocity: bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band, in jeder Ecke von Frequenz und Dämpfung; eingetragen ist das, höchstens die Vorgabe von Klipper, { NUMBER($usual, digits: 3) } mm/s. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
+klipper-corner-bound = square_corner_velocity: bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung, die der Geschwindigkeitssprung hinter dem Shaper hinterlässt, für sich innerhalb des freigegebenen Anteils am Band, in jedem Eckfall von Frequenz und Dämpfung; eingetragen ist das, höchstens die Vorgabe von Klipper, { NUMBER($usual, digits: 3) } mm/s. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
 klipper-three-humps = 3HUMP_EI war in Klipper von September 2025 bis 31. März 2026 fehlerhaft (ein fehlendes Komma, #7235): Klipper vorher aktualisieren.
 klipper-shaper = Der Shaper verlängert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein

@@ -36,21 +36,21 @@ help-answers = Antworten (TOML, mit den Schlüsseln des Profils).
 help-yes = Für Offenes die Vorgaben nehmen, statt zu fragen.
 help-run-after = Danach gleich run.
 
-help-identify = Aus gemessenen Frequenzgängen Masse, Verzögerung und Moden eines Profils.
+help-identify = Aus gemessenen Frequenzgängen Masse, Verzögerung und Eigenformen eines Profils.
 help-identify-more = Liest Tabellen von Frequenzgängen und Signalen, Dateien von SINUMERIK, TwinCAT, LinuxCNC, Klipper und UFF. Klippers resonances_x_... und resonances_y_... zugleich: NEW-x.toml und NEW-y.toml.
 help-files = Messungen; FILE@tcp, FILE@encoder, FILE@RESPONSE.
-help-identify-profile = Profil, das die Moden aufnimmt.
+help-identify-profile = Profil, das die Eigenformen aufnimmt.
 help-identify-output = Profil, das geschrieben wird.
 help-sensor = Wo der Sensor sitzt.
 help-input = Was die Achse anregt.
 help-measured = Was er zeigt.
 help-band = Linien für die Anpassung [Hz]; Vorgabe: wird gewählt.
-help-modes = Anzahl der Moden.
+help-modes = Anzahl der Eigenformen.
 help-tool-ratio = Überhöhung am Werkzeug durch Überhöhung am Motor, falls bekannt.
 help-force = Ein Profil auch schreiben, wenn kein Modell passt, mit Vermerk.
 help-page = Gemessenes über dem Modell, als Seite.
 
-help-check = Ein Profil prüfen; Moden, Grenzen des starren Körpers und Warnungen zeigen.
+help-check = Ein Profil prüfen; Eigenformen, Grenzen des starren Körpers und Warnungen zeigen.
 help-schema = Stattdessen das JSON-Schema der Profile zeigen.
 
 help-run = Grenzwerte berechnen; Datensatz, Blatt und Sollwert schreiben.

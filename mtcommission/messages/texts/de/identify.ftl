@@ -28,10 +28,7 @@ identify-not-described = { $files }: { $axis ->
     [response] Unten fällt der Frequenzgang nicht wie der einer freien { $axis ->
         [rotary] Trägheit
        *[linear] Masse
-    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { $axis ->
-        [rotary] Momentensollwert
-       *[linear] { word-force-before }sollwert
-    } zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
+    }: wahrscheinlich der falsche Frequenzgang (geschlossener Regelkreis ab Sollwert, anderes Signal), oder die Achse hat sich nicht bewegt. Die Drehzahlregelstrecke messen, { word-force-before }sollwert zu Istgeschwindigkeit, um eine Offsetgeschwindigkeit.
     [friction] Es liegt am unteren Ende: haftende Reibung oder Rückkopplung in der Messung. Um eine Offsetgeschwindigkeit messen, bei der die Achse nie steht, mit mehr Amplitude und möglichst weichem Lageregler; oder diese Linien mit --band weglassen.
     [modes] Es liegt am oberen Ende: mehr Eigenformen, als das Modell fasst, Stromregler oder Sensor. Diese Linien mit --band weglassen oder bis zu einer niedrigeren Frequenz mit feineren Linien messen.
    *[feedback] Es liegt mitten im Bereich: Rückkopplung in der Messung (die Anregung als v_ref mit aufzeichnen), falsche Einheit oder Spalte, oder die Maschine hat sich währenddessen verändert. Mit möglichst weichem Regler und mehr Amplitude erneut messen, mehrere Maschinenzustände einzeln.
@@ -59,14 +56,11 @@ identify-no-mode = Keine Eigenform gefunden: Im Bereich ist die Achse eine starr
 identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse ist unbekannt, und die Verstärkungen gelten zwischen den gemessenen Punkten, nicht als Anteil an { $axis ->
     [rotary] dem Drehmoment
    *[linear] der { word-force }
-} des Antriebs. Mit dem Antrieb { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-} zu Geschwindigkeit messen.
+} des Antriebs. Mit dem Antrieb { word-force } zu Geschwindigkeit messen.
 identify-no-force = Nur die Bewegung wurde aufgezeichnet, nicht was sie antreibt: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie den Frequenzgang des Antriebs aufzeichnen (Drehmoment zu Drehzahl).
 identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
 identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede bekommt eigene Dateien (-o NEU.toml schreibt NEU-x.toml und so fort), darum weder --profile noch - angeben; oder nur die Dateien einer Achse nennen
-identify-kind-replaced = identify schreibt einen modalen Aufbau: Seine Moden treten an die Stelle von kind = "{ $kind }" und von allem, was in [plant] stand. Das alte Profil aufheben, wenn verglichen werden soll.
+identify-kind-replaced = identify schreibt einen modalen Aufbau: Seine Eigenformen treten an die Stelle von kind = "{ $kind }" und von allem, was in [plant] stand. Das alte Profil aufheben, wenn verglichen werden soll.
 identify-core-xy = Die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY. Dort teilen sich beide Motoren die Beschleunigung von X oder Y, aber auf einer Diagonale trägt ein Motor sie allein: drive.max_acceleration gilt für eine Achse und ist höchstens 1/√2 dessen, was ein Motor allein mitmacht.
 identify-klipper-choice = calibrate_shaper (Klipper, Stand 84104bbb, sein Kriterium hier berechnet) würde { $shaper } bei { FREQUENCY($frequency) } wählen, max_accel { NUMBER($acceleration, digits: 4) } mm/s²; das lässt nach seinem Maß { SHARE($vibration) } der gemessenen Leistung übrig. run simuliert es neben der eigenen Wahl.
 identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
@@ -139,12 +133,7 @@ identify-spread-frequency = Streuung der Frequenzen
 identify-spread-damping = Streuung der Dämpfung
 identify-misfit = Abweichung im Verhältnis zum Rauschen
 identify-head-why = Warum
-identify-head-mode = Eigenform
-identify-head-frequency = Frequenz
-identify-head-damping = Dämpfungsgrad
 identify-head-encoder = Verstärkung am Geber
-identify-head-tool = Verstärkung am Werkzeug
-identify-head-state = Zustand
 identify-head-file = Datei
 identify-head-sensor = Sensor
 identify-head-format = Format
@@ -187,6 +176,7 @@ identify-sensor-encoder = Geber
 identify-sensor-tcp = Werkzeug
 identify-stage = Identifiziere
 identify-next-run = Die Annahmen in { $file } ansehen, dann: mtcommission run { $file }
+identify-next-check = Dann: mtcommission check { $file }, danach mtcommission run { $file }
 identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run { $file }
 
 # Options
@@ -229,4 +219,4 @@ identified-klipper-smoothing = Verrundung bei 5 m/s²
 identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (empfohlen)
 identified-klipper-ours = unsere: { $filter }
-identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Ecken; das Urteil gilt für jede Größe, der die Grenzwerte dienen
+identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Eckfälle; das Urteil gilt für jede Größe, der die Grenzwerte dienen

@@ -43,14 +43,8 @@ identify-series-short = { $name } hat { $got } Werte, es müssen { $wanted } sei
 identify-series-missing = { $name } fehlt; die Messung mit ihren Daten speichern
 identify-series-not-finite = { $name } enthält Werte, die keine Messung liefert (nicht endlich oder über alle Maßen groß); neu messen
 identify-record-broken = Datensatz { $row }: „{ $got }“ angegeben, muss eine Zahl sein
-identify-response-taken = { $name } wird genommen: Motordrehzahl je { $axis ->
-    [rotary] Moment
-   *[linear] { word-force }
-}, die Mechanik, die der Antrieb bewegt. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
-identify-last-response-taken = { $name } wird genommen: Motordrehzahl je { $axis ->
-    [rotary] Moment
-   *[linear] { word-force }
-}, zuletzt gemessen. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
+identify-response-taken = { $name } wird genommen: Motordrehzahl je { word-force }, die Mechanik, die der Antrieb bewegt. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
+identify-last-response-taken = { $name } wird genommen: Motordrehzahl je { word-force }, zuletzt gemessen. Die Datei enthält auch { $others }: { $file }@NAME nimmt einen davon.
 identify-no-such-response = „{ $got }“ ist kein Frequenzgang der Datei; es gibt: { $names }
 identify-hz-assumed = Die Datei enthält keine Abtastzeit, die die Einheit ihrer Frequenzen verrät: als Hz gelesen, bis { PLAIN($last) } Hz (angenommen; in rad/s lägen sie um 2π tiefer)
 identify-frequency-neither = Die letzte Linie liegt bei { PLAIN($last) }; eine Sitzung reicht aber bis zur halben Abtastrate, { PLAIN($nyquist) } Hz bei { TIME($step) }: Das passt weder in Hz noch in rad/s, die Einheit der Frequenzen ist also nicht bekannt; mit voller Bandbreite erneut messen oder den Frequenzgang als Tabelle mit frequency_hz exportieren
@@ -92,27 +86,27 @@ identify-column-found = { $place }: { $name } [{ $unit }] ist { $what }
 identify-columns-unknown = Spalten sind nicht klar: { $found }; anzugeben: { $missing }
 identify-response-unknown = ein Frequenzgang mit der Einheit „{ $found }“ ist nicht klar; anzugeben: { $missing }
 identify-missing-output = welche Spalte die Bewegung ist: --columns "encoder=SPALTE [mm]" (oder tcp, velocity, acceleration)
-identify-missing-input = welche Spalte die { word-force } ist: --columns "force=SPALTE [N]" (oder torque, current), oder die Spalten, die zählen, wenn es keine gibt
+identify-missing-input = welche Spalte { word-force } enthält: --columns "force=SPALTE [N]" (oder torque, current), oder die Spalten, die zählen, wenn es keine gibt
 identify-missing-sensor = wo gemessen wurde: --sensor encoder oder --sensor tcp (oder DATEI@tcp)
 identify-say-input = was anregt: --input force, torque, current oder acceleration
 identify-say-output = was gemessen wurde: --output position, velocity oder acceleration
-identify-say-constant = --constant, die { word-force } oder das Drehmoment je Ampere (in N/A oder N m/A), aus dem Datenblatt des Motors
-identify-current-without-constant = ein Strom (Spalten { $found }); --constant angeben, die { word-force } oder das Drehmoment je Ampere (in N/A oder N m/A), aus dem Datenblatt des Motors
+identify-say-constant = --constant, { word-force } je Ampere (in N/A oder N m/A), aus dem Datenblatt des Motors
+identify-current-without-constant = ein Strom (Spalten { $found }); --constant angeben, { word-force } je Ampere (in N/A oder N m/A), aus dem Datenblatt des Motors
 identify-column-contradicts = { $name } hat die Einheit { $unit }, eine Einheit für { $signal }: sind Spalten vertauscht, oder ist die Einheit falsch?
 identify-rotary-on-linear = der Frequenzgang gehört zu einem drehenden Motor, die Achse des Profils ist linear; drive.lead angeben (Weg je Umdrehung) oder { word-force } und Weg auf die Achse umrechnen
 identify-linear-on-rotary = der Frequenzgang gehört zu einer linearen Bewegung, die Achse des Profils dreht
 identify-motor-to-axis = vom Motor auf die Achse umgerechnet mit { PLAIN($turn, digits: 6) } rad des Motors je Meter
 identify-sensor-assumed = { $name }: als Geber des Motors angenommen, da nichts anderes angegeben ist (--sensor)
-identify-not-collocated = bei { PLAIN($frequency) } Hz bewegt sich die Eigenform der { word-force } entgegen ({ PLAIN($share) } vom Anteil des starren Körpers), was der Geber eines Motors nie zeigt: Sitzt der Sensor an der Last? Angeben, wo er sitzt: --sensor tcp oder DATEI@tcp an Last oder Werkzeug, --sensor encoder, wenn es doch der eigene Geber des Antriebs ist
+identify-not-collocated = bei { PLAIN($frequency) } Hz bewegt sich die Eigenform der Anregung entgegen ({ PLAIN($share) } vom Anteil des starren Körpers), was der Geber eines Motors nie zeigt: Sitzt der Sensor an der Last? Angeben, wo er sitzt: --sensor tcp oder DATEI@tcp an Last oder Werkzeug, --sensor encoder, wenn es doch der eigene Geber des Antriebs ist
 identify-unit-assumed = die Einheit des Frequenzgangs („{ $found }“) nennt keinen Maßstab: als SI angenommen; ein falscher Faktor zeigt sich in der Masse
 identify-si-assumed = keine Einheit in der Datei, als SI angenommen: { $names }
 identify-ignored = nicht benutzte Spalten: { $names }
-identify-set-force = { $name } ist der Sollwert der { word-force }: die Verzögerung des Stromreglers ist Teil der gefundenen Totzeit
+identify-set-force = { $name } ist ein { word-force-before }sollwert: die Verzögerung des Stromreglers ist Teil der gefundenen Totzeit
 
 identify-no-motion = keine Bewegung unter den Spalten { $found }, oder sie steht still
-identify-no-excitation = die { word-force } ändert sich nicht (Spalten { $found }); die Achse anregen
+identify-no-excitation = { word-force } bleibt gleich (Spalten { $found }); die Achse anregen
 identify-incoherent = Ein- und Ausgang haben nichts miteinander zu tun (Kohärenz unter 0,3; Spalten { $found }); stärker anregen oder prüfen, welche Spalten es sind
-identify-nothing-rings = keine { word-force }, und nichts schwingt aus (Spalten { $found }); eine { word-force } aufzeichnen oder die Aufzeichnung erst lange nach der Bewegung enden lassen
+identify-nothing-rings = ohne { word-force }, und nichts schwingt aus (Spalten { $found }); { word-a-force } aufzeichnen oder die Aufzeichnung erst lange nach der Bewegung enden lassen
 identify-by-blows = geschätzt aus { $count } Schlägen von je { TIME($duration) }
 identify-not-died-away = beim nächsten Schlag waren noch { SHARE($share) } einer Antwort übrig: die Dämpfung wird zu groß gelesen; zwischen den Schlägen länger warten
 identify-single-blow = ein einziger Schlag: keine Kohärenz, die Intervalle kommen nur aus der Abweichung; fünfmal oder öfter schlagen
@@ -122,10 +116,10 @@ identify-by-welch = geschätzt nach Welch mit einem Fenster von { TIME($window) 
 identify-welch-too-coarse = Linien im Abstand { FREQUENCY($spacing) } sind zu grob für die schärfste Spitze, die { FREQUENCY($width) } breit ist: die Dämpfung wird zu groß gelesen; länger aufzeichnen
 identify-joint-estimate = die aufgezeichnete Anregung wurde benutzt (gemeinsame Schätzung von Ein- und Ausgang): der geschlossene Regelkreis verfälscht den Frequenzgang nicht
 identify-no-reference = keine Anregung aufgezeichnet: bei geschlossenem Regelkreis sind Linien mit kleiner Kohärenz ({ SHARE($share) } liegen unter 0,9) verfälscht; die Anregung mit aufzeichnen
-identify-reference-silent = die aufgezeichnete Anregung bewegt die { word-force } in diesen Linien nicht und wurde nicht benutzt: bei geschlossenem Regelkreis sind Linien mit kleiner Kohärenz ({ SHARE($share) } liegen unter 0,9) verfälscht
+identify-reference-silent = die aufgezeichnete Anregung ändert { word-force } in diesen Linien nicht und wurde nicht benutzt: bei geschlossenem Regelkreis sind Linien mit kleiner Kohärenz ({ SHARE($share) } liegen unter 0,9) verfälscht
 identify-same-sensor = derselbe Geber lieferte auch { $names }; der klarere Frequenzgang wird benutzt
-identify-by-decay = freie Schwingung ab { TIME($start) }, { TIME($duration) } lang; ihre Moden erklären { SHARE($explained) } davon; ohne { word-force } weder Masse noch Verstärkungen
+identify-by-decay = freie Schwingung ab { TIME($start) }, { TIME($duration) } lang; ihre Eigenformen erklären { SHARE($explained) } davon; ohne { word-force } weder Masse noch Verstärkungen
 identify-loop-in-decay = ein Sollwert wurde gefahren: das sind Schwingungen der Achse im geschlossenen Regelkreis, der ihre Dämpfung ändert
-identify-by-power = keine { word-force } aufgezeichnet, und nichts schwingt aus: als Spektrum genommen, das Frequenzen und Dämpfung gibt, weder Masse noch Verstärkungen
-identify-hold = wenn die { word-force } zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Moden liegen
+identify-by-power = { word-force } nicht aufgezeichnet, und nichts schwingt aus: als Spektrum genommen, das Frequenzen und Dämpfung gibt, weder Masse noch Verstärkungen
+identify-hold = wenn { word-force } zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Eigenformen liegen
 identify-no-motor-acceleration = keine Beschleunigung des Motors unter { $found }; --input acceleration braucht sie neben einem Signal am Werkzeug: --columns "motor_acceleration=..." und DATEI@tcp

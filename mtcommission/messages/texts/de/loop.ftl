@@ -6,10 +6,7 @@ loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigke
 loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
 loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, aus der Suche.
 loop-kv-searched = Kv = { PLAIN($ratio, digits: 3) } Kp / m, aus der Suche.
-loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der { $axis ->
-    [rotary] Momentenverzögerung
-   *[linear] { word-force-before }verzögerung
-}, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
+loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der { word-force-before }verzögerung, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
 
 loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
 loop-no-state-feedback = Keine Zustandsrückführung: { $detail }.
@@ -23,14 +20,11 @@ loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($r
 
 loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
 
-loop-without-margins = keine: der Regelkreis ist instabil (schlechteste Ecke)
+loop-without-margins = keine: der Regelkreis ist instabil (ungünstigster Eckfall)
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit { PLAIN($peak, digits: 3) } (ungünstigster Eckfall)
 loop-given-gains-poor = Die vorgegebenen Verstärkungen werden unverändert verwendet, haben aber schwache Reserven: { $margins }; gewollt sind { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit höchstens { PLAIN($peak, digits: 3) }. { $cure }.
 loop-given-gains-slow = Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im ungünstigsten Eckfall { PLAIN($reached, digits: 3) } Hz, weniger als minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
-loop-filters-soften = Die { $axis ->
-    [rotary] Momentensollwertfilter
-   *[linear] { word-force-before }sollwertfilter
-} machen den Regelkreis weich: seine Bandbreite ist { PLAIN($filtered, digits: 3) } Hz mit ihnen, { PLAIN($unfiltered, digits: 3) } Hz ohne sie.
+loop-filters-soften = Die { word-force-before }sollwertfilter machen den Regelkreis weich: seine Bandbreite ist { PLAIN($filtered, digits: 3) } Hz mit ihnen, { PLAIN($unfiltered, digits: 3) } Hz ohne sie.
 loop-takes-damping = Der Regelkreis entdämpft die Eigenform { $mode }: ihr Dämpfungsgrad ist { NUMBER($closed, digits: 3) } im geschlossenen Kreis, { NUMBER($own, digits: 3) } ohne Regelung.
 
 loop-cure = Die Reserven wären eingehalten mit { $gains }, alle anderen Vorgaben unverändert

@@ -1,14 +1,11 @@
-remark = { $key }: { $what }
-remark-on-mode = Eigenform { $mode }: { $what }
+remark = { $of }: { $what }
+mode-named = Eigenform { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt { ROUND($time, digits: 3) } s nach, bis 1 % übrig ist
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt nie ab
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms
 mode-damping-low = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
 mode-damping-high = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
-mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { $axis ->
-    [rotary] Trägheitsmoment
-   *[linear] Masse
-} prüfen
+mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { word-mass } prüfen
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
 mode-of-few-position-cycles = eine Periode hat nur { ROUND($cycles, digits: 2) } Lagereglertakte von { ROUND($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar
@@ -18,39 +15,36 @@ mode-gain-large = ihre Verstärkung ist das { ROUND($ratio, digits: 3) }-Fache v
 mode-bends-far = { $axis ->
     [rotary] das volle Drehmoment
    *[linear] die volle { word-force }
-} verformt das Werkzeug um { SI($deflection, "LENGTH", digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { SI($band, "LENGTH", digits: 3) }; Steifigkeit und Band prüfen
-force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+} verformt das Werkzeug um { LENGTH($deflection, digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { LENGTH($band, digits: 3) }; Steifigkeit und Band prüfen
+force-hardly-moves-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }an { SI($mass, "MASS") }
-} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
-force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+   *[other] { " " }an { MASS($mass) }
+} ergeben { ACCELERATION($acceleration, digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
+force-beyond-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }an { SI($mass, "MASS") }
-} ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
-static-load-large = { SI($load, "FORCE") } brauchen mehr als die Hälfte von { word-max-force } = { SI($max_force, "FORCE") }; einen Gewichtsausgleich erwägen
-continuous-force-above-max = { SI($force, "FORCE") } liegt über { word-max-force } = { SI($max_force, "FORCE") } und begrenzt nichts; sind beide vertauscht?
-force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
-    [rotary] Drehmomentregelkreis
-   *[linear] { word-force-before }regelkreis
-} (Servoantriebe: 0,5 bis 5 ms)
+   *[other] { " " }an { MASS($mass) }
+} ergeben { ACCELERATION($acceleration, digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
+static-load-large = { FORCE($load) } brauchen mehr als die Hälfte von { word-max-force } = { FORCE($max_force) }; einen Gewichtsausgleich erwägen
+continuous-force-above-max = { FORCE($force) } liegt über { word-max-force } = { FORCE($max_force) } und begrenzt nichts; sind beide vertauscht?
+force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { word-force-before }regelkreis (Servoantriebe: 0,5 bis 5 ms)
 move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für diese Bewegung; { $axis ->
     [rotary] Winkel, Geschwindigkeit und Drehmoment
    *[linear] Weg, Geschwindigkeit und { word-force }
 } prüfen
-move-fast = { SI($velocity, "VELOCITY") } ist schneller, als Maschinenachsen fahren, { SI($fastest, "VELOCITY") }; die Einheit prüfen
-band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
-band-no-accuracy = { SI($band, "LENGTH", digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
-payload-large = { SI($payload, "MASS") } ist mehr als das Dreifache { $axis ->
+move-fast = { VELOCITY($velocity) } ist schneller, als Maschinenachsen fahren, { VELOCITY($fastest) }; die Einheit prüfen
+band-finer-than-encoders = { LENGTH($band, digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
+band-no-accuracy = { LENGTH($band, digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
+payload-large = die Zuladung, { MASS($payload) }, ist mehr als das Dreifache { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse
-}, { SI($mass, "MASS") }; ein Satz Grenzwerte ist für die leere Achse langsam
-bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) } werden in dieser Folge nicht weiter; sind sie vertauscht?
-feedforward-mass-far = { SI($mass, "MASS") } liegt weit { $axis ->
+}, { MASS($mass) }; ein Satz Grenzwerte ist für die leere Achse langsam
+bands-not-widening = die Bänder der Bearbeitungsarten, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) }, werden in dieser Folge nicht weiter; sind sie vertauscht?
+feedforward-mass-far = { MASS($mass) } in der Vorsteuerung liegt weit { $axis ->
     [rotary] vom bewegten Trägheitsmoment
    *[linear] von der bewegten Masse
 }, { ROUND($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s ist nur { ROUND($in_custom, digits: 3) } (m/min)/mm; wenn { ROUND($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ ROUND($gain) } (m/min)/mm"
-bandwidth-above-sampling = { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
+bandwidth-above-sampling = eine Mindestbandbreite von { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
 
 feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
@@ -61,7 +55,7 @@ control-kind-state-space = freier Regler (Zustandsraum)
 assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
 assumed-damping-spread = Dämpfungsgrade weichen um bis zu ±{ SHARE($spread) } ab
 assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force) } { $axis ->
-    [rotary] des Moments
+    [rotary] des Drehmoments
    *[linear] der { word-force }
 }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt die Kennlinie bis { QUANTITY($velocity, $velocity_unit) }
@@ -77,13 +71,10 @@ assumed-dwell = Ruhezeit von { TIME($dwell) } nach Bewegung { $number }
 assumed-keys = nicht gemessen: { $keys }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
-    [rotary] mit der Drehzahl fallendes Moment ({ word-max-force } gilt für die höchste)
+    [rotary] mit der Drehzahl fallendes Drehmoment ({ word-max-force } gilt für die höchste)
    *[linear] mit dem Tempo fallende { word-force } ({ word-max-force } gilt für das höchste)
 }
-neglected-heat = Erwärmung des Motors ({ $axis ->
-    [rotary] Dauermoment
-   *[linear] Dauer{ word-force-behind }
-} angeben)
+neglected-heat = Erwärmung des Motors (Dauer{ word-force-behind } angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
 neglected-encoder = Geberstufen (Auflösung des Gebers angeben)
 neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen weiten)
@@ -92,4 +83,4 @@ neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen wei
 motor-follows-assumed = der Motor folgt dem Sollwert genau: kein Schritt geht verloren, und die Struktur zieht ihn nicht zurück
 drive-kind-steps = diese Steuerung gibt ungeregelte Schritte aus; folgt der Motor ihnen einfach, drive.kind = "position_source" angeben, mit den Frequenzen der Eigenformen bei festgehaltenem Motor: sie sind andere als die der freien Achse
 neglected-lost-steps = verlorene Schritte, und dass der Motor der Last nachgibt
-neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (Beschleunigung über der Geschwindigkeit angeben)
+neglected-acceleration-over-speed = mit der Drehzahl fallendes Drehmoment (Beschleunigung über der Geschwindigkeit angeben)

@@ -1,14 +1,8 @@
 # Names of states, outputs and keys of the profile.
 
 name = { $key }
-name-F-set = { $axis ->
-    [rotary] Sollmoment { word-f-set }
-   *[linear] Soll{ word-force-behind } { word-f-set }
-}
-name-F = { $axis ->
-    [rotary] Drehmoment F
-   *[linear] { word-force } F
-}
+name-F-set = Soll{ word-force-behind } { word-f-set }
+name-F = { word-force } F
 name-tcp = Werkzeugbezugspunkt (TCP)
 name-tcp-vibration = Elastische Auslenkung am Werkzeug
 name-x-b = Gestelllage x_b
@@ -31,10 +25,7 @@ name-tcp-deviation = Zulässige TCP-Abweichung (Band)
 name-tcp-gain = Verstärkung am Werkzeug
 name-measured-gain = Verstärkung am Lagegeber
 name-tcp-height = TCP-Höhe h, mit Vorzeichen
-name-force-lag = { $axis ->
-    [rotary] Zeitkonstante des Momentenregelkreises T
-   *[linear] Zeitkonstante des { word-force-before }regelkreises T
-}
+name-force-lag = Zeitkonstante des { word-force-before }regelkreises T
 name-Kv = Lagereglerverstärkung Kv
 name-Kp = Geschwindigkeitsverstärkung Kp
 name-Tn = Nachstellzeit Tn
@@ -48,7 +39,7 @@ name-contour-deviation = Zulässige Konturabweichung
 name-contour-feed = Größter Vorschub dafür
 name-band = Reserve: nutzbarer Anteil am Band
 name-force = { $axis ->
-    [rotary] Reserve: nutzbarer Anteil am Moment
+    [rotary] Reserve: nutzbarer Anteil am Drehmoment
    *[linear] Reserve: nutzbarer Anteil an der { word-force }
 }
 name-base-mass = Gestellmasse
@@ -73,10 +64,7 @@ name-max-force = { $axis ->
     [rotary] Größtes Drehmoment
    *[linear] Größte { word-force }
 }
-name-continuous-force = { $axis ->
-    [rotary] Dauermoment
-   *[linear] Dauer{ word-force-behind }
-}
+name-continuous-force = Dauer{ word-force-behind }
 name-static-load = Statische Last
 name-coulomb-friction = Coulombsche Reibung
 name-viscous-friction = Viskose Reibung

@@ -2,7 +2,6 @@ hint-did-you-mean = ; ist „{ $name }“ gemeint?
 hint-there-are = ; es gibt { $names }
 hint-moves-header = ; die Überschrift als [[moves]] schreiben
 hint-key = ; einen Schlüssel nennen, wie Meldungen ihn schreiben
-an-array = eine Liste
 a-table = eine Tabelle
 a-date = ein Datum oder eine Uhrzeit
 a-huge-integer = eine ganze Zahl jenseits aller Grenzen
@@ -12,12 +11,10 @@ file-is-directory = ist ein Ordner; ein Profil (.toml) darin nennen
 file-unreadable = nicht lesbar: { $reason }
 file-too-large = ist größer als { PLAIN($most, digits: 9) } Byte; das ist kein Profil
 file-binary = ist eine Binär- oder UTF-16-Datei; das Profil als UTF-8-Text speichern
-file-is-json = ist JSON wie das Protokoll eines Laufs; das Maschinenprofil (.toml) angeben, oder das Protokoll an sheet oder export
+file-is-json = ist JSON wie die Ergebnisdatei eines Laufs; das Maschinenprofil (.toml) angeben, oder sie an sheet oder export
 file-not-utf8 = Byte { $byte } ist kein UTF-8; das Profil als UTF-8-Text speichern
 file-empty = ist leer; von einem mitgelieferten Profil ausgehen (mtcommission profiles list)
-profile-unknown = kein mitgeliefertes Profil { $got }{ $meant } Es gibt: { $names }
-profile-meant = ; ist { $name } gemeint?
-profile-none-meant = .
+profile-unknown = kein mitgeliefertes Profil { $got }{ $hint }; es gibt: { $names }
 
 toml-nested-deeply = ist zu tief verschachtelt; ein Profil braucht höchstens drei Ebenen
 toml-refused = TOML-Syntax: { $reason }; diese oder die Zeile davor berichtigen: Texte und Werte mit Einheit stehen in Anführungszeichen, Zahlen haben einen Punkt, und jeder Schlüssel steht nur einmal
@@ -31,11 +28,7 @@ add-value = den Wert Ihrer Maschine ergänzen, zum Beispiel { $key } = { $exampl
 add-table = eine Tabelle { $header } ergänzen
 add-kind-of-keys = kind = "{ $kind }" ergänzen, zu dem die übrigen Schlüssel gehören
 
-got-other-word = { $got } angegeben, muss { $words } sein
-got-other-word-for = { $got } angegeben, muss { $words } sein{ $hint }
-got-no-boolean = { $got } angegeben, muss true oder false sein
-got-no-table = { $got } angegeben, muss eine Tabelle sein
-got-no-array = { $got } angegeben, muss eine Liste sein{ $hint }
+got-other-word = { $got } angegeben, muss { $words } sein{ $hint }
 got-no-text = { $got } angegeben, muss ein Text in Anführungszeichen sein
 got-no-signals = { $got } angegeben, muss eine Tabelle von Signalen sein
 got-no-signals-or-word = { $got } angegeben, muss { $words } oder eine Tabelle von Signalen sein
@@ -55,17 +48,16 @@ must-be-above = { $got } angegeben, muss > { PLAIN($bound, digits: 6) }{ $unit }
 must-be-at-least = { $got } angegeben, muss >= { PLAIN($bound, digits: 6) }{ $unit } sein
 must-be-between = { $got } angegeben, muss zwischen { PLAIN($low, digits: 6) } und { PLAIN($high, digits: 6) }{ $unit } liegen; die Einheit prüfen
 
-static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt keine { word-force } für die Bewegung
+static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt nichts für die Bewegung
 friction-takes-all = { PLAIN($got, digits: 6) } { $unit } angegeben, muss unter dem liegen, was { word-max-force } neben static_load lässt: { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = weder velocity_step noch distance angegeben, genau eines angeben
 move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
 frequency-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss zwischen 0 und 0,5 (50 %) liegen
 damping-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss >= 0 und < 1 (100 %) sein
-damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad in der ungünstigsten Ecke auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
+damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad im ungünstigsten Eckfall auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
 payload-reversed = { PLAIN($low, digits: 6) } { $unit } bis { PLAIN($high, digits: 6) } { $unit } angegeben, die kleinste kommt zuerst
 cycle-no-multiple = { PLAIN($got, digits: 6) } s angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; muss ein ganzes Vielfaches sein
-schema-not-one = { $got } angegeben, muss 1 sein
 
 lead-of-rotary-axis = eine Rundachse hat keine Steigung; entfernen und drive.gear angeben (Motorumdrehungen je Umdrehung der Achse)
 gear-without-lead = ein Getriebe an einer Linearachse braucht drive.lead (Weg je Umdrehung von Spindel oder Ritzel) daneben; beide angeben oder den Schlüssel entfernen

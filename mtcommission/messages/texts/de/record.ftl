@@ -1,8 +1,8 @@
-record-not-readable = kein Protokoll von mtcommission run: { $why }
-record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist kein Protokoll
-record-without-profile = ein Protokoll enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
+record-not-readable = keine Ergebnisdatei von mtcommission run: { $why }
+record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist keine Ergebnisdatei
+record-without-profile = eine Ergebnisdatei enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
 record-disagrees = widerspricht sich selbst, sodass es nicht zu lesen ist; das Profil neu rechnen
-record-disagrees-where = { $wrong }; das Protokoll widerspricht sich selbst, was kein Lauf schreibt; das Profil neu rechnen
+record-disagrees-where = { $wrong }; die Ergebnisdatei widerspricht sich selbst, was kein Lauf schreibt; das Profil neu rechnen
 record-lengths-differ = { $key }: hat Längen { $counts }, die gleich sein müssen
 record-times-fall = { $key }: muss steigen und mindestens zwei Zeitpunkte haben
 record-word-unknown = { $key }: { $got } angegeben, muss eines sein von { $words }
@@ -12,11 +12,11 @@ record-too-small = { $key }: { PLAIN($got, digits: 3) } angegeben, muss mindeste
 record-text-too-long = { $key }: enthält einen Text von mehr als { PLAIN($most, digits: 9) } Zeichen
 record-empty = { $key }: darf nicht leer sein
 record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
-record-not-json = kein Protokoll von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
+record-not-json = keine Ergebnisdatei von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
 record-is-directory = ist ein Ordner; das record.json darin angeben
-record-lacks-keys = kein Protokoll von mtcommission run: { $keys } fehlt
-record-of-earlier-schema = Protokoll nach Schema { $given } einer früheren Version, diese liest { $read }; das Profil erneut rechnen
-record-of-other-schema = Protokoll nach Schema { $given }, diese Version liest { $read }; das Profil erneut rechnen oder mit der Version drucken, die es schrieb
+record-lacks-keys = keine Ergebnisdatei von mtcommission run: { $keys } fehlt
+record-of-earlier-schema = Ergebnisdatei nach Schema { $given } einer früheren Version, diese liest { $read }; das Profil erneut rechnen
+record-of-other-schema = Ergebnisdatei nach Schema { $given }, diese Version liest { $read }; das Profil erneut rechnen oder mit der Version drucken, die es schrieb
 record-edited = sein Inhalt ist nicht der, den mtcommission run schrieb: es wurde geändert oder beschädigt; stattdessen das Profil ändern und erneut rechnen
 record-edited-where = sein Inhalt ist nicht der, den mtcommission run schrieb: es wurde geändert oder beschädigt; { $wrong }; stattdessen das Profil ändern und erneut rechnen
 record-of-other-version = eine andere Version von mtcommission hat es geschrieben; das Profil erneut rechnen oder jene Version verwenden
@@ -49,7 +49,7 @@ assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt vers
     [rotary] das Drehmoment
    *[linear] die { word-force }
 } wirkt einen Takt des Geschwindigkeitsreglers verspätet.
-assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
+assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Band gemessen. Beide beantworten verschiedene Fragen.
 assumption-calculated = Ein berechnetes Blatt ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
 assumption-static-load = Die statische Last mindert { $axis ->
     [rotary] das Drehmoment
@@ -65,10 +65,7 @@ path-position-setpoint = Lagesollwert
 path-position-controller = Lageregler
 path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
 path-wanted-state = Sollzustand
-path-force-feed-forward = { $axis ->
-    [rotary] Momentenvorsteuerung
-   *[linear] { word-force-before }vorsteuerung
-}
+path-force-feed-forward = { word-force-before }vorsteuerung
 path-velocity-controller = Geschwindigkeitsregler
 
 # Friction
@@ -79,8 +76,8 @@ assumption-linear-with-friction = { $axis ->
 friction-kept = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
    *[linear] größte Soll{ word-force-behind }
-} { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigste Ecke).
+} { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigster Eckfall).
 friction-broken = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
     [rotary] größtes Sollmoment
    *[linear] größte Soll{ word-force-behind }
-} { FORCE($force) }; das verletzt Toleranzband, Einschwingzeit oder { word-force } (ungünstigste Ecke). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.
+} { FORCE($force) }; das verletzt Band, Einschwingzeit oder { word-force } (ungünstigster Eckfall). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.

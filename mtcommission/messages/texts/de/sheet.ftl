@@ -85,7 +85,6 @@ assumed-more = { $names } und { $count } weitere
 payload-from-to = { $low } bis { $high }
 basis = Was
 basis-damping = Dämpfungsgrade
-basis-reserve = Reserve
 basis-sizes = Größen der Bewegung
 assumed-of = { $value } (angenommen: { $names })
 assumed = { $value } (angenommen)
@@ -94,7 +93,7 @@ spread-none = beurteilt wie angegeben, ohne Streuung
 all-kept-between = alles eingehalten von { $low } bis { $high }
 not-kept-nominally = Anforderungen schon wie angegeben nicht eingehalten
 reserve-kept = { $axis ->
-    [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Moments
+    [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Drehmoments
    *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der { word-force }
 }
 position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
@@ -118,10 +117,7 @@ reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; 
 reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.
 reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
 band-optimum = Mit dem Band von ± { $band } statt exakter Ruhe: { $optimum } (empfohlen: { $change }; bewiesen: nichts unter { $bound }).
-robust-force = { $axis ->
-    [rotary] Ein Drehmomentverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
-   *[linear] Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
-}
+robust-force = Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-enclosed = { $optimum } (bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
@@ -190,17 +186,14 @@ rule-symbol-m = { $axis ->
     [rotary] Bewegtes Trägheitsmoment; in der Momentenbedingung mit der größten Zuladung
    *[linear] Bewegte Masse; in der { word-force-before }bedingung mit der größten Zuladung
 }
-rule-symbol-m-ff = { $axis ->
-    [rotary] Trägheitsmoment in der Vorsteuerung
-   *[linear] Masse in der Vorsteuerung
-}
+rule-symbol-m-ff = { word-mass } in der Vorsteuerung
 rule-symbol-omega = Eigenkreisfrequenz
 rule-symbol-g = Anteil einer Eigenform am Werkzeug, allein oder gegen den Lagegeber; der größere
 rule-symbol-c = Anteil einer Eigenform am Lagegeber
-rule-symbol-T-F = Länge der gleitenden Mittelung
+rule-symbol-T-F = Länge des gleitenden Mittelwerts
 rule-symbol-n = Beschleunigungsrampen: 2 beim Geschwindigkeitssprung, 4 beim Positionieren
-rule-symbol-R = Schwingung nach einer Mittelung, bezogen auf die nach einem einzelnen Anstoß
-rule-symbol-x = Länge der Mittelung in Perioden einer Eigenform, f T_F
+rule-symbol-R = Schwingung nach einem Mittelwert, bezogen auf die nach einem einzelnen Anstoß
+rule-symbol-x = Länge des Mittelwerts in Perioden einer Eigenform, f T_F
 rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
 symbol = Zeichen
 meaning = Bedeutung
@@ -215,10 +208,7 @@ landscape-caption = Größte Einschwingzeit über Beschleunigung und Ruckzeit
 landscape-alt = Kennfeld über { $rows } Beschleunigungen und { $columns } Ruckzeiten; Einschwingzeiten von { $least } bis { $most }; der gewählte Punkt liegt bei { $acceleration } und { $jerk_time }.
 chosen = gewählt
 residual-border = Restabweichung = Band { $band }
-usage-border = { $axis ->
-    [rotary] Drehmoment, Effektivmoment oder ein Höchstwert gerade erreicht
-   *[linear] { word-force }, Effektiv{ word-force-behind } oder ein Höchstwert gerade erreicht
-}
+usage-border = { word-force }, Effektiv{ word-force-behind } oder ein Höchstwert gerade erreicht
 hatched = { $caption } (schraffiert: nicht eingeschwungen)
 
 ## Compared with another record
@@ -240,20 +230,14 @@ not-stated = nicht angegeben
 ## Motion
 
 responses-heading = Zeitverläufe
-responses-caption = { $axis ->
-    [rotary] { $move }: Sollwert, Werkzeugabweichung, Moment; Nennmaschine
-   *[linear] { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
-}
-responses-alt = { $axis ->
-    [rotary] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Sollmoment über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Sollmoment höchstens { $force }.
-   *[linear] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Soll{ word-force-behind } höchstens { $force }.
-}
+responses-caption = { $move }: Sollwert, Werkzeugabweichung, { word-force }; Nennmaschine
+responses-alt = Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Soll{ word-force-behind } höchstens { $force }.
 yardstick-caption = { $axis ->
-    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Moment erlaubt (so viel länger dauert sie)
+    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Drehmoment erlaubt (so viel länger dauert sie)
    *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die { word-force } erlaubt (so viel länger dauert sie)
 }
 yardstick-note = { $axis ->
-    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Moment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
+    [rotary] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit dem Drehmoment dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
    *[linear] Kürzeste Zeiten (zeitoptimal): so schnell ginge diese Bewegung mit der { word-force } dieses Antriebs höchstens, was die Steuerung auch täte; ein Maßstab, nichts zum Eingeben.
 }
 move-head = Bewegung
@@ -261,15 +245,9 @@ exact-rest = Kürzeste Zeit, exakte Ruhe
 within-band = Kürzeste Zeit, im Band
 robust-short = Im Band über die Streuung
 motion-heading = Optimum, Empfehlung und Antwort
-drive-caption = { $axis ->
-    [rotary] { $move }: Drehmoment, Beschleunigung und Geschwindigkeit
-   *[linear] { $move }: { word-force }, Beschleunigung und Geschwindigkeit
-}
+drive-caption = { $move }: { word-force }, Beschleunigung und Geschwindigkeit
 vibration-caption = { $move }: Schwingung und TCP-Abweichung
-motion-alt = { $axis ->
-    [rotary] Verläufe über der Zeit: { $signals }. Sollmoment der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
-   *[linear] Verläufe über der Zeit: { $signals }. Soll{ word-force-behind } der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
-}
+motion-alt = Verläufe über der Zeit: { $signals }. Soll{ word-force-behind } der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
 motion-note = Alle Diagramme einer Bewegung haben dieselbe Zeitachse. Optima enden bei t_f in exakter Ruhe; ihre Beschleunigung und die der Antwort ist F/m. Der Sollwert ist gezeigt wie vorgegeben; die Abweichung zählt gegen den um { $delay } verzögerten Sollwert.
 constrained = zeitoptimal, beschränkt
 setpoint = Sollwert
@@ -307,10 +285,7 @@ phase-margin-at = Phasenreserve { $margin }
 filter-at = Filter bei { $frequency }
 open-loop-measured = offener Kreis mit der gemessenen Achse ({ $file })
 diagram-caption = Struktur des Regelkreises
-diagram-alt = { $axis ->
-    [rotary] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Momentengrenze und Momentenregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
-   *[linear] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, { word-force-before }grenze und { word-force-before }regelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
-}
+diagram-alt = Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, { word-force-before }grenze und { word-force-before }regelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
 diagram-delay = Verzögerung
 diagram-cycle = Takt { $cycle }
 diagram-late = wirkt { $time } später
@@ -401,10 +376,7 @@ has-jerk = Ruckgrenze
 has-modes = Grenzwerte je Bearbeitungsart
 has-setpoint-filters = Sollwertfilter
 has-velocity-feedforward = Geschwindigkeitsvorsteuerung
-has-acceleration-feedforward = { $axis ->
-    [rotary] Momentenvorsteuerung
-   *[linear] { word-force-before }vorsteuerung
-}
+has-acceleration-feedforward = { word-force-before }vorsteuerung
 has-jerk-feedforward = Ruckvorsteuerung
 has-reference-delay = Symmetrierung des Sollwerts
 has-position-loops = Ort des Lagereglers
@@ -412,10 +384,7 @@ has-position-cycle = Lagereglertakt
 has-velocity-cycle = Geschwindigkeitsreglertakt
 has-position-gain = Lagereglerverstärkung Kv
 has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
-has-force-filters = { $axis ->
-    [rotary] Filter im Momentensollwert
-   *[linear] Filter im { word-force-before }sollwert
-}
+has-force-filters = Filter im { word-force-before }sollwert
 has-state-feedback = Zustandsrückführung
 
 ## Robustness
@@ -505,7 +474,7 @@ measurement = Messung
 calculated = Berechnet
 measured = Gemessen
 difference = Differenz
-measured-by = Datum, Name
+measured-by = Wer, wann
 measure-field-1 = Messmittel (Typ, Nummer, kalibriert bis)
 measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, Temperatur)
 
@@ -527,10 +496,7 @@ neutral-name = { $setting ->
     [velocity-cycle] Geschwindigkeitsreglertakt
     [reference-model] Referenzmodell
     [velocity-feedforward] Geschwindigkeitsvorsteuerung
-    [force-feedforward] { $axis ->
-        [rotary] Drehmomentvorsteuerung
-       *[linear] Kraftvorsteuerung
-    }
+    [force-feedforward] { word-force-before }vorsteuerung
     [jerk-feedforward] Ruckvorsteuerung
     [reference-delay] Sollwertverzögerung τ
     [filters] { has-force-filters }
@@ -554,7 +520,6 @@ signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $accelerati
 signature-field-1 = Maschinennummer, Aufstellort
 signature-field-2 = An der Steuerung eingegeben (Datum, Name, Unterschrift)
 signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
-signature-field-4 = Bemerkungen
 
 ## Faults
 

@@ -26,20 +26,17 @@ loop-in-use = der verwendete Regelkreis
 time-value = { TIME($time) }
 state-feedback-chosen = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird weggelassen.
-state-feedback-stiffness = Mit Zustandsrückführung ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
-state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen, mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
+state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit am Werkzeug um { CHANGE($change) }.
+state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit am Werkzeug: { CHANGE($change) }).
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen { $axis ->
-    [rotary] ein bleibendes Moment
+    [rotary] ein bleibendes Drehmoment
    *[other] eine bleibende { word-force }
 }, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
-loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
-loop-filters-used = Verwendet, weil das Profil force_filters nicht oder als "auto" angibt ([]: keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
+loop-filters-used = Verwendet, weil das Profil force_filters offenlässt ([] hieße keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
-loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
-    [rotary] Momentensollwert
-   *[linear] { word-force-before }sollwert
-} lässt Kp und dynamische Steifigkeit um 3 % steigen.
+loop-no-filters = Keine Bandsperre und kein Tiefpass im { word-force-before }sollwert lässt Kp und dynamische Steifigkeit um 3 % steigen.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes
@@ -84,25 +81,19 @@ today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: di
 today-in-own-loop = Simuliert mit heutigem Kv, Kp und Tn; Vorsteuerung und Takte wie empfohlen.
 today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht angegeben, sowie Vorsteuerung und Takte wie empfohlen.
 today-not-judged = Die in [today] angegebenen Werte wurden nicht beurteilt: { $why }
-today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
+today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { DAMPING($Kp) }, Tn = { TIME($Tn) } ({ $corner }).
 
 # what would bring more
 change-dsc = Lageregelung im Antrieb (DSC)
 change-interpolation = Vorsteuerung im Geschwindigkeitsreglertakt interpoliert
-change-feedforward = { $axis ->
-    [rotary] Drehmomentvorsteuerung ein
-   *[linear] { word-force-before }vorsteuerung ein
-}
+change-feedforward = { word-force-before }vorsteuerung ein
 change-setpoint-filter = Sollwertfilter frei gewählt unter denen der Steuerung
 change-force-filters = { $axis ->
     [rotary] Filter des Solldrehmoments
    *[linear] Filter der Soll{ word-force-behind }
 }
 change-no-filters = kein Filter erlaubt ein höheres Kp
-change-lag = { $axis ->
-    [rotary] Halbe Verzögerung der Drehmomentregelung
-   *[linear] Halbe Verzögerung der { word-force-before }regelung
-}
+change-lag = Halbe Verzögerung der { word-force-before }regelung
 change-dwell = Ruhezeit ab { TIME($dwell) } je Bewegung
 change-rest = Längere Ruhezeit nach jeder Bewegung
 change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
@@ -112,21 +103,15 @@ change-lighter = { $axis ->
    *[linear] Bewegte Masse { SHARE($share) } kleiner
 }
 change-state-feedback = Zustandsregelung mit Beobachter
-change-robust-force = { $axis ->
-    [rotary] Drehmomentverlauf für die ganze Streuung statt Beschleunigung und Ruck
-   *[linear] { word-force-before }verlauf für die ganze Streuung statt Beschleunigung und Ruck
-}
+change-robust-force = { word-force-before }verlauf für die ganze Streuung statt Beschleunigung und Ruck
 change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein
 
 # Was eine Python-Konsole und ein Notebook zeigen
 glance = { $machine }, Achse { $axis_name }: { $verdict }; a = { $acceleration }, j = { $jerk }, Sollwertfilter { $filter }, Einschwingzeit { $settling }
-glance-alt = Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit in jeder Ecke
-glance-corners = weitere Ecken
+glance-alt = Abweichung am Werkzeug und Soll{ word-force-behind } über der Zeit in jedem Eckfall
+glance-corners = weitere Eckfälle
 glance-deviation = Abweichung am Werkzeug in { $unit }
 glance-end = Sollwert zu Ende
-glance-force = { $axis ->
-    [rotary] Sollmoment in { $unit }
-   *[linear] Soll{ word-force-behind } in { $unit }
-}
+glance-force = Soll{ word-force-behind } in { $unit }
 glance-time = Zeit in ms

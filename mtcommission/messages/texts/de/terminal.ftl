@@ -20,7 +20,7 @@ terminal-head-residual = Rest
 terminal-head-met = i.O.
 terminal-head-move = Bew.
 terminal-head-basis = Grundlage
-terminal-basis-loop = Ihr Regelkreis
+terminal-basis-loop = Regelkreis
 terminal-basis-neglected = Vernachlässigt
 terminal-machine = { $name }, Achse { $axis_name }
 terminal-source = Quelle der Daten: { $source }
@@ -39,7 +39,7 @@ terminal-final-time = t_f = { $t_f } bei { word-f-max } = { PLAIN($force, digits
 terminal-grid-proves-nothing = Ein Gitter beweist keine untere Schranke von t_f; --method exact tut es.
 terminal-lower-bound = Keine Steuerung ist schneller als { $bound } (relative Lücke { PLAIN($gap, digits: 1, style: "e") }).
 terminal-loose-proof = Höchstens { PLAIN($percent, digits: 1) } % langsamer als das Optimum; genaue Bögen wurden nicht gefunden.
-terminal-law-in-cells = { switching-law }: bis auf eine Zelle eines Netzes erfüllt. Bögen namens „innen“ ({ PLAIN($percent, digits: 2) } % von t_f) stehen für Umschaltungen und Berührpunkte, die zu dicht liegen, um unterschieden zu werden; der Beweis von t_f ruht nicht auf ihnen. Was die { word-force } dort tut, steht in --csv.
+terminal-law-in-cells = { switching-law }: bis auf eine Zelle eines Netzes erfüllt. Bögen namens „innen“ ({ PLAIN($percent, digits: 2) } % von t_f) stehen für Umschaltungen und Berührpunkte, die zu dicht liegen, um unterschieden zu werden; der Beweis von t_f ruht nicht auf ihnen. Wie { word-force } dort verläuft, steht in --csv.
 terminal-law-fails = { switching-law }: NICHT ERFÜLLT.
 terminal-origin-of-final-time = t_f ist { $origin }.
 terminal-final-time-of-option = das von --t-f

@@ -5,7 +5,10 @@ dimension-length = eine Länge
 dimension-angle = ein Winkel
 dimension-time = eine Zeit
 dimension-frequency = eine Frequenz
-dimension-force = eine { word-force }
+dimension-force = { $axis ->
+    [open-loop] eine Beschleunigung
+   *[other] eine Kraft
+}
 dimension-torque = ein Drehmoment
 dimension-moment-of-inertia = ein Trägheitsmoment
 dimension-velocity = eine Geschwindigkeit
@@ -59,22 +62,31 @@ number-with-comma = „{ $got }“ mit Komma angegeben; mit Punkt schreiben: "{ 
 
 word-force = { $axis ->
     [open-loop] Beschleunigung
-   *[other] Kraft
-}
-word-drive-force = { $axis ->
-    [rotary] Moment
-   *[other] { word-force }
+    [rotary] Drehmoment
+   *[linear] Kraft
 }
 word-force-first = { word-force }
-word-a-force = eine { word-force }
-word-a-force-first = Eine { word-force }
+word-a-force = { $axis ->
+    [rotary] ein Drehmoment
+   *[linear] eine { word-force }
+}
+word-a-force-first = { $axis ->
+    [rotary] Ein Drehmoment
+   *[linear] Eine { word-force }
+}
 word-force-before = { $axis ->
     [open-loop] Beschleunigungs
-   *[other] Kraft
+    [rotary] Momenten
+   *[linear] Kraft
 }
 word-force-behind = { $axis ->
     [open-loop] beschleunigung
-   *[other] kraft
+    [rotary] moment
+   *[linear] kraft
+}
+word-mass = { $axis ->
+    [rotary] Trägheitsmoment
+   *[linear] Masse
 }
 word-f-max = { $axis ->
     [open-loop] a_max

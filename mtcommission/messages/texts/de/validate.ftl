@@ -2,7 +2,7 @@ validate-title = Die Zahlen der Veröffentlichung neben unseren
 validate-disclaimer = Berechnet, nicht gemessen.
 validate-explained = Nichts bleibt unerklärt
 validate-unexplained = Einige Zeilen liegen außerhalb der Toleranz
-validate-remark = { $source }. Jede Zahl und Aussage steht wie gedruckt, im Wortlaut der Veröffentlichung. Bei einem Druckfehler wird die Berichtigung angegeben und beurteilt; wo eine Aussage nicht gilt, sagt die Zeile, was sie widerlegt.
+validate-remark = { $source }. Jede Zahl und Aussage der Veröffentlichung steht wie gedruckt, auf Englisch. Bei einem Druckfehler wird die Berichtigung angegeben und beurteilt; wo eine Aussage nicht gilt, sagt die Zeile, was sie widerlegt.
 validate-count = { $count } Zeilen: { $agrees } stimmen überein, { $corrected } mit Berichtigung, { $differs } weichen begründet ab, { $out } außerhalb der Toleranz.
 validate-all-rows = Die übrigen Zeilen stimmen wie gedruckt: --all zeigt sie hier, -o DIR auf einer Seite.
 validate-found = { $verdict ->
@@ -13,19 +13,15 @@ validate-found = { $verdict ->
     [correct] richtig
    *[ours] unser Wert
 } { $value }.
-validate-numbers = Zahlen
-validate-claims = Aussagen und Formeln
-validate-tolerance-of = Toleranz von { $names }: { $basis }.
+validate-tested-by = Toleranz oder Prüfung von { $names }: { $basis }.
 validate-figures = Bild 4 und 5 noch einmal
 validate-head-printed = Gedruckt
 validate-head-correct = Richtig
 validate-head-ours = Unser Wert
 validate-head-tolerance = Toleranz
-validate-head-claim = Aussage
-validate-head-tested = Unser Ergebnis, und wie es geprüft wurde
 validate-head-place = Stelle
 validate-is-agrees = stimmt
-validate-is-corrected = stimmt mit der Berichtigung
+validate-is-corrected = stimmt mit Berichtigung
 validate-is-differs = weicht begründet ab
 validate-is-out = AUSSERHALB DER TOLERANZ
 validate-told = { $what ->

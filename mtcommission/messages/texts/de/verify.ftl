@@ -1,4 +1,4 @@
-# Eine aufgezeichnete Bewegung neben dem Protokoll einer Berechnung.
+# Eine aufgezeichnete Bewegung neben der Ergebnisdatei einer Berechnung.
 # Zeiten in s, Längen in m (rad), Anteile von 0 bis 1; $file, $name, $names, $mode: Namen des Benutzers
 
 verify-stage = Vergleich
@@ -49,13 +49,10 @@ verify-other-setpoint = die Steuerung gab etwas anderes aus, als eingegeben war
 verify-no-tool = weder Werkzeug noch Geber aufgezeichnet
 verify-encoder-only = nur der Geber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
 verify-no-state = kein aufgezeichnetes Signal zeigt es
-verify-other-move = keine der Bewegungen, für die das Protokoll es zusagt
+verify-other-move = keine der Bewegungen, für die die Ergebnisdatei es zusagt
 verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
-verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }
-verify-no-force = { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-} nicht aufgezeichnet
+verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Band { LENGTH($band) }
+verify-no-force = { word-force } nicht aufgezeichnet
 verify-dwell-not-recorded = die Grenze gilt im Mittel über { TIME($needed) }, Bewegung und Verweilzeit; davon sind { TIME($got) } aufgezeichnet
 verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, der deshalb nicht zu sehen ist
 verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
@@ -64,7 +61,7 @@ verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
 verify-behind-delay = { $file }: das Gemessene kommt um { TIME($delay) } früher als vorhergesagt, so viel wie der Verzug der Steuerung: der Sollwert ist hinter diesem Verzug aufgezeichnet und wird so beurteilt. Ist er davor aufgezeichnet, so wirkt der Verzug in der Steuerung nicht.
 verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
 verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
-verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } des Protokolls. Was es dafür zusagt, ist nicht zu entscheiden.
+verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } der Ergebnisdatei. Was sie dafür zusagt, ist nicht zu entscheiden.
 verify-begins-moving = { $file } beginnt mitten in einer Bewegung, die ausgelassen wurde; im Stillstand beginnen.
 verify-moves-with-gaps = { $file }: Bewegungen mit verlorenen Werten wurden ausgelassen ({ $count }).
 verify-many-moves = { $used } von { $found } Bewegungen wurden verglichen.
@@ -95,26 +92,23 @@ verify-part-sources = Quellen
 verify-caption-checks = Jede Zusage
 verify-caption-sources = Aufgezeichnete Dateien
 verify-head-what = Zusage
-verify-head-predicted = Vorhergesagt (Ecken)
+verify-head-predicted = Vorhergesagt (Eckfälle)
 verify-head-allowed = Zulässig
 verify-head-measured = Gemessen
 verify-head-verdict = Urteil
 verify-head-columns = Spalten
 verify-plot-caption = { $file }, Bewegung ab { TIME($begin) }
-verify-plot-alt = Aufgezeichnete Signale über dem Band aller Ecken. { $verdict }
-verify-plot-time = Zeit ab Beginn des Sollwerts / { $unit }
-verify-plot-acceleration = Beschleunigung des Sollwerts / { $unit }
-verify-plot-tcp = Abweichung des Werkzeugs / { $unit }
-verify-plot-encoder = Abweichung des Gebers / { $unit }
-verify-plot-force = { $axis ->
-    [rotary] Drehmoment
-   *[linear] { word-force }
-} / { $unit }
-verify-plot-difference = gemessen weniger vorhergesagt / { $unit }
+verify-plot-alt = Aufgezeichnete Signale über dem Band aller Eckfälle. { $verdict }
+verify-plot-time = Zeit ab Beginn des Sollwerts
+verify-plot-acceleration = Beschleunigung des Sollwerts
+verify-plot-tcp = Abweichung des Werkzeugs
+verify-plot-encoder = Abweichung des Gebers
+verify-plot-force = { word-force }
+verify-plot-difference = gemessen weniger vorhergesagt
 verify-line-measured = gemessen
-verify-line-low = vorhergesagt, tiefste Ecke
-verify-line-high = vorhergesagt, höchste Ecke
-verify-line-band = Toleranzband
+verify-line-low = vorhergesagt, tiefster Eckfall
+verify-line-high = vorhergesagt, höchster Eckfall
+verify-line-band = Band
 verify-line-difference = gemessen weniger nominell
 
 # Parameter, wie sie die Aufzeichnungen zeigen
@@ -123,10 +117,7 @@ verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
 verify-caption-feedforwards = Vorsteuerung, wie sie nach dem Schleppfehler sein sollte
 verify-head-feedforward = Vorsteuerung
 verify-parameter-reference-delay = Verzögerung des Sollwertpfads
-verify-parameter-feedforward-mass = { $axis ->
-    [rotary] Trägheitsmoment der Beschleunigungsvorsteuerung
-   *[linear] Masse der Beschleunigungsvorsteuerung
-}
+verify-parameter-feedforward-mass = { word-mass } der Beschleunigungsvorsteuerung
 verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
 verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
 verify-feedforward-brings = { $moves ->
@@ -135,7 +126,7 @@ verify-feedforward-brings = { $moves ->
 }
 verify-caption-limits = Grenzwerte, die daraus folgen
 verify-head-parameter = Parameter
-verify-head-old = Protokoll
+verify-head-old = Ergebnisdatei
 verify-head-new = Aufzeichnung
 verify-head-note = Bedeutung
 verify-parameter-mass = { $axis ->
@@ -144,7 +135,6 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulombsche Reibung
 verify-parameter-viscous-friction = viskose Reibung
-verify-parameter-delay = Verzug gegen den Sollwert
 verify-parameter-frequency = Frequenz
 verify-parameter-damping-ratio = Dämpfungsgrad
 verify-parameter-is-changed = geändert
@@ -169,6 +159,6 @@ verify-renewed-head = Verfeinert durch mtcommission verify am { $date }; ± sind
 # On the sheet
 measure-verdict = Aufgezeichnete Bewegungen, verify: { $verdict }.
 verdict-of-other-form = ist kein Urteil von mtcommission verify
-verdict-of-other-record = gehört zu einem anderen Protokoll; verify mit diesem ausführen
+verdict-of-other-record = gehört zu einer anderen Ergebnisdatei; verify mit diesem ausführen
 verify-setpoint-from-error = Keine Lage des Sollwerts: Summe aus { $name } und { $error }, als das, was der Regler vergleicht.
-verify-plot-acceleration-measured = Beschleunigung des Werkzeugs / { $unit }
+verify-plot-acceleration-measured = Beschleunigung des Werkzeugs

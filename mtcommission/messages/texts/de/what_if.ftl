@@ -4,7 +4,7 @@ what-if-title = Werte zum Probieren
 what-if-skip = Zu den Werten springen
 cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
-what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jeder Ecke, wie der Befehl simulate. { $today ->
+what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Blatts neu, in jedem Eckfall, wie der Befehl simulate. { $today ->
     [yes] Die heutigen Werte und die Empfehlung stehen
    *[no] Die Empfehlung steht
 } für dieselbe Bewegung daneben.
@@ -19,7 +19,7 @@ what-if-take = Diese nehmen
 what-if-taken = Kopiert.
 what-if-command = Befehlszeile, die die probierten Werte simuliert, und die Zeilen für die Steuerung
 what-if-response-caption = Abweichung des Werkzeugs
-what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün{ $today ->
+what-if-response = Probiert: blau, die Eckfälle dünn; empfohlen: grün{ $today ->
     [yes] ; heute: orange
    *[no] {""}
 }. Ab der senkrechten Linie zählt das Band für das Probierte.
@@ -31,13 +31,13 @@ what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist
    *[no] Ring: empfohlen (grün).
 }
 what-if-bode-caption = Offener Kreis mit Bandsperre
-what-if-bode = An der Soll{ word-force-behind } geschnitten; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
+what-if-bode = Im { word-force-before }sollwert aufgetrennt; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
 what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)
 what-if-margins = Reserven mit der Bandsperre
 what-if-margins-now = Jetzt, nominal
 what-if-margins-tried = Probiert, nominal
-what-if-margins-worst = Jetzt, schlechteste Ecke
-what-if-margins-worst-tried = Probiert, schlechteste Ecke
+what-if-margins-worst = Jetzt, ungünstigster Eckfall
+what-if-margins-worst-tried = Probiert, ungünstigster Eckfall
 what-if-notch-note = Die Bandsperre tritt an die Stelle der ersten im Kreis, wenn er eine hat. Sie ändert hier die Reserven, nicht die Antwort oben: Dafür die Zeile in [control] des Profils schreiben und neu rechnen.
 what-if-no-notch = Keine Bandsperre: Tiefe 0 dB.
 what-if-unstable = instabil
@@ -53,7 +53,6 @@ what-if-frequency-hz = Frequenz in Hz
 what-if-open-loop-db = Offener Kreis in dB
 what-if-open-loop-deg = Phase in Grad
 what-if-none = –
-what-if-moving-average = gleitender Mittelwert
 what-if-no-filter = keiner
 what-if-missed = nicht erfüllt
 what-if-nominal = nominale Maschine
@@ -63,14 +62,8 @@ what-if-all-corners = (schlechteste von allen { $count } Maschinen)
 what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschinen)
 what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.
 what-if-missed-check = { $name }: { $value }, erlaubt { $limit }
-what-if-saturated = { $axis ->
-    [rotary] Das verlangt mehr Moment, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
-   *[linear] Das verlangt mehr { word-force }, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
-}
-what-if-saturated-short = { $axis ->
-    [rotary] mehr Moment, als da ist
-   *[linear] mehr { word-force }, als da ist
-}
+what-if-saturated = Das verlangt mehr { word-force }, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
+what-if-saturated-short = mehr { word-force }, als da ist
 what-if-tried-machine = Die Maschine mit { $place } wird zusätzlich betrachtet; ihre Restabweichung ist { $value }.
 what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der Bewegung gehalten (ab 1 %; der Befehl simulate begrenzt auch die dazwischen).
 what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.

@@ -27,7 +27,7 @@ ask-drive-max-force-where = { $axis ->
 ask-drive-force-lag-where = Stromregler des Antriebs: Anstiegszeit auf 63 %; Servoantriebe haben 0,5 bis 5 ms.
 ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
 ask-drive-max-force-shaft-where = Motordatenblatt: Spitzenkraft, oder das Spitzenmoment an der Welle in N m, das in eine Kraft umgerechnet wird.
-ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Moment an der Welle in N m wird in eine Kraft umgerechnet.
+ask-drive-continuous-force-shaft-where = Motordatenblatt: Nenn- oder Stillstandswert, die thermische Grenze (effektiv); ein Drehmoment an der Welle in N m wird in eine Kraft umgerechnet.
 ask-drive-continuous-force-empty = keine thermische Grenze
 ask-drive-static-load-where = { $axis ->
     [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält; Schwenkachse außer Gleichgewicht: Masse x 9,81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
@@ -103,10 +103,7 @@ ask-pair-motor-mass-where = { $axis ->
    *[linear] Rotor, Spindel, Getriebe: Trägheitsmoment x (2 pi / Steigung)^2; bewegter Teil eines Linearmotors.
 }
 ask-pair-motor-mass-shaft-where = Läufer, Kupplung, Spindel, Getriebe: ihre Trägheit an der Motorwelle in kg m^2, die in eine Masse umgerechnet wird; oder diese Masse in kg.
-ask-pair-load-mass = { $axis ->
-    [rotary] Trägheitsmoment auf der Werkzeugseite der Feder
-   *[linear] Masse auf der Werkzeugseite der Feder
-}
+ask-pair-load-mass = { word-mass } auf der Werkzeugseite der Feder
 ask-pair-load-mass-where = { $axis ->
     [rotary] Tisch oder Kopf mit allem, was er trägt.
    *[linear] Tisch, Portal oder Kopf mit allem, was er trägt.
@@ -214,4 +211,3 @@ insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen k
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.
 document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.
-document-default-accepted = Vorgabe übernommen, nicht gemessen

@@ -2,7 +2,6 @@
 
 either = { $first } or { $last }
 
-option-one-of = got { $got }, must be { $allowed }
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
 option-filter-form = got { $got }, { $numbers ->
@@ -22,7 +21,6 @@ option-bounds-need-transcription = bounds on a damping-optimal control need --me
 option-step-or-distance = cannot go with --velocity-step; give one of them
 option-no-bound = got { $got }, must be NAME=VALUE
 option-no-signal = no state or output { $got }{ $hint }; there are: { $names }
-option-did-you-mean = ; did you mean { $name }?
 option-no-language = got "{ $got }", must be one of: { $allowed }
 
 file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o
@@ -74,10 +72,7 @@ simulated-ramp-of-a-cycle = The ramp a/j = { TIME($ramp, digits: 3) } is shorter
 option-jerk-needed = the control limits the jerk, so the limit to be tried is needed, e.g. --jerk 100m/s^3
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
 simulated-with-loop = Loop, tuned where left open: Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }.
-simulated-with-filters = Filters of the set { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}: { $filters }.
+simulated-with-filters = Filters of the set { word-force }: { $filters }.
 simulated-without-loop = Open-loop axis: there is no loop to tune.
 
 # A call that does not fit the commands.

@@ -28,10 +28,7 @@ identify-not-described = { $files }: a rigid { $axis ->
     [response] At the low end it does not fall with frequency as a free { $axis ->
         [rotary] inertia
        *[linear] mass
-    } does: probably the wrong response (a closed loop from its setpoint, another signal), or the axis did not move. Measure the controlled system of the speed controller, { $axis ->
-        [rotary] torque
-       *[linear] { word-force }
-    } setpoint to actual velocity, about an offset speed.
+    } does: probably the wrong response (a closed loop from its setpoint, another signal), or the axis did not move. Measure the controlled system of the speed controller, { word-force } setpoint to actual velocity, about an offset speed.
     [friction] It lies at the low end: friction that sticks, or feedback in the measurement. Measure about an offset speed at which the axis never stands, with more amplitude and the position loop as soft as it may be; or leave these lines out with --band.
     [modes] It lies at the high end: more modes than the model holds, the current loop or the sensor. Leave these lines out with --band, or measure to lower frequencies with finer lines.
    *[feedback] It lies in the middle of the band: feedback in the measurement (record the excitation, too, as v_ref), a wrong unit or column, or a machine that changed meanwhile. Measure again with the loop as soft as it may be and more amplitude, or several states of the machine one by one.
@@ -56,13 +53,7 @@ identify-damping-sigma = twice the standard error of { $mode } is { SHARE($sprea
 # Doubts and advice
 identify-mode-not-everywhere = { $mode } does not show in { $states }.
 identify-no-mode = No mode was found: within the band the axis is a rigid mass. Measure to higher frequencies, or at the tool.
-identify-no-rigid-body = No rigid body shows in the band: the mass is not known, and gains are those between the measured points, not shares of the drive's { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}. Measure { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} to speed with the drive.
+identify-no-rigid-body = No rigid body shows in the band: the mass is not known, and gains are those between the measured points, not shares of the drive's { word-force }. Measure { word-force } to speed with the drive.
 identify-no-force = Only the motion was recorded, not what drives it: frequencies and damping are those of a tool on a motor that is held, as drive.kind = "position_source" means them (a motor that follows its setpoint, such as a stepper). A servo axis has its modes with the motor free, which lie higher: for it record the response of the drive (torque to speed).
 identify-of-belt = recorded along a belt (AXIS=1,1 or 1,-1), which compares the belts of a CoreXY but is no axis; Klipper's shapers act on X and Y of the tool head, on a CoreXY, too: record TEST_RESONANCES AXIS=X and AXIS=Y
 identify-several-axes = the names of the files tell several axes ({ $axes }): each gets files of its own (-o NEW.toml writes NEW-x.toml and so on), so neither --profile nor - can be given; or name the files of one axis only
@@ -139,12 +130,7 @@ identify-spread-frequency = Spread of frequencies
 identify-spread-damping = Spread of damping
 identify-misfit = Misfit, in units of the noise
 identify-head-why = Why
-identify-head-mode = Mode
-identify-head-frequency = Frequency
-identify-head-damping = Damping ratio
 identify-head-encoder = Gain at the encoder
-identify-head-tool = Gain at the tool
-identify-head-state = State
 identify-head-file = File
 identify-head-sensor = Sensor
 identify-head-format = Format
@@ -153,10 +139,7 @@ identify-head-explained = Explained
 identify-head-held-back = Held back
 identify-not-known = not known
 identify-misfit-meaning = weighted rms; 1 is as good as the noise
-identify-delay-meaning = from { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} to sensor, as recorded
+identify-delay-meaning = from { word-force } to sensor, as recorded
 identify-lag = Lag
 identify-lag-meaning = first order, beside the delay: the current loop, or a filter of the sensor
 identify-mass-meaning = from the rigid body at the low end of the band
@@ -166,10 +149,7 @@ identify-caption-modes = Modes over all states, ± two standard errors
 identify-caption-states = Modes in each state
 identify-caption-result = What was identified
 identify-caption-files = What was read
-identify-caption-check = Share of the signal's power in the band that the model explains from the recorded { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}
+identify-caption-check = Share of the signal's power in the band that the model explains from the recorded { word-force }
 identify-plot-caption = { $file }: measured points and fitted curve
 identify-plot-alt = Magnitude, phase and coherence of { $file } over frequency: measured points follow the fitted curve with a misfit of { NUMBER($misfit, digits: 3) } times the noise.
 identify-spectrum-caption = { $file }: measured spectrum and fitted curve
@@ -187,6 +167,7 @@ identify-sensor-encoder = encoder
 identify-sensor-tcp = tool
 identify-stage = Identifying
 identify-next-run = Look at what is assumed in { $file }, then: mtcommission run { $file }
+identify-next-check = Then: mtcommission check { $file }, then mtcommission run { $file }
 identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { $file }
 
 # Options

@@ -44,14 +44,8 @@ identify-series-short = { $name } has { $got } values, must have { $wanted }; th
 identify-series-missing = { $name } is missing; save the measurement with its data
 identify-series-not-finite = { $name } holds values that no measurement gives (not finite, or beyond all size); measure again
 identify-record-broken = record { $row }: got "{ $got }", must be a number
-identify-response-taken = { $name } is taken: motor speed per { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}, the mechanics that the drive moves. The file also holds { $others }: { $file }@NAME takes one of them.
-identify-last-response-taken = { $name } is taken: motor speed per { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}, measured last. The file also holds { $others }: { $file }@NAME takes one of them.
+identify-response-taken = { $name } is taken: motor speed per { word-force }, the mechanics that the drive moves. The file also holds { $others }: { $file }@NAME takes one of them.
+identify-last-response-taken = { $name } is taken: motor speed per { word-force }, measured last. The file also holds { $others }: { $file }@NAME takes one of them.
 identify-no-such-response = got "{ $got }", which is no response of the file; there are: { $names }
 identify-hz-assumed = the file holds no sampling time that tells the unit of its frequencies: taken as Hz, up to { PLAIN($last) } Hz (assumed; in rad/s they would be 2π times lower)
 identify-frequency-neither = the last line stands at { PLAIN($last) }, but a session reaches to half its sampling rate, { PLAIN($nyquist) } Hz at { TIME($step) }: that is neither in Hz nor in rad/s, so the unit of the frequencies is not known; measure with the full bandwidth again, or export the response as a table with frequency_hz
@@ -93,12 +87,12 @@ identify-column-found = { $place }: { $name } [{ $unit }] is { $what }
 identify-columns-unknown = columns are not clear: { $found }; say { $missing }
 identify-response-unknown = a response in the unit "{ $found }" is not clear; say { $missing }
 identify-missing-output = which column is the motion: --columns "encoder=COLUMN [mm]" (or tcp, velocity, acceleration)
-identify-missing-input = which column is the { word-force }: --columns "{ word-force }=COLUMN [N]" (or torque, current), or name the columns that count if there is none
+identify-missing-input = which column holds the { word-force }: --columns "{ word-force }=COLUMN" (or torque, current), or name the columns that count if there is none
 identify-missing-sensor = where it was measured: --sensor encoder or --sensor tcp (or FILE@tcp)
 identify-say-input = what excites: --input force, torque, current or acceleration
 identify-say-output = what was measured: --output position, velocity or acceleration
-identify-say-constant = --constant, the { word-force } or torque per ampere (in N/A or N m/A), which the motor's data sheet states
-identify-current-without-constant = a current (columns { $found }); say --constant, the { word-force } or torque per ampere (in N/A or N m/A), which the motor's data sheet states
+identify-say-constant = --constant, the { word-force } per ampere (in N/A or N m/A), which the motor's data sheet states
+identify-current-without-constant = a current (columns { $found }); say --constant, the { word-force } per ampere (in N/A or N m/A), which the motor's data sheet states
 identify-column-contradicts = { $name } has the unit { $unit }, which is that of { $signal }: are columns swapped, or is the unit wrong?
 identify-rotary-on-linear = the response is that of a turning motor, the axis of the profile is linear; state drive.lead (travel per turn), or convert { word-force } and travel to the axis
 identify-linear-on-rotary = the response is that of a linear motion, the axis of the profile turns

@@ -18,10 +18,7 @@ ceiling-source = { $kind ->
    *[other] No sample configuration of Klipper has more (most have 3 m/s²).
 }
 acceleration-ceiling = The acceleration ends at a practical ceiling, assumed: { ACCELERATION($ceiling) }; what extruder, frame and motor driver take is not in the model. { $why } Type more only where yours are known to take it; where they take less, state that as drive.max_acceleration.
-reserve-used = { $axis ->
-    [rotary] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the torque, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
-   *[linear] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the { word-force }, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
-}
+reserve-used = Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the { word-force }, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
 
 # optima; $error: outcome with its remedy
 reference-not-exact = The time-optimal control was not found exactly; the reference shown is one on cells. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
@@ -29,14 +26,11 @@ optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
 band-saves-nothing = Optimum with the band instead of exact rest: not computed, since it saves { SHARE($share, digits: 2) } of the time at most: even a rigid axis takes { TIME($rigid, digits: 6) }.
-band-wider-than-move = Optimum with the band instead of exact rest: none, since the band, { SI($band, "LENGTH", digits: 3) }, is no smaller than the move, { SI($distance, "LENGTH", digits: 3) }: standing still keeps it.
+band-wider-than-move = Optimum with the band instead of exact rest: none, since the band, { LENGTH($band, digits: 3) }, is no smaller than the move, { LENGTH($distance, digits: 3) }: standing still keeps it.
 band-optimum-failed = Optimum with the band instead of exact rest: { $error }.
-robust-force-failed = { $axis ->
-    [rotary] Torque profile for the whole spread: { $error }.
-   *[linear] { word-force-first } profile for the whole spread: { $error }.
-}
+robust-force-failed = { word-force-first } profile for the whole spread: { $error }.
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
-static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of { word-max-force } { SI($force, "FORCE", digits: 6) }
+static-load-of-force = static_load { FORCE($load, digits: 6) } of { word-max-force } { FORCE($force, digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, but t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum
@@ -69,24 +63,12 @@ source-heidenhain = HEIDENHAIN, MANUALplus 620: least axPathJerk
 commissioning-rule = commissioning rule
 commissioning-rule-with = commissioning rule ({ $chosen })
 source-commissioning-rule = this project, by hand; derived and validated in docs/commissioning-rule.md
-rule-description = In one sentence: average one period of the softest mode, let the band set the jerk, and the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} the acceleration. Why: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; among moves of all sizes there is one whose steps all add, so ramps cannot be relied on to cancel anything. A moving average of fixed length acts on every size.
+rule-description = In one sentence: average one period of the softest mode, let the band set the jerk, and the { word-force } the acceleration. Why: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; among moves of all sizes there is one whose steps all add, so ramps cannot be relied on to cancel anything. A moving average of fixed length acts on every size.
 rule-advice = Calculate once without an average (W = 1) and once with one that is as long as a period of the mode with the largest C, at the middle of the frequencies that it may have; take what moves sooner, v/a + a/j + T_F. The limits then hold for every smaller move, too.
-rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}, band 2 to 50 µm; no setpoint filter but a moving average, no bounds on peaks, contour or { $axis ->
-    [rotary] RMS torque
-   *[linear] RMS { word-force }
-}. The band is met in most machines, not in all: simulate before use.
+rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving { word-mass }, band 2 to 50 µm; no setpoint filter but a moving average, no bounds on peaks, contour or RMS { word-force }. The band is met in most machines, not in all: simulate before use.
 rule-no-average = no average
 rule-average = moving average, { TIME($time) }
-rule-force = { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}
+rule-force = { word-force }
 rule-reach = reach
 rule-bound-by = bound by { $what }
 rule-for-positioning = for positioning
@@ -99,17 +81,11 @@ rule-mode-passed = share W of mode { $mode } behind the average
 rule-allowed-jerk = jerk that the band allows
 rule-speed-loop = speed loop ω_v
 rule-servo-sensitivity = jerk sensitivity C_S of the servo
-rule-unknown-mass = { $axis ->
-    [rotary] unknown share of the moment of inertia ε
-   *[linear] unknown share of the mass ε
-}
+rule-unknown-mass = unknown share of the { word-mass } ε
 rule-payload-sensitivity = jerk sensitivity C_P by the payload
 rule-mode-sensitivity = jerk sensitivity C of mode { $mode }
 rule-jerk-time = jerk time t_j
-rule-force-acceleration = { $axis ->
-    [rotary] acceleration within the torque
-   *[linear] acceleration within the { word-force }
-}
+rule-force-acceleration = acceleration within the { word-force }
 rule-see-formula = see the formula
 rule-acceleration = acceleration a
 rule-jerk = jerk j
@@ -119,7 +95,4 @@ rule-needs-automatic-delay = reference_delay is given: the rule counts on the au
 rule-needs-jerk-limit = the control has no jerk limit: the rule counts on one
 rule-knows-averages-only = a setpoint filter other than a moving average is on: the rule counts its length, not its smoothing
 rule-careful-with-seen-mode = the encoder sees more of mode { $mode } than was tried (m c = { NUMBER($share, digits: 3) }, tried up to 1): the rule may be slower than need be by far
-rule-knows-no-peaks = { $axis ->
-    [rotary] bounds on peaks, contour or RMS torque are not in the rule
-   *[linear] bounds on peaks, contour or RMS { word-force } are not in the rule
-}
+rule-knows-no-peaks = bounds on peaks, contour or RMS { word-force } are not in the rule

@@ -12,10 +12,7 @@ loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
 # $ratio: Tn Kp / m and Kv m / Kp
 loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, by the search.
 loop-kv-searched = Kv = { PLAIN($ratio, digits: 3) } Kp / m, by the search.
-loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the { $axis ->
-    [rotary] torque lag
-   *[linear] { word-force } lag
-} that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
+loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the { word-force } lag that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
 
 # State feedback; $mode, $modes: names of modes as the profile spells them
 loop-unseen-modes = The sensors do not see mode { $modes }: no feedback can damp it.

@@ -1,17 +1,14 @@
 # What is unusual about a machine; everything in SI.
 
-# $key: of the profile; $what: one of the remarks below
-remark = { $key }: { $what }
-remark-on-mode = mode { $mode }: { $what }
+# $of: a name; $what: one of the remarks below
+remark = { $of }: { $what }
+mode-named = mode { $mode }
 mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left
 mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms
 mode-damping-low = damping ratio { ROUND($damping_ratio, digits: 3) } is below what machine structures show, { ROUND($low) } to { ROUND($high) }
 mode-damping-high = damping ratio { ROUND($damping_ratio, digits: 3) } is above what machine structures show, { ROUND($low) } to { ROUND($high) }
-mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}
+mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and { word-mass }
 # $rate [Hz]
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz; no feedback can damp it
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the position loop's sampling rate, { ROUND($rate) } Hz; setpoints at that cycle cannot shape it
@@ -19,44 +16,32 @@ mode-of-few-position-cycles = one period has only { ROUND($cycles, digits: 2) } 
 measured-not-described = misfit { ROUND($misfit, digits: 3) }, at most { ROUND($most) }: the model does not describe what was measured, and mass, modes and intervals of this profile may be wrong; measure again (see its first line)
 mode-unseen = neither tool nor encoder sees it; it costs time in the optimum for nothing
 mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
-mode-bends-far = the full { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} bends the tool by { SI($deflection, "LENGTH", digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { SI($band, "LENGTH", digits: 3) }; check the stiffness and the band
-force-hardly-moves-axis = { SI($force, "FORCE") }{ $axis ->
+mode-bends-far = the full { word-force } bends the tool by { LENGTH($deflection, digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { LENGTH($band, digits: 3) }; check the stiffness and the band
+force-hardly-moves-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }on { SI($mass, "MASS") }
-} give { SI($acceleration, "ACCELERATION", digits: 3) }, which hardly moves the axis; check both units
-force-beyond-axis = { SI($force, "FORCE") }{ $axis ->
+   *[other] { " " }on { MASS($mass) }
+} give { ACCELERATION($acceleration, digits: 3) }, which hardly moves the axis; check both units
+force-beyond-axis = { FORCE($force) }{ $axis ->
     [open-loop] { "" }
-   *[other] { " " }on { SI($mass, "MASS") }
-} give { SI($acceleration, "ACCELERATION", digits: 3) }, which is more than a machine axis bears; check both units
-static-load-large = { SI($load, "FORCE") } take more than half of { word-max-force } = { SI($max_force, "FORCE") }; consider a counterbalance
-continuous-force-above-max = { SI($force, "FORCE") } is above { word-max-force } = { SI($max_force, "FORCE") }, so it limits nothing; the two may be swapped
-force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} loop (servo drives: 0.5 to 5 ms)
+   *[other] { " " }on { MASS($mass) }
+} give { ACCELERATION($acceleration, digits: 3) }, which is more than a machine axis bears; check both units
+static-load-large = { FORCE($load) } take more than half of { word-max-force } = { FORCE($max_force) }; consider a counterbalance
+continuous-force-above-max = { FORCE($force) } is above { word-max-force } = { FORCE($max_force) }, so it limits nothing; the two may be swapped
+force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { word-force } loop (servo drives: 0.5 to 5 ms)
 move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this move; check { $axis ->
     [rotary] angle, velocity and torque
    *[linear] distance, velocity and { word-force }
 }
-move-fast = { SI($velocity, "VELOCITY") } is faster than machine axes move, { SI($fastest, "VELOCITY") }; check the unit
-band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } is finer than encoders resolve; check the unit
-band-no-accuracy = { SI($band, "LENGTH", digits: 3) } is no accuracy at all; check the unit
-payload-large = { SI($payload, "MASS") } is more than three times the moving { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}, { SI($mass, "MASS") }; one set of limits will be slow for the empty axis
-bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) } do not widen in this order; they may be swapped
-feedforward-mass-far = { SI($mass, "MASS") } is far from the moving { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much
+move-fast = { VELOCITY($velocity) } is faster than machine axes move, { VELOCITY($fastest) }; check the unit
+band-finer-than-encoders = { LENGTH($band, digits: 3) } is finer than encoders resolve; check the unit
+band-no-accuracy = { LENGTH($band, digits: 3) } is no accuracy at all; check the unit
+payload-large = the payload, { MASS($payload) }, is more than three times the moving { word-mass }, { MASS($mass) }; one set of limits will be slow for the empty axis
+bands-not-widening = the bands of the machining modes, surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) }, do not widen in this order; they may be swapped
+feedforward-mass-far = { MASS($mass) } in the feed-forward is far from the moving { word-mass }, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much
 # $gain [1/s], $in_custom [(m/min)/mm]
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custom, digits: 3) } (m/min)/mm; if { ROUND($gain) } (m/min)/mm is meant, write the unit: "{ ROUND($gain) } (m/min)/mm"
 # $bandwidth, $rate [Hz]
-bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
+bandwidth-above-sampling = a least bandwidth of { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
 
 # On what results rest.
 feature-counted = { $count } { $feature }
@@ -67,30 +52,18 @@ control-kind-generic = generic cascade
 control-kind-state-space = free controller (state space)
 assumed-frequency-spread = frequencies off by up to ±{ SHARE($spread) }
 assumed-damping-spread = damping ratios off by up to ±{ SHARE($spread) }
-assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) } of the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}
+assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) } of the { word-force }
 assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what its curve leaves up to { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = the kind of control
 assumed-loop = position loop { $place }
 assumed-position-cycle = position cycle { TIME($cycle) }
 assumed-velocity-cycle = velocity cycle { TIME($cycle) }
-assumed-static-load = weight or process { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} { QUANTITY($load, $unit) }
+assumed-static-load = weight or process { word-force } { QUANTITY($load, $unit) }
 assumed-dwell = rest of { TIME($dwell) } after move { $number }
 assumed-keys = not measured: { $keys }
 neglected-steps = open-loop steps (a stiff position loop stands in for the motor)
-neglected-force-over-speed = { $axis ->
-    [rotary] torque falling with speed ({ word-max-force } holds at the fastest)
-   *[linear] { word-force } falling with speed ({ word-max-force } holds at the fastest)
-}
-neglected-heat = heating of the motor (state its continuous { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-})
+neglected-force-over-speed = { word-force } falling with speed ({ word-max-force } holds at the fastest)
+neglected-heat = heating of the motor (state its continuous { word-force })
 neglected-friction = friction and backlash (errors at standstill of their own)
 neglected-encoder = encoder steps (state the encoder's resolution)
 neglected-travel = modes changing over the travel (widen the spread of frequencies)

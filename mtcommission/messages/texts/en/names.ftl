@@ -3,14 +3,8 @@
 # The name of a key of the profile: the catalogue finds it below.
 name = { $key }
 
-name-F-set = { $axis ->
-    [rotary] Set torque { word-f-set }
-   *[linear] Set { word-force } { word-f-set }
-}
-name-F = { $axis ->
-    [rotary] Torque F
-   *[linear] { word-force-first } F
-}
+name-F-set = Set { word-force } { word-f-set }
+name-F = { word-force-first } F
 name-tcp = Tool centre point
 name-tcp-vibration = Elastic deflection at the tool
 name-x-b = Base position x_b
@@ -33,10 +27,7 @@ name-tcp-deviation = Permitted TCP deviation (band)
 name-tcp-gain = Gain at the tool
 name-measured-gain = Gain at the encoder
 name-tcp-height = TCP height h, signed
-name-force-lag = { $axis ->
-    [rotary] Time constant of the torque loop T
-   *[linear] Time constant of the { word-force } loop T
-}
+name-force-lag = Time constant of the { word-force } loop T
 name-Kv = Position gain Kv
 name-Kp = Velocity gain Kp
 name-Tn = Integral time Tn
@@ -49,42 +40,24 @@ name-encoder-resolution = Resolution of the encoder
 name-contour-deviation = Permitted contour deviation
 name-contour-feed = Largest feed for that
 name-band = Reserve: usable share of the band
-name-force = { $axis ->
-    [rotary] Reserve: usable share of the torque
-   *[linear] Reserve: usable share of the { word-force }
-}
-name-base-mass = { $axis ->
-    [rotary] Base moment of inertia
-   *[linear] Base mass
-}
-name-slider-mass = { $axis ->
-    [rotary] Slider moment of inertia
-   *[linear] Slider mass
-}
+name-force = Reserve: usable share of the { word-force }
+name-base-mass = Base { word-mass }
+name-slider-mass = Slider { word-mass }
 name-rotary-inertia = Rotary inertia
 name-lever-arm = Lever arm
 name-base-stiffness = Base stiffness
 name-base-damping = Base damping
 name-rotary-stiffness = Rotary stiffness
 name-rotary-damping = Rotary damping
-name-moving-mass = { $axis ->
-    [rotary] Moving moment of inertia
-   *[linear] Moving mass
-}
+name-moving-mass = Moving { word-mass }
 name-frequency = Frequency
 name-damping-ratio = Damping ratio
 name-max-acceleration = Max acceleration of the motor
 name-position-cycle = Position cycle
 name-velocity-cycle = Velocity cycle
 name-drive-kind = Kind of drive
-name-max-force = { $axis ->
-    [rotary] Max torque
-   *[linear] Max { word-force }
-}
-name-continuous-force = { $axis ->
-    [rotary] Continuous torque
-   *[linear] Continuous { word-force }
-}
+name-max-force = Max { word-force }
+name-continuous-force = Continuous { word-force }
 name-static-load = Static load
 name-coulomb-friction = Coulomb friction
 name-viscous-friction = Viscous friction

@@ -31,10 +31,7 @@ ipopt-ended-at = t_f = { PLAIN($t_f, digits: 6) } s: { $ended }
 ipopt-went-far = IPOPT went to t_f = { PLAIN($t_f) } s
 target-not-reached = { PLAIN($reach, digits: 9) } of the target is reached at t_f = { PLAIN($t_f, digits: 9) } s
 
-force-left = { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} left for motion { PLAIN($force, digits: 6) } { $unit }
+force-left = { word-force } left for motion { PLAIN($force, digits: 6) } { $unit }
 modes-answer-alike = { PLAIN($force, digits: 6) } { $unit } end the move after some { PLAIN($t_f, digits: 3) } s, { PLAIN($angle, digits: 2) } rad of the slowest mode; rounding then leaves { PLAIN($doubt, digits: 1) } of t_f in doubt
 no-control-reaches-rest = no control for span { PLAIN($span, digits: 6) } next to { PLAIN($t_f, digits: 9) } s reaches rest
 multipliers-prove-beyond = the multipliers prove a time beyond { PLAIN($t_f, digits: 3) } s

@@ -5,7 +5,6 @@ hint-there-are = ; there are { $names }
 hint-moves-header = ; write the header as [[moves]]
 hint-key = ; name a key as messages spell it
 # $first may be several, separated by commas
-an-array = an array
 a-table = a table
 a-date = a date or time
 a-huge-integer = an integer beyond all bounds
@@ -19,10 +18,7 @@ file-binary = is a binary or UTF-16 file; save the profile as UTF-8 text
 file-is-json = is JSON, as the record of a run is; give the machine profile (.toml), or the record to sheet or export
 file-not-utf8 = byte { $byte } is not UTF-8; save the profile as UTF-8 text
 file-empty = is empty; start from a shipped profile (mtcommission profiles list)
-# $meant: profile-meant or profile-none-meant
-profile-unknown = no shipped profile { $got }{ $meant } There are: { $names }
-profile-meant = ; did you mean { $name }?
-profile-none-meant = .
+profile-unknown = no shipped profile { $got }{ $hint }; there are: { $names }
 
 # TOML.
 toml-nested-deeply = is nested too deeply; a profile needs no more than three levels
@@ -40,11 +36,7 @@ add-table = add a table { $header }
 add-kind-of-keys = add kind = "{ $kind }", to which the other keys belong
 
 # Values.
-got-other-word = got { $got }, must be { $words }
-got-other-word-for = got { $got }, must be { $words }{ $hint }
-got-no-boolean = got { $got }, must be true or false
-got-no-table = got { $got }, must be a table
-got-no-array = got { $got }, must be an array{ $hint }
+got-other-word = got { $got }, must be { $words }{ $hint }
 got-no-text = got { $got }, must be a text in quotes
 got-no-signals = got { $got }, must be a table of signals
 got-no-signals-or-word = got { $got }, must be { $words } or a table of signals
@@ -78,7 +70,6 @@ damping-spread-beyond-one = got { PLAIN($got, digits: 6) }, which raises a dampi
 payload-reversed = got { PLAIN($low, digits: 6) } { $unit } to { PLAIN($high, digits: 6) } { $unit }, the least comes first
 # [s]
 cycle-no-multiple = got { PLAIN($got, digits: 6) } s, { PLAIN($ratio, digits: 6) } times velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; must be a whole multiple
-schema-not-one = got { $got }, must be 1
 
 # What a kind of control does not have. $has: keys or words of the profile, or empty.
 lead-of-rotary-axis = a rotary axis has no lead; remove it, and give drive.gear (turns of the motor per turn of the axis)

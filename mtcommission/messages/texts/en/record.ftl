@@ -50,16 +50,10 @@ assumption-linear = { $axis ->
    *[linear] The axis is linear: a rigid mass, a first-order { word-force } lag and decoupled flexible modes. Friction, backlash, cogging and cable forces are left out.
 }
 assumption-encoder = Velocity is the difference of the encoder position over one velocity cycle, as drives form it; beyond a stated resolution the encoder measures without error.
-assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} acts one velocity cycle late.
+assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { word-force } acts one velocity cycle late.
 assumption-exact-rest = The time-optimal reference demands exact rest of all modes; the recommendation is judged by a band, so the two answer different questions.
 assumption-calculated = A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.
-assumption-static-load = The static load takes its amount from the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} available for motion; its deflection is constant and taken up by the integral part of the velocity loop.
+assumption-static-load = The static load takes its amount from the { word-force } available for motion; its deflection is constant and taken up by the integral part of the velocity loop.
 
 # Where a datum comes from.
 
@@ -74,10 +68,7 @@ path-position-setpoint = position setpoint
 path-position-controller = position controller
 path-velocity-feed-forward = velocity feed-forward
 path-wanted-state = wanted state
-path-force-feed-forward = { $axis ->
-    [rotary] torque feed-forward
-   *[linear] { word-force } feed-forward
-}
+path-force-feed-forward = { word-force } feed-forward
 path-velocity-controller = velocity controller
 
 # Friction
@@ -85,11 +76,5 @@ assumption-linear-with-friction = { $axis ->
     [rotary] The search for the limits is linear: a rigid body, a first-order torque lag and decoupled flexible modes; Coulomb friction is taken off the torque that is left. The recommended limits were simulated once more with the stated friction. Backlash, cogging and cable drag are left out.
    *[linear] The search for the limits is linear: a rigid mass, a first-order { word-force } lag and decoupled flexible modes; Coulomb friction is taken off the { word-force } that is left. The recommended limits were simulated once more with the stated friction. Backlash, cogging and cable forces are left out.
 }
-friction-kept = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} { FORCE($force) }; all that was looked at is kept (worst corner).
-friction-broken = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} { FORCE($force) }; this breaks band, settling time or { word-force } (worst corner). A settling time of – is: not settled a second after the setpoint. Raise the integral gain, add friction compensation in the control, or ask for a wider band.
+friction-kept = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { word-force } { FORCE($force) }; all that was looked at is kept (worst corner).
+friction-broken = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { word-force } { FORCE($force) }; this breaks band, settling time or { word-force } (worst corner). A settling time of – is: not settled a second after the setpoint. Raise the integral gain, add friction compensation in the control, or ask for a wider band.

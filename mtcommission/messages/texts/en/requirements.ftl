@@ -3,14 +3,8 @@
 requirement-residual-deviation = residual deviation
 requirement-settling-time = settling time
 requirement-contour-deviation = contour deviation
-requirement-set-force = { $axis ->
-    [rotary] set torque
-   *[linear] set { word-force }
-}
-requirement-rms-force = { $axis ->
-    [rotary] RMS torque
-   *[linear] RMS { word-force }
-}
+requirement-set-force = set { word-force }
+requirement-rms-force = RMS { word-force }
 # $signal: a state or output of the plant, as the profile spells it
 requirement-peak = peak { SYMBOL($signal) }
 requirement-together-with = { $requirement }, together with { $others }

@@ -85,7 +85,6 @@ assumed-more = { $names } and { $count } more
 payload-from-to = { $low } to { $high }
 basis = What
 basis-damping = Damping ratios
-basis-reserve = Reserve
 basis-sizes = Sizes of move
 assumed-of = { $value } (assumed: { $names })
 assumed = { $value } (assumed)
@@ -93,10 +92,7 @@ spread = judged at ± { SHARE($spread) }
 spread-none = judged as stated, no spread
 all-kept-between = all kept from { $low } to { $high }
 not-kept-nominally = requirements not kept even as stated
-reserve-kept = { $axis ->
-    [rotary] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the torque
-   *[linear] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the { word-force }
-}
+reserve-kept = recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the { word-force }
 position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
 position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
 position-loop-drive = position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
@@ -107,10 +103,7 @@ judged-to-feed = { $requirement }{ $feed ->
    *[other] { " at up to " }{ $feed }
 }
 judged-at-rest = Judged once the tool must be still. During the move it is up to { $peak } off: for work along a path, state in the profile: { $keys }.
-encoder-steps = { $axis ->
-    [rotary] steps of { $resolution } move the tool by up to ± { $tool } and the set torque by ± { $force }
-   *[linear] steps of { $resolution } move the tool by up to ± { $tool } and the set { word-force } by ± { $force }
-}
+encoder-steps = steps of { $resolution } move the tool by up to ± { $tool } and the set { word-force } by ± { $force }
 share-used = Used
 yes-without-reserve = yes, reserve used
 met-without-reserve = met, reserve used up
@@ -118,10 +111,7 @@ reference = { $move }: time-optimal reference, exact rest: { $optimum }; recomme
 reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
 reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling }, { $less } less, since it is judged by the band and not by exact rest.
 band-optimum = With the band of ± { $band } instead of exact rest: { $optimum } (recommended: { $change }; proved: nothing below { $bound }).
-robust-force = { $axis ->
-    [rotary] A torque profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
-   *[linear] { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
-}
+robust-force = { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-enclosed = { $optimum } (proved: not below { $bound })
 checks-caption = Requirements
@@ -177,16 +167,10 @@ rule-valid = Valid for: { $range }
 rule-result = By hand: a = { $acceleration }, j = { $jerk } ({ $chosen }; a bound by: { $bound }), predicted residual deviation { $residual }, for every smaller move, too. The search needs no rule; this is to check it with a calculator.
 rule-steps-caption = The rule, step by step
 rule-symbols-caption = Symbols of the rule (index i: a mode; values by mode: { $modes })
-rule-symbol-F = { $axis ->
-    [rotary] Torque left for motion
-   *[linear] { word-force-first } left for motion
-}
+rule-symbol-F = { word-force-first } left for motion
 rule-symbol-v = Change of velocity, or largest velocity, of each move
 rule-symbol-L = Length of each positioning move
-rule-symbol-m = { $axis ->
-    [rotary] Moving moment of inertia; in the torque condition with the largest payload
-   *[linear] Moving mass; in the { word-force } condition with the largest payload
-}
+rule-symbol-m = Moving { word-mass }; in the { word-force } condition with the largest payload
 rule-symbol-m-ff = { $axis ->
     [rotary] Moment of inertia in the feed-forward
    *[linear] Mass in the feed-forward
@@ -212,10 +196,7 @@ landscape-caption = Worst settling time over acceleration and jerk time
 landscape-alt = Map of { $rows } accelerations by { $columns } jerk times; settling times from { $least } to { $most }; the chosen point is at { $acceleration } and { $jerk_time }.
 chosen = chosen
 residual-border = residual deviation = band { $band }
-usage-border = { $axis ->
-    [rotary] torque, RMS torque or a bounded peak just reached
-   *[linear] { word-force }, RMS { word-force } or a bounded peak just reached
-}
+usage-border = { word-force }, RMS { word-force } or a bounded peak just reached
 hatched = { $caption } (hatched: not settled)
 
 ## Compared with another record
@@ -237,36 +218,18 @@ not-stated = not stated
 ## Motion
 
 responses-heading = Responses
-responses-caption = { $axis ->
-    [rotary] { $move }: setpoint, tool deviation, torque; nominal machine
-   *[linear] { $move }: setpoint, tool deviation, { word-force }; nominal machine
-}
-responses-alt = { $axis ->
-    [rotary] Acceleration of setpoint and response, deviation of the tool, and set torque over time. The tool is at most { $peak } off, settled after { $settling }; set torque at most { $force }.
-   *[linear] Acceleration of setpoint and response, deviation of the tool, and set { word-force } over time. The tool is at most { $peak } off, settled after { $settling }; set { word-force } at most { $force }.
-}
-yardstick-caption = { $axis ->
-    [rotary] Each move on the nominal machine; least times that the torque allows (move takes longer by)
-   *[linear] Each move on the nominal machine; least times that the { word-force } allows (move takes longer by)
-}
-yardstick-note = { $axis ->
-    [rotary] Least times (time-optimal): with the torque of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
-   *[linear] Least times (time-optimal): with the { word-force } of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
-}
+responses-caption = { $move }: setpoint, tool deviation, { word-force }; nominal machine
+responses-alt = Acceleration of setpoint and response, deviation of the tool, and set { word-force } over time. The tool is at most { $peak } off, settled after { $settling }; set { word-force } at most { $force }.
+yardstick-caption = Each move on the nominal machine; least times that the { word-force } allows (move takes longer by)
+yardstick-note = Least times (time-optimal): with the { word-force } of this drive the move could take no less, whatever the control did; a yardstick, nothing to enter.
 move-head = Move
 exact-rest = Least time, exact rest
 within-band = Least time, in the band
 robust-short = In the band over the spread
 motion-heading = Optimum, recommendation and response
-drive-caption = { $axis ->
-    [rotary] { $move }: torque, acceleration and velocity
-   *[linear] { $move }: { word-force }, acceleration and velocity
-}
+drive-caption = { $move }: { word-force }, acceleration and velocity
 vibration-caption = { $move }: vibration and TCP deviation
-motion-alt = { $axis ->
-    [rotary] Curves over time of { $signals }. Set torque of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
-   *[linear] Curves over time of { $signals }. Set { word-force } of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
-}
+motion-alt = Curves over time of { $signals }. Set { word-force } of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
 motion-note = All plots of a move share the time axis. Optima end in exact rest at t_f; the acceleration shown for them and for the response is F/m. The setpoint is shown as commanded; the deviation is counted from the setpoint delayed by { $delay }.
 constrained = time-optimal, bounded
 setpoint = setpoint
@@ -279,10 +242,7 @@ amplitude = Amplitude
 duration = Duration
 setpoint-behind-filter = Behind it the setpoint filter of the control ({ $filter }), which lengthens the setpoint by { $time }.
 comparison-heading = Comparison with the optimal controls
-comparison-note = { $axis ->
-    [rotary] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor torque.
-   *[linear] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor { word-force }.
-}
+comparison-note = Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor { word-force }.
 controls-caption = { $move }: ways of doing the move
 control = Control
 transfer-time = Transfer time
@@ -304,10 +264,7 @@ phase-margin-at = phase margin { $margin }
 filter-at = filter at { $frequency }
 open-loop-measured = open loop with the measured axis ({ $file })
 diagram-caption = Structure of the loop
-diagram-alt = { $axis ->
-    [rotary] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, torque limit and torque loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
-   *[linear] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, { word-force } limit and { word-force } loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
-}
+diagram-alt = Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, { word-force } limit and { word-force } loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
 diagram-delay = Delay
 diagram-cycle = cycle { $cycle }
 diagram-late = acts { $time } late
@@ -315,10 +272,7 @@ diagram-mechanics = Mechanics
 diagram-modes = modes: { $count }
 diagram-observer = Observer
 diagram-gains = gains: { $count }, see table
-margins-caption = { $axis ->
-    [rotary] Stability, loop cut at the set torque
-   *[linear] Stability, loop cut at the set { word-force }
-}
+margins-caption = Stability, loop cut at the set { word-force }
 margin = Margin
 nominal = Nominal machine
 worst-corner = Worst corner
@@ -366,10 +320,7 @@ variant-used = { $name } (used)
 damping-of = Damping of mode { $mode }
 dynamic-stiffness = Least dynamic stiffness at the tool
 stiffness-at = { $stiffness } at { $frequency }
-bode-caption = { $axis ->
-    [rotary] Frequency response: open loop (cut at the set torque), closed velocity loop
-   *[linear] Frequency response: open loop (cut at the set { word-force }), closed velocity loop
-}
+bode-caption = Frequency response: open loop (cut at the set { word-force }), closed velocity loop
 bode-alt = Magnitude and phase over frequency. Gain margin { $gain }, phase margin { $phase }, bandwidth of the velocity loop { $bandwidth }.
 force-in-mean = { name-F-set }, mean over a cycle
 magnitude = Magnitude in dB
@@ -382,10 +333,7 @@ payload = Payload
 frequencies = Frequencies
 machine-state = State
 dampings = Damping
-max-force = { $axis ->
-    [rotary] Largest set torque
-   *[linear] Largest set { word-force }
-}
+max-force = Largest set { word-force }
 saturated = Saturated
 
 control-heading = What this control has
@@ -398,10 +346,7 @@ has-jerk = jerk limit
 has-modes = limits by machining mode
 has-setpoint-filters = setpoint filter
 has-velocity-feedforward = velocity feed-forward
-has-acceleration-feedforward = { $axis ->
-    [rotary] torque feed-forward
-   *[linear] { word-force } feed-forward
-}
+has-acceleration-feedforward = { word-force } feed-forward
 has-jerk-feedforward = jerk feed-forward
 has-reference-delay = balancing of the setpoint
 has-position-loops = place of the position loop
@@ -409,10 +354,7 @@ has-position-cycle = position cycle
 has-velocity-cycle = velocity cycle
 has-position-gain = position gain Kv
 has-velocity-gain = velocity gain Kp, integral time Tn
-has-force-filters = { $axis ->
-    [rotary] filters in the torque setpoint
-   *[linear] filters in the { word-force } setpoint
-}
+has-force-filters = filters in the { word-force } setpoint
 has-state-feedback = state feedback
 
 ## Robustness
@@ -481,14 +423,8 @@ measure-heading = Measurements to make on the machine
 measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
 measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
 measure-how-held = Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
-measure-how-2 = { $axis ->
-    [rotary] Moving moment of inertia: motor torque over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
-   *[linear] Moving mass: motor { word-force } over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
-}
-measure-how-3 = { $axis ->
-    [rotary] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set torque.
-   *[linear] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set { word-force }.
-}
+measure-how-2 = Moving { word-mass }: motor { word-force } over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
+measure-how-3 = Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set { word-force }.
 measure-how-4 = { $axis ->
     [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
    *[linear] Deviations and settling time: laser interferometer or accelerometer at the tool, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
@@ -511,10 +447,7 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 # $jerk: how the control takes it, or none; $mark: stands before such a row
 neutral-name = { $setting ->
     [force-feedforward] { has-acceleration-feedforward }
-    [filters] { $axis ->
-        [rotary] torque filters
-       *[linear] { word-force } filters
-    }
+    [filters] { word-force } filters
     [tap] tap { $number }
    *[other] { $name }
 }
@@ -532,7 +465,6 @@ signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration 
 signature-field-1 = Machine number, place
 signature-field-2 = Entered on the control (date, name, signature)
 signature-field-3 = Verified at the machine (date, name, signature)
-signature-field-4 = Remarks
 
 ## Faults
 

@@ -28,19 +28,16 @@ loop-in-use = the loop that is used
 time-value = { TIME($time) }
 state-feedback-chosen = State feedback: best settling time { $with_it } with it, { $without } without it: it is used.
 state-feedback-left-out = State feedback: best settling time { $with_it } with it, { $without } without it: it is left out.
-state-feedback-stiffness = With state feedback the tool is { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
-state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without }, with a tool { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
+state-feedback-stiffness = With state feedback the dynamic stiffness at the tool changes by { CHANGE($change) }.
+state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (dynamic stiffness at the tool: { CHANGE($change) }).
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
-loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting { word-drive-force }, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
+loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting { word-force }, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 # Filters of the set force that nobody asked for; $filters: the two messages that follow
-loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
-loop-filters-used = Used, since the profile states no force_filters or "auto" ([] uses none): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
+loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
+loop-filters-used = Used, since the profile leaves force_filters open ([] would mean none): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
 loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
 loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
-loop-no-filters = No notch or low-pass in the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} setpoint lets Kp and dynamic stiffness rise by 3 %.
+loop-no-filters = No notch or low-pass in the { word-force } setpoint lets Kp and dynamic stiffness rise by 3 %.
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
 
 # small changes
@@ -75,35 +72,23 @@ fed-forward-outcome = Fed forward, the { $name } control { $outcome }, where it 
 recommended-outcome = The setpoint with the recommended limits { $outcome }, where it leaves { LENGTH($left, digits: 3) }.
 settles-on-both = settles after { $nominal } on the machine as stated and after { $worst } on the worst one
 no-time-looked-at = no time looked at
-why-controls-take-limits = The band is { LENGTH($band, digits: 3) }, the machines differ by up to { SHARE($spread) } in frequency, and controls take acceleration and jerk, not a { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} every velocity cycle.
+why-controls-take-limits = The band is { LENGTH($band, digits: 3) }, the machines differ by up to { SHARE($spread) } in frequency, and controls take acceleration and jerk, not a { word-force } every velocity cycle.
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Today's gains are not stated: today's limits were simulated with the recommended loop, so only acceleration, jerk and filter are compared.
 today-in-own-loop = Simulated with today's Kv, Kp and Tn; feed-forward and cycles as recommended.
 today-in-mixed-loop = Simulated with today's { $stated }; { $others }, not stated, and feed-forward and cycles as recommended.
 today-not-judged = Values stated in [today] were not judged: { $why }
-today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
+today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { DAMPING($Kp) }, Tn = { TIME($Tn) } ({ $corner }).
 
 # what would bring more
 change-dsc = Position loop in the drive (DSC)
 change-interpolation = Feed-forward interpolated at the velocity cycle
-change-feedforward = { $axis ->
-    [rotary] Torque feed-forward on
-   *[linear] { word-force-first } feed-forward on
-}
+change-feedforward = { word-force-first } feed-forward on
 change-setpoint-filter = Setpoint filter chosen freely among those of the control
-change-force-filters = { $axis ->
-    [rotary] Filters of the set torque
-   *[linear] Filters of the set { word-force }
-}
+change-force-filters = Filters of the set { word-force }
 change-no-filters = no filter lets Kp rise
-change-lag = { $axis ->
-    [rotary] Half the lag of the torque loop
-   *[linear] Half the lag of the { word-force } loop
-}
+change-lag = Half the lag of the { word-force } loop
 change-dwell = Rest of { TIME($dwell) } or more after each move
 change-rest = Longer rest after each move
 change-spread = Frequencies measured to ± { SHARE($spread) }
@@ -113,10 +98,7 @@ change-lighter = { $axis ->
    *[linear] Moving mass { SHARE($share) } lower
 }
 change-state-feedback = State feedback with an observer
-change-robust-force = { $axis ->
-    [rotary] Torque profile for the whole spread fed forward instead of acceleration and jerk
-   *[linear] { word-force-first } profile for the whole spread fed forward instead of acceleration and jerk
-}
+change-robust-force = { word-force-first } profile for the whole spread fed forward instead of acceleration and jerk
 change-judged-by-band = only the band was judged, at the listed sizes
 change-without-margins = no Kp keeps the margins
 
@@ -126,8 +108,5 @@ glance-alt = Deviation at the tool and set { word-force } over time in every cor
 glance-corners = further corners
 glance-deviation = tool deviation in { $unit }
 glance-end = setpoint has ended
-glance-force = { $axis ->
-    [rotary] set torque in { $unit }
-   *[linear] set { word-force } in { $unit }
-}
+glance-force = set { word-force } in { $unit }
 glance-time = time in ms

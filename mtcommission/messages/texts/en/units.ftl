@@ -8,7 +8,10 @@ dimension-length = a length
 dimension-angle = an angle
 dimension-time = a time
 dimension-frequency = a frequency
-dimension-force = { word-a-force }
+dimension-force = { $axis ->
+    [open-loop] an acceleration
+   *[other] a force
+}
 dimension-torque = a torque
 dimension-moment-of-inertia = a moment of inertia
 dimension-velocity = a velocity
@@ -65,30 +68,34 @@ number-infinite = got "{ $got }", must be a finite number
 number-with-separators = got "{ $got }"; write the number without thousands separators
 number-with-comma = got "{ $got }" with a comma; write it with a point: "{ $wanted }"
 
-# What a force is called on an open-loop axis, whose motor is driven by its acceleration.
+# What a force is called on a rotary axis, and on an open-loop axis, whose motor is driven by its acceleration; what a mass is called.
 word-force = { $axis ->
     [open-loop] acceleration
-   *[other] force
-}
-word-drive-force = { $axis ->
     [rotary] torque
-   *[other] { word-force }
+   *[linear] force
 }
 word-force-first = { $axis ->
     [open-loop] Acceleration
-   *[other] Force
+    [rotary] Torque
+   *[linear] Force
 }
 word-a-force = { $axis ->
     [open-loop] an acceleration
-   *[other] a force
+    [rotary] a torque
+   *[linear] a force
 }
 word-a-force-first = { $axis ->
     [open-loop] An acceleration
-   *[other] A force
+    [rotary] A torque
+   *[linear] A force
 }
 # As a first and a last part of a German word.
 word-force-before = { word-force }
 word-force-behind = { word-force }
+word-mass = { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}
 word-f-max = { $axis ->
     [open-loop] a_max
    *[other] F_max

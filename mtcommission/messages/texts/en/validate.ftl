@@ -1,4 +1,4 @@
-# The paper's numbers beside ours: what stands around the rows, which quote the paper and say what was tested.
+# The paper's numbers beside ours: what stands around the rows (paper.ftl).
 
 validate-title = The paper's numbers beside ours
 validate-disclaimer = Calculated, not measured.
@@ -15,16 +15,12 @@ validate-found = { $verdict ->
     [correct] correct
    *[ours] ours
 } { $value }.
-validate-numbers = Numbers
-validate-claims = Claims and formulas
-validate-tolerance-of = Tolerance of { $names }: { $basis }.
+validate-tested-by = Tolerance or test of { $names }: { $basis }.
 validate-figures = Figures 4 and 5 again
 validate-head-printed = Printed
 validate-head-correct = Correct
 validate-head-ours = Ours
 validate-head-tolerance = Tolerance
-validate-head-claim = Claim
-validate-head-tested = Ours, and how it was tested
 validate-head-place = Place
 validate-is-agrees = agrees
 validate-is-corrected = agrees with the correction

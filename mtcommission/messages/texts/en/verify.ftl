@@ -27,10 +27,7 @@ verify-setpoint-velocity = velocity of the setpoint
 verify-setpoint-acceleration = acceleration of the setpoint
 verify-setpoint-jerk = jerk of the setpoint
 verify-peak-deviation = peak deviation
-verify-max-force = largest { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-}
+verify-max-force = largest { word-force }
 verify-reference-delay = delay to the setpoint
 verify-frequency = frequency
 verify-damping-ratio = damping ratio
@@ -52,10 +49,7 @@ verify-no-state = no recorded signal shows it
 verify-other-move = not one of the moves that the record promises it for
 verify-too-short = the record ends { TIME($got) } after the setpoint; the slowest mode needs { TIME($needed) }
 verify-noise-above-band = the noise floor { LENGTH($noise) } is above the band { LENGTH($band) }
-verify-no-force = { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} was not recorded
+verify-no-force = { word-force } was not recorded
 verify-dwell-not-recorded = the bound is for the mean over { TIME($needed) }, move and dwell; { TIME($got) } of it were recorded
 verify-delay-not-recorded = the setpoint was recorded behind the delay, which is therefore not seen
 verify-mode-not-seen = the mode does not stand out in the dwell
@@ -102,15 +96,12 @@ verify-head-verdict = Verdict
 verify-head-columns = Columns
 verify-plot-caption = { $file }, move from { TIME($begin) } on
 verify-plot-alt = Recorded signals over the band of all corners. { $verdict }
-verify-plot-time = time from the start of the setpoint / { $unit }
-verify-plot-acceleration = acceleration of the setpoint / { $unit }
-verify-plot-tcp = deviation of the tool / { $unit }
-verify-plot-encoder = deviation of the encoder / { $unit }
-verify-plot-force = { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} / { $unit }
-verify-plot-difference = measured less predicted / { $unit }
+verify-plot-time = time from the start of the setpoint
+verify-plot-acceleration = acceleration of the setpoint
+verify-plot-tcp = deviation of the tool
+verify-plot-encoder = deviation of the encoder
+verify-plot-force = { word-force }
+verify-plot-difference = measured less predicted
 verify-line-measured = measured
 verify-line-low = predicted, lowest corner
 verify-line-high = predicted, highest corner
@@ -144,7 +135,6 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulomb friction
 verify-parameter-viscous-friction = viscous friction
-verify-parameter-delay = delay to the setpoint
 verify-parameter-frequency = frequency
 verify-parameter-damping-ratio = damping ratio
 verify-parameter-is-changed = changed
@@ -153,10 +143,7 @@ verify-tested = { $moves ->
     [0] Not tested on other moves (one move alone was recorded): old and new parameters leave
    *[other] Tested on { $moves } moves that were held back: old and new parameters leave
 } { SHARE($before) } and { SHARE($after) } (RMS) of the deviation.
-verify-force-left = Of the { $axis ->
-    [rotary] torque
-   *[linear] { word-force }
-} { SHARE($share) } are left.
+verify-force-left = Of the { word-force } { SHARE($share) } are left.
 verify-limit-acceleration = Acceleration
 verify-limit-jerk = Jerk
 verify-limit-settling = Settling time
@@ -171,4 +158,4 @@ measure-verdict = Recorded moves, verify: { $verdict }.
 verdict-of-other-form = is no verdict of mtcommission verify
 verdict-of-other-record = is about another record; run verify with this one
 verify-setpoint-from-error = No position of the setpoint: the sum of { $name } and { $error }, taken as what the loop compares.
-verify-plot-acceleration-measured = acceleration of the tool / { $unit }
+verify-plot-acceleration-measured = acceleration of the tool

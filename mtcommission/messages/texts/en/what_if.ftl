@@ -53,7 +53,6 @@ what-if-frequency-hz = Frequency in Hz
 what-if-open-loop-db = Open loop in dB
 what-if-open-loop-deg = Phase in degrees
 what-if-none = –
-what-if-moving-average = moving average
 what-if-no-filter = none
 what-if-missed = not met
 what-if-nominal = nominal machine
@@ -63,14 +62,8 @@ what-if-all-corners = (worst of all { $count } machines)
 what-if-worst-so-far = (worst { $count } of { $all } machines so far)
 what-if-all-met = All requirements met by this move on all { $count } machines.
 what-if-missed-check = { $name }: { $value }, allowed { $limit }
-what-if-saturated = { $axis ->
-    [rotary] This asks for more torque than there is; the command simulate shows the saturated motion.
-   *[linear] This asks for more { word-force } than there is; the command simulate shows the saturated motion.
-}
-what-if-saturated-short = { $axis ->
-    [rotary] more torque than there is
-   *[linear] more { word-force } than there is
-}
+what-if-saturated = This asks for more { word-force } than there is; the command simulate shows the saturated motion.
+what-if-saturated-short = more { word-force } than there is
 what-if-tried-machine = The machine with { $place } is looked at besides; its residual deviation is { $value }.
 what-if-sizes-met = Requirements kept at all { $count } sizes of move that were looked at (from 1 % up; the command simulate bounds those between, too).
 what-if-sizes-missed = At { $missed } of { $count } sizes of move a requirement is missed; the worst is { $size } with { $value }.

@@ -226,4 +226,3 @@ insight-twice-measured = { PLAIN($first) } Hz and { PLAIN($second) } Hz are less
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
 document-check = Check it with: mtcommission check FILE; compute with: mtcommission run FILE.
 document-assumed = Take a key out of assumed as soon as somebody knows its value.
-document-default-accepted = default accepted, not measured

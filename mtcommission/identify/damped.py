@@ -1,0 +1,136 @@
+"""Least squares whose errors know that what is left is no white noise; of damped vibrations, too.
+
+    y(t) = c + Σ e^(-ζ ω t) (A cos ω_d t + B sin ω_d t),   ω_d = ω √(1 - ζ²)
+
+c and the amplitudes enter linearly and are eliminated at each step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from mtcommission.identify.measurement import Array, FreeMode
+
+RATIO = 0.05
+"""Damping ratio that weighs in a step like the whole frequency."""
+MOST_DAMPING = 0.6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Regression:
+    """What explains a signal by some columns."""
+
+    values: Array  # one for each column
+    sigma: Array  # their standard errors
+    variance: float  # of the rest, as often larger as samples are correlated
+    rest: Array  # of the signal, shape (n,)
+
+
+def regress(columns: Array, signal: Array, *, correlated: float = 0.0) -> Regression:
+    """Return the least-squares solution.
+
+    ``correlated``: how many samples count as one; 0: as what is left shows.
+    """
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0.0] = 1.0
+    A = columns / scale
+    found = np.linalg.lstsq(A, signal, rcond=None)[0]
+    rest = signal - A @ found
+    length = correlated or correlation_length(rest)
+    variance = length * float(rest @ rest) / max(rest.size - scale.size, 1)
+    spread = np.maximum(np.diag(np.linalg.pinv(A.T @ A)), 0.0)
+    sigma = np.sqrt(variance * spread) / scale
+    return Regression(values=found / scale, sigma=sigma, variance=variance, rest=rest)
+
+
+def correlation_length(rest: Array) -> float:
+    """Return how many samples of what a fit leaves are worth one independent one, at least 1."""
+    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
+    lags = np.fft.irfft(power)[: rest.size // 4]
+    if lags.size < 2 or lags[0] <= 0.0:
+        return 1.0
+    rho = lags / lags[0]
+    end = int(np.argmax(rho < 0.05)) or rho.size
+    return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Damped:
+    """Vibrations that explain a signal, in the order in which they were begun with."""
+
+    modes: tuple[FreeMode, ...]
+    errors: tuple[float, ...]  # standard errors of their amplitudes
+    rest: Array  # of the signal
+
+
+def weigh(t: Array, y: Array, poles: Sequence[complex]) -> tuple[Array, Array]:
+    """Return what an offset and the vibrations of some poles [1/s] weigh in a signal, and the rest.
+
+    Weights of the cosine and the sine for each pole behind that of the offset.
+    """
+    basis = _basis(t, poles)
+    weights = np.asarray(np.linalg.lstsq(basis, y, rcond=None)[0], dtype=np.float64)
+    return weights, y - basis @ weights
+
+
+def fit_damped(
+    t: Array,
+    y: Array,
+    start: Sequence[complex],
+    *,
+    held: Sequence[complex] = (),
+    ends: tuple[float, float],
+) -> Damped:
+    """Return the vibrations near some poles that leave least of a signal.
+
+    ``held``: poles that stay; ``ends``: between which factors frequencies may change. Raises
+    LinAlgError or ValueError where the signal tells nothing.
+    """
+    from scipy.optimize import least_squares  # slow to load
+
+    begin = np.array(start)
+    omega = np.abs(begin)
+    scale = np.column_stack([omega, np.full(begin.size, RATIO)])
+    x0 = np.column_stack([np.ones(begin.size), -begin.real / omega / RATIO]).ravel()
+    low = np.tile([ends[0], 0.0], begin.size)
+    high = np.tile([ends[1], MOST_DAMPING / RATIO], begin.size)
+
+    def poles_of(x: Array) -> list[complex]:
+        rows = x.reshape(-1, 2) * scale
+        return [*(complex(-z * w, w * sqrt(max(1.0 - z * z, 1e-6))) for w, z in rows), *held]
+
+    def left(x: Array) -> Array:
+        return weigh(t, y, poles_of(x))[1]
+
+    solved = least_squares(left, np.clip(x0, low + 1e-6, high - 1e-6), bounds=(low, high))
+    poles = poles_of(solved.x)
+    weights, rest = weigh(t, y, poles)
+    sigma = regress(np.column_stack([np.asarray(solved.jac), _basis(t, poles)]), rest).sigma
+    values, errors = (one.reshape(-1, 2) * scale for one in (solved.x, sigma[: 2 * begin.size]))
+    sizes, doubts = (
+        np.hypot(*one.reshape(-1, 2)[: begin.size].T)
+        for one in (weights[1:], sigma[2 * begin.size + 1 :])
+    )
+    modes = tuple(
+        FreeMode(
+            frequency_hz=float(w) / (2 * pi),
+            frequency_sigma_hz=float(w_sigma) / (2 * pi),
+            damping_ratio=float(z),
+            damping_sigma=float(z_sigma),
+            amplitude=float(size),
+        )
+        for (w, z), (w_sigma, z_sigma), size in zip(values, errors, sizes, strict=True)
+    )
+    return Damped(modes=modes, errors=tuple(doubts.tolist()), rest=rest)
+
+
+def _basis(t: Array, poles: Sequence[complex]) -> Array:
+    columns = [np.ones_like(t)]
+    for pole in poles:
+        decay = np.exp(pole.real * t)
+        columns += [decay * np.cos(pole.imag * t), decay * np.sin(pole.imag * t)]
+    return np.column_stack(columns)

@@ -1,1 +1,0 @@
-"""Damping-optimal control: the saturated linear-quadratic problem."""
