@@ -5,8 +5,9 @@ It computes nothing: group.js does, from what the record holds.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -21,12 +22,6 @@ FOLDER = Path(__file__).parent
 SLOWEST, LARGEST = 0.1 / 60.0, 0.5
 """Feed [m/s] and radius [m] at an end of their sliders."""
 
-TEXTS = (
-    "heading", "intro", "no-script", "circle-caption", "circle-note", "corner-caption",
-    "corner-note", "values", "permitted",
-)  # fmt: skip
-"""Of the template."""
-
 WORDS = ("keeps", "misses", "too-fast", "beyond", "unslowed", "slowed", "division", "band")
 """That the script says, with the places that it fills in."""
 
@@ -40,9 +35,10 @@ ROWS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupPanel:
-    """Texts of the template by their key, what can be moved, and what the script computes with."""
+    """What says the template's texts, what can be moved, and what the script computes with."""
 
-    texts: Mapping[str, str]
+    say: Callable[[str], str]
+    slider: str
     fields: tuple[Field, ...]
     rows: tuple[tuple[str, str], ...]
     data: Mapping[str, Any]
@@ -52,8 +48,6 @@ class GroupPanel:
 
 def contour_panel(record: GroupRecord, words: Catalogue) -> GroupPanel:
     """Return the interactive part of the page: feed, radius and corner by sliders."""
-    texts = {key.replace("-", "_"): words.text(f"group-page-{key}") for key in TEXTS}
-    texts |= {key: words.text(key) for key in ("quantity", "value")}
     fields, names = _fields(record, words), record.plane
     left_out = set() if record.drawn.axes[0].reversals else {"peak-1"}
     left_out |= set() if record.drawn.axes[1].reversals else {"peak-2"}
@@ -64,7 +58,8 @@ def contour_panel(record: GroupRecord, words: Catalogue) -> GroupPanel:
         "what-if-out-of-range", name="{name}", low="{low}", high="{high}", value="{value}"
     )
     return GroupPanel(
-        texts=texts | {"slider": words.text("what-if-slider")},
+        say=partial(words.own, "group-page"),
+        slider=words.text("what-if-slider"),
         fields=fields,
         rows=tuple(
             (key, words.text(f"group-page-row-{key.partition('-')[0]}", name=shown.get(key, "")))
