@@ -26,6 +26,7 @@ from mtcommission.group.rules import CornerRule, rule_of
 from mtcommission.group.task import Task
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import Found
+from mtcommission.limits.typed import round_limits
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -181,13 +182,14 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     # Where no circle keeps the tolerance the axes' own limits stand, and the verdict says so.
     acceleration = path_acceleration(task, plane, item, allowed, largest, jerk) or largest
     acceleration, jerk = _kept_on_lines(task, plane, item, allowed, acceleration, jerk)
+    typed = round_limits(task.machines[0], acceleration, acceleration / jerk)
     return Group(
         task=task,
         axes=axes,
         setpoint_filter=item,
         trials=trials,
-        acceleration=acceleration,
-        jerk=jerk,
+        acceleration=typed.acceleration,
+        jerk=min(typed.jerk, jerk),
         reserve=reserve,
         encoder_noise=noise,
         entry=_entry(plane, item),
