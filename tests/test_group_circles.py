@@ -1,0 +1,295 @@
+"""Recorded circles beside the record of a group: what is found, and never a wrong "holds"."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission import cli
+from mtcommission.group.held import read_plane
+from mtcommission.group.record import GroupRecord
+from mtcommission.group.traces import read_circular
+from mtcommission.group.verify import CircleVerification, verify_circles
+from mtcommission.verify.checks import Check, Verdict
+from tests.group_record import read_mill, write_mill
+from tests.recorded_circles import Spoilt, draw, step_axes, write_ballbar, write_csv
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> GroupRecord:
+    return read_mill(tmp_path_factory.mktemp("mill"))
+
+
+def as_planned(record: GroupRecord) -> Spoilt:
+    """A circle with the record's delays and gains; that these are right, stepping tells."""
+    own = [record.feedforward[name].delay for name in record.plane]
+    T = record.filter.time if record.filter else 0.0
+    plan = Spoilt(delays=(own[0] + 0.5 * T, own[1] + 0.5 * T))
+    return replace(plan, gains=planned_gains(record, plan.feed, plan.radius))
+
+
+def planned_gains(record: GroupRecord, feed: float, radius: float) -> tuple[float, float]:
+    omega = np.array([feed / radius])
+    one, other = (
+        abs(axis.response.at(omega, axis.setpoint_filter)[0, 0]) for axis in read_plane(record)
+    )
+    return float(one), float(other)
+
+
+def verified(record: GroupRecord, folder: Path, *all_of: Spoilt) -> CircleVerification:
+    traces = []
+    for number, how in enumerate(all_of):
+        file = write_csv(folder / f"{number}.csv", draw(how))
+        traces.append(read_circular(str(file), {}, record.plane))
+    return verify_circles(record, traces)
+
+
+def find(found: CircleVerification, key: str, mode: str = "", circle: int = 1) -> Check:
+    return next(
+        one
+        for one in found.checks
+        if one.key == key and one.move == circle and mode in ("", one.mode)
+    )
+
+
+def test_a_circle_as_predicted_holds(record: GroupRecord, tmp_path: Path) -> None:
+    found = verified(record, tmp_path, as_planned(record))
+    assert found.verdict is Verdict.HOLDS
+    (circle,) = found.circles
+    assert circle.fitted.feed == pytest.approx(0.1, rel=1e-4)
+    assert circle.fitted.radius == pytest.approx(50e-3, rel=1e-9)
+    assert circle.fitted.direction == 1
+
+
+def test_what_was_put_in_is_found(record: GroupRecord, tmp_path: Path) -> None:
+    plan = as_planned(record)
+    late = replace(
+        plan,
+        delays=(plan.delays[0], plan.delays[0] + 0.3e-3),
+        gains=(plan.gains[0] + 80e-6, plan.gains[1] - 40e-6),
+        squareness=55e-6,
+        peaks=(20e-6, 3e-6),
+        centre=(12e-3, -7e-3),
+        noise=0.2e-6,
+    )
+    found = verified(record, tmp_path, late, replace(late, clockwise=True, seed=1))
+    assert found.squareness is not None
+    assert found.squareness.value == pytest.approx(55e-6, abs=1e-6)
+    assert abs(found.squareness.value - 55e-6) <= found.squareness.uncertainty
+    for circle in (1, 2):
+        delay = find(found, "delay", circle=circle)
+        assert delay.measured == pytest.approx(0.3e-3, abs=2e-6)
+        assert delay.verdict is Verdict.FAILS
+        radius = find(found, "radius", circle=circle)
+        mean = 0.5 * sum(late.gains) - 1.0
+        assert radius.measured == pytest.approx(50e-3 * mean, abs=0.1e-6)
+        size = find(found, "gain", circle=circle)
+        assert size.measured == pytest.approx(50e-3 * (late.gains[0] - late.gains[1]), abs=0.1e-6)
+        peak = find(found, "quadrant peak", "X", circle)
+        assert peak.measured == pytest.approx(20e-6, abs=0.8e-6)
+        assert abs((peak.measured or 0.0) - 20e-6) <= (peak.uncertainty or 0.0)
+        assert peak.verdict is Verdict.FAILS
+        assert find(found, "quadrant peak", "Y", circle).verdict is Verdict.HOLDS
+        assert found.circles[circle - 1].fitted.centre == pytest.approx((12e-3, -7e-3), abs=1e-6)
+    assert [one.fitted.direction for one in found.circles] == [1, -1]
+
+
+def test_one_direction_does_not_tell_squareness_from_delay(
+    record: GroupRecord, tmp_path: Path
+) -> None:
+    plan = as_planned(record)
+    for spoilt in (
+        replace(plan, squareness=100e-6),
+        replace(plan, delays=(plan.delays[0], plan.delays[1] + 0.05e-3)),
+    ):
+        found = verified(record, tmp_path, spoilt)
+        assert found.squareness is None
+        assert find(found, "delay").verdict is Verdict.UNKNOWN
+        assert find(found, "delay").reason.kind == "group-one-direction"
+        assert found.verdict is Verdict.UNKNOWN
+    both = replace(plan, squareness=100e-6)
+    found = verified(record, tmp_path, both, replace(both, clockwise=True))
+    assert found.verdict is Verdict.HOLDS
+
+
+def test_two_feeds_tell_squareness_from_delay(record: GroupRecord, tmp_path: Path) -> None:
+    plan = replace(as_planned(record), squareness=100e-6)
+    slow = replace(
+        plan, feed=1.0 / 60.0, step=5e-3, turns=1.2, peaks=(3e-6, 3e-6), gains=(1.0, 1.0)
+    )
+    found = verified(record, tmp_path, plan, slow)
+    assert found.squareness is not None
+    assert found.squareness.value == pytest.approx(100e-6, abs=2e-6)
+    assert found.verdict is Verdict.HOLDS
+
+
+def test_noise_above_the_difference_cannot_tell(record: GroupRecord, tmp_path: Path) -> None:
+    plan = as_planned(record)
+    noisy = replace(plan, noise=30e-6, gains=(1.0 + 4e-6, 1.0 + 4e-6), turns=1.1, step=10e-3)
+    found = verified(record, tmp_path, noisy, replace(noisy, clockwise=True, seed=3))
+    assert found.verdict is not Verdict.HOLDS
+    assert find(found, "radius").verdict is not Verdict.FAILS
+
+
+def test_loops_that_are_stepped_with_friction_keep_their_prediction(
+    record: GroupRecord, tmp_path: Path
+) -> None:
+    axes, traces = read_plane(record), []
+    for sign in (1.0, -1.0):
+        columns = step_axes(axes, radius=20e-3, feed=3.0 / 60.0, turns=1.7, sign=sign)
+        file = write_csv(tmp_path / f"stepped{sign:+.0f}.csv", columns)
+        traces.append(read_circular(str(file), {}, record.plane))
+    found = verify_circles(record, traces)
+    assert {one.name: one.verdict for one in found.checks} == {
+        one.name: Verdict.HOLDS for one in found.checks
+    }
+    for circle in (1, 2):
+        for axis in "XY":
+            peak = find(found, "quadrant peak", axis, circle)
+            assert peak.measured == pytest.approx(peak.predicted, rel=0.05)
+        radius = find(found, "radius", circle=circle)
+        assert radius.measured == pytest.approx(radius.predicted, abs=0.1e-6)
+        delay = find(found, "delay", circle=circle)
+        assert delay.measured == pytest.approx(delay.predicted, abs=2e-6)
+    assert found.squareness is not None
+    assert abs(found.squareness.value) < 5e-6
+
+
+def test_a_ballbar_tells_the_same(record: GroupRecord, tmp_path: Path) -> None:
+    plan = as_planned(record)
+    spoilt = replace(plan, delays=(plan.delays[0] + 0.2e-3, plan.delays[1]))
+    files = [
+        write_ballbar(tmp_path / "a.csv", draw(spoilt)),
+        write_ballbar(tmp_path / "b.csv", draw(replace(spoilt, clockwise=True)), language="de"),
+    ]
+    said = {"angle": "Winkel", "radius": "Radius"}
+    traces = [
+        read_circular(str(files[0]), {}, record.plane),
+        read_circular(str(files[1]), said, record.plane),
+    ]
+    found = verify_circles(record, traces)
+    assert [one.fitted.direction for one in found.circles] == [1, -1]
+    for circle in (1, 2):
+        planned = record.feedforward["Y"].delay - record.feedforward["X"].delay
+        delay = find(found, "delay", circle=circle)
+        assert delay.measured == pytest.approx(planned - 0.2e-3, abs=2e-6)
+    assert {one.kind for one in found.warnings} == {"group-trace-radius"}
+
+
+def test_a_radius_that_nobody_told_is_not_judged_to_fail(
+    record: GroupRecord, tmp_path: Path
+) -> None:
+    columns = draw(replace(as_planned(record), gains=(1.001, 1.001)))
+    del columns["x_ref"], columns["y_ref"]
+    file = write_csv(tmp_path / "alone.csv", columns)
+    found = verify_circles(record, [read_circular(str(file), {}, record.plane)])
+    assert find(found, "radius").verdict is Verdict.UNKNOWN
+    assert find(found, "radius").measured == pytest.approx(50e-6, abs=0.1e-6)
+
+
+def run(*arguments: object, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["mtcommission", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+    captured = capsys.readouterr()
+    return int(stopped.value.code or 0), captured.out, captured.err
+
+
+def test_the_command_writes_page_and_verdict(
+    record: GroupRecord, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    group, plan = write_mill(tmp_path), as_planned(record)
+    late = replace(plan, delays=(plan.delays[0], plan.delays[1] + 0.3e-3))
+    files = [
+        write_csv(tmp_path / "forth.csv", draw(late)),
+        write_csv(tmp_path / "back.csv", draw(replace(late, clockwise=True))),
+    ]
+    code, out, _ = run(
+        "verify", group, *files, "-o", tmp_path / "out", "--language", "de", capsys=capsys
+    )
+    assert code == 1
+    said = " ".join(out.split())
+    assert "Nicht eingehalten" in said
+    assert "Die Verzögerung von Y ist um 316" in said
+    page = (tmp_path / "out" / "verification.html").read_text("utf-8")
+    assert "Umkehrspitze" in page
+    assert "circle-2" in page
+    entry = json.loads((tmp_path / "out" / "verdict.json").read_text("utf-8"))
+    assert entry["verdict"] == "does not hold"
+    assert entry["record"] == record.checksum
+    assert entry["circles"][1]["direction"] == "clockwise"
+    assert entry["setpoint"]["velocity"] == pytest.approx(0.1, rel=1e-4)
+    by_name = {check["name"]: check for check in entry["checks"]}
+    assert by_name["circle 1: delay Y - X"]["verdict"] == "does not hold"
+    assert by_name["circle 2: radius"]["verdict"] == "holds"
+
+
+BROKEN = {
+    "no columns": ("a [s],b [mm]\n", "", "no circle among the columns"),
+    "no unit of the angle": ("t [s],angle,radius [mm]\n", "", "angle has no unit"),
+    "an angle as length": ("t [s],angle [mm],radius [mm]\n", "", "is no angle"),
+    "a length as force": ("t [s],x [N],y [mm]\n", "", "is no length"),
+    "no clock": ("x [mm],y [mm]\n", "", "sample_time"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_file_is_named_with_its_remedy(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    head, _, said = BROKEN[name]
+    columns = draw(Spoilt())
+    count = head.count(",") + 1
+    rows = np.column_stack([columns["t"], 1e3 * columns["x"], 1e3 * columns["y"]])[:, -count:]
+    file = tmp_path / "broken.csv"
+    np.savetxt(file, rows, delimiter=",", header=head.strip(), comments="")
+    code, _, err = run("verify", write_mill(tmp_path), file, capsys=capsys)
+    assert code == 2
+    assert "broken.csv" in err
+    assert said in " ".join(err.split())
+
+
+def test_an_arc_a_square_and_a_wrong_unit_are_refused_with_their_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    group = write_mill(tmp_path)
+    arc = write_csv(tmp_path / "arc.csv", draw(Spoilt(turns=0.6)))
+    code, _, err = run("verify", group, arc, capsys=capsys)
+    count = len(arc.read_text().splitlines())
+    assert code == 2
+    assert f"arc.csv:{count}:" in err
+    assert "a whole turn is needed" in " ".join(err.split())
+
+    columns = draw(Spoilt())
+    t, side = columns["t"], 4.0 * np.mod(columns["t"] / columns["t"][-1] * 2.3, 1.0)
+    corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]) * 0.05
+    square = {
+        "t": t,
+        "x": np.interp(side, np.arange(5), corner[:, 0]),
+        "y": np.interp(side, np.arange(5), corner[:, 1]),
+    }
+    code, _, err = run("verify", group, write_csv(tmp_path / "square.csv", square), capsys=capsys)
+    assert code == 2
+    assert "is no circle" in " ".join(err.split())
+
+    wide = {key: values if key == "t" else 1e3 * values for key, values in columns.items()}
+    code, _, err = run("verify", group, write_csv(tmp_path / "wide.csv", wide), capsys=capsys)
+    assert code == 2
+    assert "look at the units" in " ".join(err.split())
+
+
+def test_options_of_one_axis_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = write_csv(tmp_path / "circle.csv", draw(Spoilt()))
+    code, _, err = run(
+        "verify", write_mill(tmp_path), file, "--refine", tmp_path / "new.toml", capsys=capsys
+    )
+    assert code == 2
+    assert "--refine" in err
+    assert not (tmp_path / "new.toml").exists()
