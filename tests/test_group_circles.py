@@ -127,6 +127,27 @@ def test_two_feeds_tell_squareness_from_delay(record: GroupRecord, tmp_path: Pat
     assert found.verdict is Verdict.HOLDS
 
 
+def test_a_scale_is_told_from_a_loop_by_two_feeds(record: GroupRecord, tmp_path: Path) -> None:
+    plan = as_planned(record)
+    slow = replace(plan, feed=1.0 / 60.0, step=5e-3, turns=1.2, peaks=(3e-6, 3e-6))
+    slow = replace(slow, gains=planned_gains(record, slow.feed, slow.radius))
+    scaled = [
+        replace(one, gains=(one.gains[0] + 50e-6, one.gains[1] + 20e-6)) for one in (plan, slow)
+    ]
+    alone = verified(record, tmp_path, scaled[0])
+    assert find(alone, "radius").verdict is Verdict.UNKNOWN
+    assert find(alone, "radius").reason.kind == "group-one-feed"
+    both = verified(record, tmp_path, *scaled)
+    assert both.verdict is Verdict.HOLDS
+    assert both.scales is not None
+    assert both.scales[0].value == pytest.approx(35e-6, abs=1e-6)
+    assert both.scales[1].value == pytest.approx(15e-6, abs=1e-6)
+    # What grows with the feed is no scale.
+    loose = replace(plan, gains=(plan.gains[0] + 80e-6, plan.gains[1] + 80e-6))
+    found = verified(record, tmp_path, loose, slow)
+    assert find(found, "radius").verdict is Verdict.FAILS
+
+
 def test_noise_above_the_difference_cannot_tell(record: GroupRecord, tmp_path: Path) -> None:
     plan = as_planned(record)
     noisy = replace(plan, noise=30e-6, gains=(1.0 + 4e-6, 1.0 + 4e-6), turns=1.1, step=10e-3)
@@ -281,6 +302,16 @@ def test_an_arc_a_square_and_a_wrong_unit_are_refused_with_their_line(
     code, _, err = run("verify", group, write_csv(tmp_path / "wide.csv", wide), capsys=capsys)
     assert code == 2
     assert "look at the units" in " ".join(err.split())
+
+
+def test_a_column_of_another_unit_is_refused_beside_its_setpoint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    columns = draw(Spoilt())
+    file = write_csv(tmp_path / "unlike.csv", {**columns, "y": 1e3 * columns["y"]})
+    code, _, err = run("verify", write_mill(tmp_path), file, capsys=capsys)
+    assert code == 2
+    assert "y travels 1000 times as far as y_ref" in " ".join(err.split())
 
 
 def test_options_of_one_axis_are_refused(

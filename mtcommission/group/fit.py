@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 NEAR = 0.02
 """Share of the radius within which a sample belongs to the circle (design choice)."""
 
+SAME_TRAVEL = 0.1
+"""By how much the travel of an axis may differ from its setpoint's; more is a wrong unit or column
+(design choice)."""
+
 STEADY = 0.05
 """Share of the feed within which it is constant."""
 
@@ -154,6 +158,7 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
         )
     angle = np.unwrap(np.arctan2(*(told - centre).T[::-1]))
     rate = _rate(trace.t, angle)
+    _require_same_travel(trace, on)
     found, longest = [], (0.0, 0)
     for begin, end in _stretches(on, rate):
         span = abs(float(angle[end] - angle[begin]))
@@ -169,6 +174,21 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
             trace.file, "group-trace-arc", line=trace.line(last), got=round(got * 180.0 / pi)
         )
     return found
+
+
+def _require_same_travel(trace: CircularTrace, on: NDArray[np.bool_]) -> None:
+    """Raise InputError where actual positions travel otherwise than the setpoint."""
+    if trace.reference is None:
+        return
+    names = list(trace.columns.values())
+    for column in (0, 1):
+        told = float(np.ptp(trace.reference[on, column]))
+        ratio = float(np.ptp(trace.points[on, column])) / told
+        if abs(ratio - 1.0) > SAME_TRAVEL:
+            name, reference = names[column], names[2 + column]
+            raise refuse(
+                trace.file, "verify-other-travel", name=name, reference=reference, ratio=ratio
+            )
 
 
 def _find_circle(points: Array) -> tuple[Array, float]:

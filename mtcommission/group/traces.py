@@ -30,7 +30,7 @@ class CircularTrace:
 
     file: str  # name as it was given
     sha256: str  # of its bytes
-    columns: tuple[str, ...]  # that were used
+    columns: Mapping[str, str]  # what the file calls those that were used, by our names
     t: Array  # rising, shape (n,) [s]
     points: Array  # actual positions, shape (n, 2) [m]
     reference: Array | None  # the same of the setpoint; None: not recorded
@@ -87,7 +87,7 @@ def read_circular(name: str, said: Mapping[str, str], plane: Sequence[str]) -> C
     return CircularTrace(
         file=name,
         sha256=sha256(data).hexdigest(),
-        columns=tuple(f"{found[own][0].name} = {own}" for own in used),
+        columns={own: found[own][0].name for own in used},
         t=clock.times,
         points=np.column_stack([first, second]),
         reference=np.column_stack([values[own] for own in pairs[1]]) if has_setpoint else None,

@@ -32,6 +32,9 @@ MOST_POINTS = 1500
 MOST_PLOTS = 6
 """Circles that are drawn."""
 
+MOST_LARGE = 4
+"""Values in the headline."""
+
 DIRECTIONS = {1: "counterclockwise", -1: "clockwise"}
 
 
@@ -111,6 +114,17 @@ def say_found(found: CircleVerification) -> list[Message]:
                 uncertainty=1e6 * square.uncertainty,
             )
         )
+    if found.scales is not None:
+        mean, apart = found.scales
+        said.append(
+            Message(
+                "group-scales-found",
+                mean=1e6 * mean.value,
+                apart=2e6 * apart.value,
+                first=record.plane[0],
+                second=record.plane[1],
+            )
+        )
     return said
 
 
@@ -130,6 +144,8 @@ def circles_entry(found: CircleVerification) -> Entry:
         },
         "circles": [_circle_entry(one, found) for one in found.circles],
         "squareness": square and {"value": square.value, "uncertainty": square.uncertainty},
+        "scales": found.scales
+        and [{"value": one.value, "uncertainty": one.uncertainty} for one in found.scales],
         "checks": [_named(one) for one in found.checks],
         "noise_floor": max(one.fitted.noise for one in found.circles),
         "refined": {},
@@ -168,7 +184,9 @@ def print_circles(found: CircleVerification, *, created: str, language: str) -> 
     axes = ", ".join(axis.name for axis in record.axes)
     sentences = tuple(map(words.say, say_found(found)))
     warnings = tuple(map(words.say, found.warnings))
-    deciding = [one for one in found.checks if one.measured is not None][:4]
+    order = (Verdict.FAILS, Verdict.UNKNOWN, Verdict.HOLDS)
+    known = [one for one in found.checks if one.measured is not None]
+    largest = sorted(known, key=lambda one: order.index(one.verdict))[:MOST_LARGE]
     heads = ("what", "predicted", "measured", "verdict")
     table = Table(
         caption=say("verify-caption-checks"),
@@ -182,11 +200,11 @@ def print_circles(found: CircleVerification, *, created: str, language: str) -> 
         detail=sentences[0],
         values=tuple(
             BigValue(
-                label=words.say(what_of(one)),
+                label=f"{one.move}: {words.say(what_of(one))}",
                 value=form.quantity(one.measured, one.unit),
                 aside=say_verdict(one.verdict, words),
             )
-            for one in deciding
+            for one in largest
         ),
     )
     sources = Table(
@@ -195,7 +213,14 @@ def print_circles(found: CircleVerification, *, created: str, language: str) -> 
             Column(head=say(head))
             for head in ("identify-head-file", "verify-head-columns", "identify-head-hash")
         ),
-        rows=tuple((one.file, ", ".join(one.columns), one.sha256) for one in found.traces),
+        rows=tuple(
+            (
+                one.file,
+                ", ".join(f"{name} = {own}" for own, name in one.columns.items()),
+                one.sha256,
+            )
+            for one in found.traces
+        ),
     )
     parts: dict[str, tuple[Block, ...]] = {
         "verdict": (

@@ -31,6 +31,13 @@ APART = 0.5
 """Of the largest angular velocity, by which circles must differ, directions counted, for their
 squareness to be told from unequal delays (design choice)."""
 
+FASTER = 2.0
+"""Of the slowest circle, how fast another must be for scales to be told from loops: what these do
+has then grown to four times (design choice)."""
+
+LARGEST_SCALE = 100e-6
+"""What pitch and temperature make of a length at most [-] (empirical: 11 µm/m and K of steel)."""
+
 RADIUS, FORM, DELAY, GAIN, PEAK = "radius", "form", "delay", "gain", "quadrant peak"
 
 
@@ -51,6 +58,8 @@ class CircleBeside:
     fitted: FittedCircle
     foreseen: Foreseen
     bias: Array  # what the tails of the peaks add to the fit, shape (5,) [m]
+    mean: Found  # mean radius less the nominal one, without what scales make of it [m]
+    gain: Found  # Re E, likewise [m]
     skew: Found  # Im E without what the squareness makes of it [m]
 
     @property
@@ -69,6 +78,9 @@ class CircleVerification:
     traces: tuple[CircularTrace, ...]
     circles: tuple[CircleBeside, ...]
     squareness: Found | None  # by which the axes' angle is less than a right one [rad]
+    scales: tuple[Found, Found] | None
+    """By which the axes measure too long in the mean, and half of what the first one does so more
+    than the second [-]."""
     checks: tuple[Check, ...]  # ``move`` is the number of the circle, from 1
     verdict: Verdict
     warnings: tuple[Message, ...]
@@ -86,18 +98,21 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
     fitted = [one for trace in traces for one in fit_circles(trace)]
     beside = [_lay_beside(one, foresee(axes, one)) for one in fitted]
     squareness = find_squareness(beside)
-    if squareness is not None:
-        beside = [_without(one, squareness) for one in beside]
+    scales = find_scales(beside)
+    beside = [_without(one, squareness, scales) for one in beside]
     checks = tuple(
         check
         for number, one in enumerate(beside, start=1)
-        for check in _check(record, number, one, is_apart=squareness is not None)
+        for check in _check(
+            record, number, one, is_square=squareness is not None, is_scaled=scales is not None
+        )
     )
     return CircleVerification(
         record=record,
         traces=tuple(traces),
         circles=tuple(beside),
         squareness=squareness,
+        scales=scales,
         checks=checks,
         verdict=judge_all(checks),
         warnings=tuple(dict.fromkeys(_warn(record, traces, fitted))),
@@ -139,7 +154,28 @@ def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> Foreseen:
 
 def _lay_beside(fitted: FittedCircle, foreseen: Foreseen) -> CircleBeside:
     bias = np.abs(fitted.design @ np.asarray(sum(foreseen.course)))
-    return CircleBeside(fitted=fitted, foreseen=foreseen, bias=bias, skew=fitted.skew)
+    return CircleBeside(
+        fitted=fitted,
+        foreseen=foreseen,
+        bias=bias,
+        mean=_unsure(fitted.mean, bias[0]),
+        gain=_unsure(fitted.gain, bias[3]),
+        skew=_unsure(fitted.skew, bias[4]),
+    )
+
+
+def _unsure(found: Found, more: float) -> Found:
+    return Found(value=found.value, uncertainty=found.uncertainty + float(more))
+
+
+def _less(found: Found, part: Found | None, times: float) -> Found:
+    """A value without so many times another one; None: nothing is known of that."""
+    if part is None:
+        return found
+    return Found(
+        value=found.value - times * part.value,
+        uncertainty=found.uncertainty + times * part.uncertainty,
+    )
 
 
 def find_squareness(circles: Sequence[CircleBeside]) -> Found | None:
@@ -161,23 +197,43 @@ def find_squareness(circles: Sequence[CircleBeside]) -> Found | None:
     return Found(value=value, uncertainty=float(np.abs(inverse[0]).sum()))
 
 
-def _without(circle: CircleBeside, squareness: Found) -> CircleBeside:
-    """The circle without the ellipse of axes that are not square."""
-    own, half = circle.fitted.skew, 0.5 * circle.fitted.radius
+def find_scales(circles: Sequence[CircleBeside]) -> tuple[Found, Found] | None:
+    """Return by how much the axes measure too long, mean and half the difference; None: unknown.
+
+    The slowest circle tells: what loops and filter do to a circle grows with the square of the
+    feed, what pitch and temperature do not at all.
+    """
+    slow = min(circles, key=lambda one: one.fitted.omega)
+    if max(one.fitted.omega for one in circles) < FASTER * slow.fitted.omega:
+        return None
+    radius, own = slow.fitted.radius, slow.foreseen
+    pairs = ((slow.mean, own.radius[0]), (slow.gain, own.ellipse[0].real))
+    mean, apart = (
+        Found(value=(one.value - float(told)) / radius, uncertainty=one.uncertainty / radius)
+        for one, told in pairs
+    )
+    return mean, apart
+
+
+def _without(
+    circle: CircleBeside, squareness: Found | None, scales: tuple[Found, Found] | None
+) -> CircleBeside:
+    """The circle without what scales and the angle of the axes make of it."""
+    mean, apart = scales or (None, None)
+    radius = circle.fitted.radius
     return replace(
         circle,
-        skew=Found(
-            value=own.value - half * squareness.value,
-            uncertainty=own.uncertainty + half * squareness.uncertainty,
-        ),
+        mean=_less(circle.mean, mean, radius),
+        gain=_less(circle.gain, apart, radius),
+        skew=_less(circle.skew, squareness, 0.5 * radius),
     )
 
 
 def _check(
-    record: GroupRecord, number: int, circle: CircleBeside, *, is_apart: bool
+    record: GroupRecord, number: int, circle: CircleBeside, *, is_square: bool, is_scaled: bool
 ) -> Iterator[Check]:
     """Every promise about a circle."""
-    fitted, foreseen, bias = circle.fitted, circle.foreseen, circle.bias
+    fitted, foreseen = circle.fitted, circle.foreseen
     slack = max(MODEL, MODEL_SHARE * float(np.abs(foreseen.radius).max()))
 
     def check(
@@ -203,15 +259,21 @@ def _check(
             decides=True,
         )
 
-    def surely(found: Found, more: float, scale: float = 1.0) -> Found:
-        unsure = (found.uncertainty + more) * abs(scale)
-        return Found(value=scale * found.value, uncertainty=unsure)
+    def times(found: Found, scale: float) -> Found:
+        return Found(value=scale * found.value, uncertainty=abs(scale) * found.uncertainty)
 
-    radius = check(RADIUS, surely(fitted.mean, float(bias[0])), foreseen.radius, "m", slack)
+    def or_scale(check: Check, size: float) -> Check:
+        off = abs((check.measured or 0.0) - (check.predicted or 0.0))
+        if is_scaled or check.verdict is not Verdict.FAILS or off > LARGEST_SCALE * size:
+            return check
+        return check.doubted(Message("group-one-feed", scale=1e6 * off / size))
+
+    radius = check(RADIUS, circle.mean, foreseen.radius, "m", slack)
+    radius = or_scale(radius, fitted.radius)
     if fitted.is_assumed and radius.verdict is not Verdict.HOLDS:
         radius = radius.doubted(Message("group-radius-assumed", radius=fitted.radius))
     yield radius
-    gain, skew = surely(fitted.gain, float(bias[3])), surely(circle.skew, float(bias[4]))
+    gain, skew = circle.gain, circle.skew
     form = Found(
         value=2.0 * float(np.hypot(gain.value, skew.value)),
         uncertainty=2.0 * float(np.hypot(gain.uncertainty, skew.uncertainty)),
@@ -220,23 +282,24 @@ def _check(
     oval = max(MODEL, MODEL_SHARE * float(size.max()))
     # E to a difference of delays, of the second axis less the first one.
     per = -2.0 * fitted.direction / fitted.feed
-    delay = surely(skew, 0.0, per)
+    delay = times(skew, per)
     forms = check(FORM, form, size, "m", oval)
     first, second = record.plane
     foreseen_delay = per * foreseen.ellipse.imag
     later = f"{second} - {first}"
     delays = check(DELAY, delay, foreseen_delay, "s", abs(per) * oval, of=later)
-    if not is_apart:
+    if not is_square:
         value = 2.0 * (skew.value - foreseen.ellipse[0].imag) / fitted.radius
         doubt = Message("group-one-direction", squareness=1e6 * value)
         forms, delays = (
             one if one.verdict is Verdict.HOLDS else one.doubted(doubt) for one in (forms, delays)
         )
-    yield from (forms, delays)
     larger = f"{first} - {second}"
-    yield check(
-        GAIN, surely(gain, 0.0, 2.0), 2.0 * foreseen.ellipse.real, "m", 2.0 * oval, of=larger
-    )
+    sizes = check(GAIN, times(gain, 2.0), 2.0 * foreseen.ellipse.real, "m", 2.0 * oval, of=larger)
+    sizes = or_scale(sizes, 2.0 * fitted.radius)
+    if sizes.verdict is Verdict.UNKNOWN and forms.verdict is Verdict.FAILS:
+        forms = forms.doubted(sizes.reason)
+    yield from (forms, delays, sizes)
     for place, (name, peaks) in enumerate(zip(record.plane, foreseen.peak, strict=True)):
         peak = fitted.peak(place)
         if peak is None:

@@ -202,3 +202,7 @@ group-page-row-speed = Tempo an der Ecke innerhalb der Toleranz
 group-page-field-feed = Vorschub
 group-page-field-radius = Radius des Kreises
 group-page-field-angle = Richtungsänderung an der Ecke
+
+# in µm/m
+group-one-feed = ein Maßstab, der durch Steigung oder Temperatur um { NUMBER($scale, digits: 3) } µm/m abweicht, wirkt bei jedem Vorschub gleich, ein Regelkreis mit dessen Quadrat; auch einen Kreis mit anderem Vorschub aufzeichnen
+group-scales-found = Als Maßstab herausgenommen, nach dem langsamsten Kreis: Längen fallen um { NUMBER($mean, digits: 3) } µm/m zu groß aus, die von { $first } um { NUMBER($apart, digits: 3) } µm/m mehr als die von { $second }.

@@ -202,3 +202,7 @@ group-page-row-speed = Speed at the corner within the tolerance
 group-page-field-feed = Feed
 group-page-field-radius = Radius of the circle
 group-page-field-angle = Change of direction at the corner
+
+# in µm/m
+group-one-feed = a scale that is off by { NUMBER($scale, digits: 3) } µm/m, by pitch or temperature, does the same at any feed, a loop with its square; record a circle at another feed, too
+group-scales-found = Left out as scale, by the slowest circle: lengths come out { NUMBER($mean, digits: 3) } µm/m too long, those of { $first } by { NUMBER($apart, digits: 3) } µm/m more than those of { $second }.
