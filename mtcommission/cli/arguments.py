@@ -34,7 +34,7 @@ def argument(value: str, meaning: str, default: Any = ...) -> Any:
 
 
 PROFILE = argument("PROFILE", "Machine profile (TOML).")
-RECORD = argument("RECORD", "record.json of a run.")
+RECORD = argument("RECORD", "record.json of a run; export and verify take group.json, too.")
 FOLDER = option("-o --output", "DIR", "Folder.", ...)
 F_MAX = option("--f-max", "F", "Force limit for this call, e.g. 2kN.")
 SIZES = option("--for", "every|listed", "Sizes of move that the limits serve.")

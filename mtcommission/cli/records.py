@@ -71,7 +71,9 @@ def sheet(
 
 def export(
     control: str = option("--control", "NAME", "E.g. sinumerik; ? lists all.", ...),
-    record: Path | None = argument("RECORD", "record.json or group.json.", None),
+    record: Path | None = argument(
+        "RECORD", "record.json of a run; export and verify take group.json, too.", None
+    ),
     output: str = option("-o --output", "FILE", "- for the screen.", "-"),
     as_csv: bool = flag("--csv", "Parameter list to tick off instead."),
     language: str = LANGUAGE,

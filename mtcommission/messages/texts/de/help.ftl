@@ -17,7 +17,7 @@ help-language = Sprache der Ausgabe; Vorgabe: LANG der Umgebung, sonst en.
 
 # Was mehrere Befehle haben
 help-profile = Maschinenprofil (TOML).
-help-record = record.json eines Laufs.
+help-record = record.json eines Laufs; export und verify nehmen auch group.json.
 help-output = Ordner.
 help-json-file = Ergebnis als JSON schreiben; - für den Bildschirm.
 help-csv-file = Bewegung als CSV schreiben; - für den Bildschirm.
@@ -91,7 +91,7 @@ help-verified = Von verify: trägt ein, was gemessen wurde.
 
 help-verify = Aufgezeichnete Bewegungen neben der Vorhersage: stimmt sie, und warum nicht.
 help-verify-more = Sagt zuerst, ob die Steuerung gesendet hat, was eingegeben war. Liest, was identify liest.
-help-traces = Bewegungen, mit den Grenzwerten aufgezeichnet.
+help-traces = Aufgezeichnete Bewegungen oder Kreise.
 help-renewed = Profil, wie es die Aufzeichnungen zeigen.
 help-verify-output = Ordner für die Seite.
 
