@@ -22,6 +22,21 @@ def _text() -> str:
     return dump_json(build_group_record(group, created="2026-01-02T03:04:05+00:00"))
 
 
+def write_printer(folder: Path) -> Path:
+    """Write the printer's axis twice, as X and as Y, as ``group.json``."""
+    text = (PROFILES / "printer-belt.toml").read_text("utf-8")
+    for name in "XY":
+        own = text.replace('axis = "X"', f'axis = "{name}"')
+        (folder / f"{name}.toml").write_text(own, "utf-8")
+    sources = [read_source(folder / f"{name}.toml") for name in "XY"]
+    machines = [parse_profile(source.text, where=str(source.path)) for source in sources]
+    group = join(read_task(machines, sources, tolerance="50um", feed="6m/min"))
+    path = folder / "group.json"
+    record = build_group_record(group, created="2026-01-02T03:04:05+00:00")
+    path.write_text(dump_json(record), "utf-8")
+    return path
+
+
 def write_mill(folder: Path) -> Path:
     """Write X and Y of the small milling machine together as ``group.json``."""
     path = folder / "group.json"

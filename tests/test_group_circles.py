@@ -11,11 +11,11 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.group.held import read_plane
-from mtcommission.group.record import GroupRecord
+from mtcommission.group.record import GroupRecord, load_group
 from mtcommission.group.traces import read_circular
 from mtcommission.group.verify import CircleVerification, verify_circles
 from mtcommission.verify.checks import Check, Verdict
-from tests.group_record import read_mill, write_mill
+from tests.group_record import read_mill, write_mill, write_printer
 from tests.recorded_circles import Spoilt, draw, step_axes, write_ballbar, write_csv
 
 
@@ -210,6 +210,15 @@ def test_a_radius_that_nobody_told_is_not_judged_to_fail(
     found = verify_circles(record, [read_circular(str(file), {}, record.plane)])
     assert find(found, "radius").verdict is Verdict.UNKNOWN
     assert find(found, "radius").measured == pytest.approx(50e-6, abs=0.1e-6)
+
+
+def test_a_motor_that_follows_its_setpoint_has_no_peaks(tmp_path: Path) -> None:
+    record = load_group(write_printer(tmp_path))
+    filtered = read_plane(record)[0]
+    behind = float(filtered.answers.lag[0])
+    found = verified(record, tmp_path, Spoilt(delays=(behind, behind), peaks=(0.0, 0.0)))
+    assert {one.key for one in found.checks} == {"radius", "form", "delay", "gain"}
+    assert find(found, "delay").verdict is Verdict.HOLDS
 
 
 def run(*arguments: object, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:

@@ -14,10 +14,10 @@ from mtcommission.control_kinds.kinds import CONTROLS
 from mtcommission.errors import InputError
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.group.export import GroupExport, export_group
-from mtcommission.group.record import AxisEntry, GroupRecord
+from mtcommission.group.record import AxisEntry, GroupRecord, load_group
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import profile_text_hash
-from tests.group_record import read_mill, write_mill
+from tests.group_record import read_mill, write_mill, write_printer
 from tests.second_reader import ini_file, lines
 
 BELOW, ABOVE = 0.99, 1.0 + 1e-9
@@ -183,6 +183,19 @@ def test_a_list_holds_the_same(
     rows = list(csv.DictReader(one for one in listed.text.splitlines() if one and one[:2] != '"#'))
     assert listed.circles == exports[control].circles
     assert len({(row["section"], row["parameter"]) for row in rows}) == len(rows)
+
+
+def test_a_printer_keeps_its_circles_and_asks_for_no_jerk(tmp_path: Path) -> None:
+    record = load_group(write_printer(tmp_path))
+    found = export_group(record, control="klipper")
+    assert found.meets_requirements
+    assert all(one.is_same for one in found.circles)
+    assert not any("jerk" in line and "NOT IN THIS TEXT" in line for line in found.header)
+    printer = ini_file(found.text.replace(": ", " = "))["printer"]
+    assert lies_below(printer["max_accel"], 1e-3, record.path.acceleration)
+    assert lies_below(printer["square_corner_velocity"], 1e-3, record.corner_rule.value)
+    # Its own default of 5 mm/s is not what a group gets.
+    assert not any("5 mm/s" in line for line in found.header)
 
 
 def test_what_was_not_read_is_marked(exports: dict[str, GroupExport]) -> None:

@@ -14,7 +14,7 @@ from math import inf, isclose
 import numpy as np
 
 from mtcommission.control_kinds.control import Control
-from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
+from mtcommission.control_kinds.kinds import CONTROLS, GENERIC, KINDS
 from mtcommission.control_kinds.row import Key, Row, Setting, Values
 from mtcommission.control_kinds.syntax import LIST, Entry, Layout
 from mtcommission.control_kinds.wording import show_value, to_ascii
@@ -58,6 +58,9 @@ than sqrt(3). Source: HEIDENHAIN MANUALplus 620 Technical Manual, p. 834."""
 
 ONE_FOR_ALL = (Setting.FIXED, Setting.POSITION_CYCLE, Setting.VELOCITY_CYCLE)
 """What the control has but once, whichever axis asks for it."""
+
+OF_ONE_AXIS = ("klipper-corner-bound",)
+"""Notes on values that a group has otherwise."""
 
 AT_CORNERS = {
     Corner.STEP: Setting.CORNER_STEP,
@@ -425,7 +428,10 @@ def _say_first(
 
 def _say_notes(by_axis: Mapping[str, Sequence[Message]]) -> Iterator[Message]:
     """What there is to mind: once where it is true of every axis."""
-    for note in dict.fromkeys(note for notes in by_axis.values() for note in notes):
+    every = dict.fromkeys(note for notes in by_axis.values() for note in notes)
+    for note in every:
+        if note.kind in OF_ONE_AXIS:
+            continue
         own = [name for name, notes in by_axis.items() if note in notes]
         if len(own) == len(by_axis):
             yield note
@@ -449,6 +455,8 @@ def _say_without_place(
     lacking = [setting for setting, places in PLACES.items() if not held & set(places)]
     if not any(axis.wait for axis in record.axes) and Setting.WAIT in lacking:
         lacking.remove(Setting.WAIT)
+    if not KINDS[record.axes[0].loop.kind].has_jerk_limit and Setting.PATH_JERK in lacking:
+        lacking.remove(Setting.PATH_JERK)
     corner = AT_CORNERS[rule_of(target.key).kind]
     known = {row.setting for row in (*target.axis_in_group, *target.group)}
     if Setting.CORNER_STEP in lacking and corner in known:

@@ -90,17 +90,19 @@ def say_found(found: CircleVerification) -> list[Message]:
                 )
             )
     for check in found.checks:
-        if check.key == "delay" and check.measured is not None:
+        unsure = check.uncertainty or 0.0
+        if check.key == "delay" and abs(check.measured or 0.0) > unsure:
             first, second = record.plane
-            later, sooner = (second, first) if check.measured > 0.0 else (first, second)
+            by = check.measured or 0.0
+            later, sooner = (second, first) if by > 0.0 else (first, second)
             said.append(
                 Message(
                     "group-delay-found",
                     number=check.move,
                     later=later,
                     sooner=sooner,
-                    by=abs(check.measured),
-                    uncertainty=check.uncertainty or 0.0,
+                    by=abs(by),
+                    uncertainty=unsure,
                 )
             )
     if found.squareness is None:

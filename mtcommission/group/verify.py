@@ -266,7 +266,7 @@ def _check(
         off = abs((check.measured or 0.0) - (check.predicted or 0.0))
         if is_scaled or check.verdict is not Verdict.FAILS or off > LARGEST_SCALE * size:
             return check
-        return check.doubted(Message("group-one-feed", scale=1e6 * off / size))
+        return check.doubted(Message("group-one-feed", scale=_told(1e6 * off / size)))
 
     radius = check(RADIUS, circle.mean, foreseen.radius, "m", slack)
     radius = or_scale(radius, fitted.radius)
@@ -290,7 +290,7 @@ def _check(
     delays = check(DELAY, delay, foreseen_delay, "s", abs(per) * oval, of=later)
     if not is_square:
         value = 2.0 * (skew.value - foreseen.ellipse[0].imag) / fitted.radius
-        doubt = Message("group-one-direction", squareness=1e6 * value)
+        doubt = Message("group-one-direction", squareness=_told(1e6 * value))
         forms, delays = (
             one if one.verdict is Verdict.HOLDS else one.doubted(doubt) for one in (forms, delays)
         )
@@ -302,6 +302,8 @@ def _check(
     yield from (forms, delays, sizes)
     for place, (name, peaks) in enumerate(zip(record.plane, foreseen.peak, strict=True)):
         peak = fitted.peak(place)
+        if record.axis(name).machine.follows:
+            continue
         if peak is None:
             yield _unknown(number, name, Message("group-peak-not-seen"))
         elif not peaks.size:
@@ -310,6 +312,11 @@ def _check(
         else:
             more = MODEL + FRICTION_SHARE * float(peaks.max())
             yield check(PEAK, peak, peaks, "m", more, of=name)
+
+
+def _told(value: float) -> float:
+    """With two digits, so that circles alike give one reason."""
+    return float(f"{value:.2g}")
 
 
 def _unknown(number: int, name: str, reason: Message) -> Check:
