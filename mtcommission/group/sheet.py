@@ -76,6 +76,9 @@ PATH = (
 )
 CORNER_UNITS = {"arc": "m", "junction": "m/s", "step": "m/s"}
 
+ABOVE = 1.01
+"""Times what the path may use, from which what is typed in is explained."""
+
 HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
 
 
@@ -139,7 +142,7 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     parts = type_in_group(record)
     yield _together(record, parts, words)
     yield _each_axis(record, parts, words)
-    yield note(_bounds(record, words))
+    yield note(" ".join([*_bounds(record, words), *_ceilings(record, parts[-1], words)]))
     yield _filters(record, words)
     yield _checks(record, words)
     yield pairs(
@@ -204,7 +207,7 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
             AT_CORNERS,
         ),
     ]
-    heads = {"quantity": 1.5, "value": 1.6, "group-bound": 1.9, "group-typed": 3.4}
+    heads = {"quantity": 1.7, "value": 1.6, "group-bound": 1.9, "group-typed": 3.6}
     return Table(
         caption=text("group-together-caption"),
         columns=tuple(
@@ -283,7 +286,7 @@ def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> 
         rows.append(tuple(cells))
     columns = [
         Column(head=text("quantity"), width=1.6),
-        Column(head=text("parameter"), width=3.6),
+        Column(head=text("parameter"), width=2.6 if has_old and len(own) > 2 else 3.6),
     ]
     for axis in record.axes:
         old_head, new_head = (text(f"group-axis-{key}", name=axis.name) for key in ("today", "new"))
@@ -292,18 +295,29 @@ def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> 
     return Table(caption=text("group-each-caption"), columns=tuple(columns), rows=tuple(rows))
 
 
-def _bounds(record: GroupRecord, words: Catalogue) -> str:
-    """What binds the limits of each axis, as sentences."""
-    bound = [(axis.name, axis.limits.recommended.bound_by) for axis in record.axes]
-    return " ".join(words.text("group-axis-bound", name=name, by=by) for name, by in bound)
+def _bounds(record: GroupRecord, words: Catalogue) -> Iterator[str]:
+    """What binds the limits of each axis, a sentence each."""
+    for axis in record.axes:
+        by = axis.limits.recommended.bound_by
+        yield words.text("group-axis-bound", name=axis.name, by=by)
+
+
+def _ceilings(record: GroupRecord, path: Part, words: Catalogue) -> Iterator[str]:
+    """Why more is typed in for the path than it may use: where the axes bound it already."""
+    for name, _, settings in PATH:
+        for entry in path.entries:
+            typed = entry.row.decode(entry.value) if entry.row.setting in settings else 0.0
+            if isinstance(typed, float) and typed > ABOVE * getattr(record.path, name):
+                meaning = words.say(entry.row.text) if entry.row.text else ""
+                yield f"{_parameter(entry, words)}: {meaning}."
 
 
 def _filters(record: GroupRecord, words: Catalogue) -> Table:
     columns = (
-        Quantity("setpoint-filter", lambda one: say_filter(one.filter, words), width=2.1),
+        Quantity("setpoint-filter", lambda one: say_filter(one.filter, words), width=1.9),
         Quantity("group-settling-slowest", "settling_time", "s", "not-settled", width=1.2),
-        Quantity("group-axes-acceleration", "axes_acceleration", "m/s^2", width=1.4),
-        Quantity("group-path-acceleration", "path_acceleration", "m/s^2"),
+        Quantity("group-axes-acceleration", "axes_acceleration", "m/s^2", width=1.2),
+        Quantity("group-path-acceleration", "path_acceleration", "m/s^2", width=1.2),
     )
     first = record.filters[0]
     return table(
@@ -326,11 +340,11 @@ def _checks(record: GroupRecord, words: Catalogue) -> Table:
         return check.unit
 
     columns = (
-        Quantity("check", "label", width=2.7),
-        Quantity("found", "value", unit_of, "not-settled"),
-        Quantity("permitted", "limit", unit_of),
-        Quantity("share-used", _share_used, "%", width=0.9),
-        Quantity("where", "where", width=8.4),
+        Quantity("check", "label", width=2.9),
+        Quantity("found", "value", unit_of, "not-settled", width=1.35),
+        Quantity("permitted", "limit", unit_of, width=1.2),
+        Quantity("share-used", _share_used, "%", width=1.05),
+        Quantity("where", "where", width=9.2),
     )
     return table(words, "group-checks-caption", columns, shown, strong=lambda check: not check.met)
 
