@@ -9,6 +9,7 @@ from typing import Any
 
 from mtcommission.control_kinds.row import Setting
 from mtcommission.control_kinds.syntax import Entry
+from mtcommission.errors import InputError
 from mtcommission.group.ballbar import draw_ballbar
 from mtcommission.group.drawn import Trace, trace_circle
 from mtcommission.group.export import Part, type_in_group
@@ -27,6 +28,7 @@ from mtcommission.sheet.document import (
     Document,
     Form,
     Headline,
+    Paragraph,
     Section,
     Table,
     Tone,
@@ -48,11 +50,11 @@ from mtcommission.sheet.tables import (
 )
 from mtcommission.sheet.verdict import entry_name, show_typed
 
-FILTER = (
+FILTER: tuple[Setting, ...] = (
     *(Setting.AVERAGE, Setting.SECOND_AVERAGE),
     *(Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING),
 )
-AT_CORNERS = (
+AT_CORNERS: tuple[Setting, ...] = (
     *(Setting.CORNER_STEP, Setting.CORNER_SPEED),
     *(Setting.CORNER_TOLERANCE, Setting.CONTOUR_TOLERANCE),
 )
@@ -114,10 +116,7 @@ def compose_group(record: GroupRecord, words: Catalogue) -> Document:
         text("identity", name=axis.profile.name, hash=axis.profile.sha256[:HASH_DIGITS])
         for axis in record.axes
     ]
-    pages = (
-        ("verdict", first_page(record, words)),
-        ("contours", second_page(record, words)),
-    )
+    pages = {"verdict": first_page(record, words), "contours": second_page(record, words)}
     return document(
         words,
         script_note="group-script-note",
@@ -129,7 +128,7 @@ def compose_group(record: GroupRecord, words: Catalogue) -> Document:
         disclaimer=text("disclaimer"),
         sections=tuple(
             Section(key=key, heading=text(f"group-{key}-heading"), blocks=tuple(blocks))
-            for key, blocks in pages
+            for key, blocks in pages.items()
         ),
     )
 
@@ -139,7 +138,12 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     yield _headline(record, words)
     if record.warnings:
         yield Bullets(items=tuple(map(words.say, record.warnings)), tone=Tone.WARNING)
-    parts = type_in_group(record)
+    try:
+        parts = type_in_group(record)
+    except InputError as refused:
+        parts = [Part(name=name, entries=()) for name in (*(axis.name for axis in record.axes), "")]
+        why = words.text("entry-none", why=refused.faults[0].message)
+        yield Paragraph(text=why, tone=Tone.WARNING)
     yield _together(record, parts, words)
     yield _each_axis(record, parts, words)
     yield note(" ".join([*_bounds(record, words), *_ceilings(record, parts[-1], words)]))
@@ -187,26 +191,17 @@ def _limits_jerk(record: GroupRecord) -> bool:
 
 def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
     """What all axes are told alike: value, what limits it, and what is typed in."""
-    text, path, told = words.text, record.path, record.corner_rule
-    rows = [
-        ("setpoint-filter", say_filter(record.filter, words), _leads(record, words), FILTER),
-        *(
-            (
-                f"group-path-{name}",
-                show(getattr(path, name), words, unit),
-                _bound(record, name, words),
-                settings,
-            )
-            for name, unit, settings in PATH
-            if name == "acceleration" or _limits_jerk(record)
-        ),
-        (
-            f"group-corner-{told.kind}",
-            show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none"),
-            text("group-corner-holds"),
-            AT_CORNERS,
-        ),
-    ]
+    text, told, jerk = words.text, record.corner_rule, _limits_jerk(record)
+    item = say_filter(record.filter, words)
+    rows = [("setpoint-filter", item, _leads(record, words), FILTER)]
+    for name, unit, settings in PATH if jerk else PATH[:1]:
+        value = show(getattr(record.path, name), words, unit)
+        rows.append((f"group-path-{name}", value, _bound(record, name, words), settings))
+    value = show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none")
+    rows.append((f"group-corner-{told.kind}", value, text("group-corner-holds"), AT_CORNERS))
+    # Where the control has no place that is known, or nothing is typed in, the rule still has one.
+    of_rule = f"{told.name}{'' if told.is_verified else ' (?)'}" if told.name else DASH
+    otherwise = {AT_CORNERS: of_rule}
     heads = {"quantity": 1.7, "value": 1.6, "group-bound": 1.9, "group-typed": 3.6}
     return Table(
         caption=text("group-together-caption"),
@@ -215,7 +210,7 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
             for head, width in heads.items()
         ),
         rows=tuple(
-            (text(name), value, why, _type(parts, settings, words) or DASH)
+            (text(name), value, why, _type(parts, settings, words) or otherwise.get(settings, DASH))
             for name, value, why, settings in rows
         ),
     )
@@ -248,12 +243,9 @@ def _leads(record: GroupRecord, words: Catalogue) -> str:
 
 def _bound(record: GroupRecord, name: str, words: Catalogue) -> str:
     """Whose limit it is; the tolerance where it is less than that of each axis."""
-    value, limits = (
-        getattr(record.path, name),
-        {axis.name: getattr(axis.limits.recommended, name) for axis in record.axes},
-    )
+    limits = {axis.name: getattr(axis.limits.recommended, name) for axis in record.axes}
     least = min(limits, key=lambda axis: limits[axis])
-    if isclose(value, limits[least], rel_tol=1e-3):
+    if isclose(getattr(record.path, name), limits[least], rel_tol=1e-3):
         return words.text("group-bound-by-axis", name=least)
     return words.text("group-bound-by-tolerance")
 
@@ -275,10 +267,11 @@ def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> 
     has_old = any(entry.old for axis in own for entry in axis.values())
     for setting, label in OF_AXIS.items():
         entries = [axis.get(setting) for axis in own]
-        named = next((entry for entry in entries if entry), None)
-        if named is None and setting is not Setting.WAIT:
+        # Of controls whose names tell the axis, one name for each.
+        names = dict.fromkeys(_with_unit(entry, words) for entry in entries if entry)
+        if not names and setting is not Setting.WAIT:
             continue
-        cells = [words.known(label, label), _with_unit(named, words) if named else DASH]
+        cells = [words.known(label, label), " / ".join(names) or DASH]
         for axis, entry in zip(record.axes, entries, strict=True):
             new = _number(entry.value, entry, words) if entry else show(axis.wait, words, "s")
             old = _number(entry.old, entry, words) if entry and entry.old else DASH
@@ -342,7 +335,7 @@ def _checks(record: GroupRecord, words: Catalogue) -> Table:
     columns = (
         Quantity("check", "label", width=2.9),
         Quantity("found", "value", unit_of, "not-settled", width=1.35),
-        Quantity("permitted", "limit", unit_of, width=1.2),
+        Quantity("permitted", "limit", unit_of, width=1.4),
         Quantity("share-used", _share_used, "%", width=1.05),
         Quantity("where", "where", width=9.2),
     )
