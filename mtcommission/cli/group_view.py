@@ -40,7 +40,9 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             [text("group-speed"), *(_feed(one.speed, spoken) for one in record.speed_over_angle)],
             [text("group-unslowed"), *(_unslowed(one, spoken) for one in record.speed_over_angle)],
         ),
-        text("group-corner-told", kind=told.kind, name=told.name, value=told.value),
+        text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
+        if told.value
+        else text("group-corner-no-arc"),
         *warn(spoken, record.warnings),
     ]
 

@@ -49,6 +49,7 @@ group-corner-told = Ecken: { $kind ->
     [junction] { $name } { VELOCITY($value) } (Tempo bei 90°).
    *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
 }
+group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten oben sofort zu drehen.
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
 group-axis = Achse
 

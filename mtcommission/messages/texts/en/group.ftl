@@ -49,6 +49,7 @@ group-corner-told = Corners: { $kind ->
     [junction] { $name } { VELOCITY($value) } (speed at 90°).
    *[step] { $name } velocity step of an axis { FEED($value) }.
 }
+group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds above.
 group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
 group-axis = Axis
 
