@@ -55,10 +55,6 @@ class Turning:
         own = [0, worst] if worst else [0]
         return replace(self, tool=self.tool[:, own], lag=self.lag[own])
 
-    def nominal(self) -> Turning:
-        """Return the same in the nominal machine, where the step comes with the cycle."""
-        return replace(self, starts=self.starts[:1], tool=self.tool[:1, :1], lag=self.lag[:1])
-
 
 def turn(axis: AxisAnswers) -> Turning:
     """Return how an axis behind its filter answers a step of velocity, at every phase."""
@@ -172,21 +168,28 @@ def speeds_on_arcs(
     feed: float,
     acceleration: float,
 ) -> Iterator[CornerSpeed]:
-    """Yield the same where the control puts an arc in: v² <= acceleration times its radius."""
-    first, second = axes
-    nominal = first.nominal(), second.nominal()
-    for plain in speeds_at_once(axes, tolerance=tolerance, feed=feed):
-        best = plain
-        for share in SHARES:
-            arc = arc_within(share * tolerance, plain.angle)
-            low, high = best.speed, min(feed, sqrt(acceleration * arc.radius))
-            if high <= low or corner_deviation(nominal, plain.angle, low, arc) > tolerance:
-                continue
-            for _ in range(HALVINGS):
-                middle = 0.5 * (low + high)
-                off = corner_deviation(nominal, plain.angle, middle, arc)
-                low, high = (middle, high) if off <= tolerance else (low, middle)
-            off = corner_deviation(axes, plain.angle, low, arc)
-            if low > best.speed and off <= tolerance:
-                best = CornerSpeed(angle=plain.angle, speed=low, arc=arc, deviation=plain.deviation)
-        yield best
+    """Yield the same where the control puts an arc in: v² <= acceleration times its radius.
+
+    A control is told one deviation for the arcs of all corners: that which passes a right angle
+    soonest, none where turning at once is as fast there.
+    """
+    plain = tuple(speeds_at_once(axes, tolerance=tolerance, feed=feed))
+    right = next(one for one in plain if one.angle == 0.5 * pi)
+
+    def on_arc(one: CornerSpeed, share: float) -> CornerSpeed:
+        arc = arc_within(share * tolerance, one.angle)
+        low, high = 0.0, min(feed, sqrt(acceleration * arc.radius))
+        if corner_deviation(axes, one.angle, high, arc) <= tolerance:
+            low = high
+        for _ in range(0 if low else HALVINGS):
+            middle = 0.5 * (low + high)
+            off = corner_deviation(axes, one.angle, middle, arc)
+            low, high = (middle, high) if off <= tolerance else (low, middle)
+        return replace(one, speed=low, arc=arc)
+
+    best = max((on_arc(right, share) for share in SHARES), key=lambda one: one.speed)
+    if best.speed <= right.speed:
+        yield from plain
+        return
+    share = best.arc.deviation / tolerance
+    yield from (on_arc(one, share) for one in plain)
