@@ -304,7 +304,8 @@ def show_alternatives(machine: Machine, choice: LoopChoice, settings: TuningSett
     if machine.drive.follows:
         return choice
     machine = with_filters(machine, choice.tuned)
-    near = [_judge(machine, each, near=each.limits) for each in choice.others]
+    others = [one if one.is_explored else _explore(machine, one) for one in choice.others]
+    near = [_judge(machine, each, near=each.limits) for each in others]
     choice = replace(choice, trials=_in_order((*choice.trials, *near)), others=())
     if not machine.control.seeks_force_filters:
         choice = _suggest_filters(machine, choice, settings)
