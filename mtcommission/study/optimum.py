@@ -58,9 +58,6 @@ ROBUST = Message("control-robust")
 Fed = TimeOptimum | DampingOptimum | BandForce
 """An optimal control that can be fed forward."""
 
-ROUNDING = 1e-6
-"""By how much the mean of a bang-bang force may exceed its limit without being saturation."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WithinBand:
@@ -139,8 +136,6 @@ class FedForward:
     corner: Corner  # the machine
     settling_time: float  # with the tool outside the band about the delayed motion wanted [s]
     residual_deviation: float  # of the tool from that, after its end [m]
-    peak_deviation: float  # and ever [m]
-    saturated_share: float  # of the move during which the correction found no force left [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -317,11 +312,10 @@ def feed_forward(
         # The motor does what the optimum asks for, one cycle late like every force fed forward.
         moved = [[sample(each, one) @ one.row("tcp") for one in plants] for each in solutions]
         tool = np.pad(np.moveaxis(np.array(moved), -1, 0)[:-2], ((1, 0), (0, 0), (0, 0)))
-        saturated = np.zeros(tool.shape, dtype=np.bool_)
     else:
         whole = replace(tuned.controller, velocity_feedforward=1.0)
         loops = [build_loop(one, whole, model=plant) for one in plants]
-        tool, saturated = _advance(loops, wanted, limit=machine.drive.motion_force)
+        tool = _advance(loops, wanted, limit=machine.drive.motion_force)
     found = []
     for k, (solution, count) in enumerate(zip(solutions, counts, strict=True)):
         states = wanted[k, : count + 2]
@@ -341,8 +335,6 @@ def feed_forward(
                     corner=corner,
                     settling_time=inf if last[i] == t[-1] else max(end, float(last[i])),
                     residual_deviation=float(np.max(deviation[t >= end, i])),
-                    peak_deviation=float(np.max(deviation[:, i])),
-                    saturated_share=float(np.mean(saturated[: count + 1, k, i][t <= solution.t_f])),
                 )
                 for i, corner in enumerate(places)
             )
@@ -360,20 +352,14 @@ def follow_setpoint(
         loops = [build_loop(one, tuned.controller, model=model) for one in plants]
         band = machine.requirements.tcp_deviation
         responses = tuple(simulate_corners(loops, setpoint, drive=machine.drive, band=band))
-    limit = machine.drive.motion_force * (1.0 - ROUNDING)
-    found = []
-    for corner, response in zip(places, responses, strict=True):
-        at_limit = response.saturated & (np.abs(response.force) >= limit)
-        found.append(
-            FedForward(
-                corner=corner,
-                settling_time=response.settling_time,
-                residual_deviation=response.residual_deviation,
-                peak_deviation=response.peak_deviation,
-                saturated_share=float(np.mean(at_limit[response.t <= setpoint.duration])),
-            )
+    return tuple(
+        FedForward(
+            corner=corner,
+            settling_time=response.settling_time,
+            residual_deviation=response.residual_deviation,
         )
-    return tuple(found)
+        for corner, response in zip(places, responses, strict=True)
+    )
 
 
 def _places(machine: Machine) -> tuple[Corner, ...]:
@@ -385,10 +371,8 @@ def _places(machine: Machine) -> tuple[Corner, ...]:
     return corners(replace(machine, requirements=needs))
 
 
-def _advance(
-    loops: Sequence[SampledLoop], wanted: Array, *, limit: float
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Tool position and saturation at every velocity cycle, shapes (n_samples, n_motions, n_loops).
+def _advance(loops: Sequence[SampledLoop], wanted: Array, *, limit: float) -> Array:
+    """Position of the tool at every velocity cycle, shape (n_samples, n_motions, n_loops) [m].
 
     ``wanted``: states of some motions, shape (n_motions, n_samples + 1, n). The force acts one
     velocity cycle late, so the controllers compare with the motion wanted one cycle ago, its
@@ -418,9 +402,8 @@ def _advance(
         if np.abs(found[..., -together:]).max() > limit:
             found = _step_on(loops, states, given, limit=limit)
         states = found[..., :size]
-        parts.append(found[..., size:].reshape(*found.shape[:2], 2, together))
-    tool, demand = np.moveaxis(np.concatenate(parts, axis=-1), (2, 3), (0, 1))[:, : fed.shape[1]]
-    return tool, np.abs(demand) > limit * (1.0 + ROUNDING)
+        parts.append(found[..., size:-together])
+    return np.moveaxis(np.concatenate(parts, axis=-1), -1, 0)[: fed.shape[1]]
 
 
 def _step_on(loops: Sequence[SampledLoop], states: Array, fed: Array, *, limit: float) -> Array:
