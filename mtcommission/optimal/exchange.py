@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,9 @@ from mtcommission.optimal.program import Cells, Plan, Points, at_ends, may_act, 
 from mtcommission.optimal.smallest_bound import LEAST_TOLERANCE, smallest_factor
 
 Array = NDArray[np.float64]
-FEWEST_CELLS, MOST_CELLS = 100, 400
-"""At first: enough to see every feature, few enough for a fraction of a second (empirical)."""
+FEWEST_CELLS, MOST_CELLS = 100, (400, 900)
+"""At first: enough to see every feature, few enough for a fraction of a second; the more without a
+cruise, of which one knows where it begins and ends (empirical)."""
 RADIANS_PER_CELL = 0.8
 """Between the two, cells that resolve the fastest mode (empirical)."""
 GROWTH = 0.15
@@ -87,7 +89,7 @@ def exchange(
 def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell = radians / problem.vibration_rate
-    if t_f / cell < MOST_CELLS:
+    if t_f / cell < MOST_CELLS[problem.ramp == inf]:
         return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
     ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])

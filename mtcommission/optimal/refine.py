@@ -137,7 +137,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             base = best if seen.gap > SETBACK * best.gap else seen
             plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
             edges = plan.edges
-        if plan.edges.size * plan.points.limit.size > MOST_ENTRIES:
+        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
 
 
