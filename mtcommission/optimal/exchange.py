@@ -123,7 +123,7 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     0.052
     """
     t_f = 1.05 * t_free
-    found = _evenly(problem, t_f)
+    found = earlier = _evenly(problem, t_f)
     faster: Cells | None = None
     slower: Cells | None = None
     missing, spare, was_slow = 1.0, 1.0, False
@@ -133,8 +133,9 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return found
         if found.reach < 1.0:
-            if found.t_f > HORIZON * t_free or (faster is not None and _is_still(faster, found)):
+            if found.t_f > HORIZON * t_free or _is_still(earlier, found):
                 raise _out_of_reach(problem, found, t_free)
+            earlier = found if found.t_f > LONGER * earlier.t_f else earlier
             faster, missing = found, 1.0 - found.reach
             # Illinois' rule: the chord moves on from an end that stays twice.
             spare, was_slow = spare * (1.0 if was_slow else 0.5), False
@@ -159,10 +160,10 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
 
 
-def _is_still(before: Cells, found: Cells) -> bool:
+def _is_still(earlier: Cells, found: Cells) -> bool:
     """Return whether the reach does not grow any more, over times some way apart."""
-    is_long = found.t_f > LONGER * before.t_f
-    return is_long and found.reach - before.reach < STANDSTILL * found.reach
+    is_long = found.t_f > LONGER * earlier.t_f
+    return is_long and found.reach - earlier.reach < STANDSTILL * found.reach
 
 
 def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
