@@ -37,7 +37,7 @@ from mtcommission.units.quantities import (
 )
 
 if TYPE_CHECKING:  # the optima load slowly, and most commands need none
-    from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
+    from mtcommission.optimal.solution import AnyOptimum, Bound
     from mtcommission.optimal.transcription.settings import TranscriptionSettings
 
 MODAL = (MODAL_DEFLECTION, MODAL_RATE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
@@ -256,7 +256,7 @@ def _refuse_all_but_jumps(
         options.refuse("--jerk", message)
 
 
-def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimum | DampingOptimum:
+def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum:
     """Return the optimal control that was asked for.
 
     Raises
@@ -267,10 +267,9 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     from mtcommission.limits.optima import find_damping_optimum, find_time_optimum
     from mtcommission.machine.rigid_body import require_force
     from mtcommission.optimal.at_once import (
-        damping_optimum_on,
         least_limit,
         on_states,
-        time_optimum_on,
+        optimum_on,
     )
     from mtcommission.optimal.solution import Bound
 
@@ -298,7 +297,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
             bounds=bounds,
             settings=request.transcription,
         )
-        return time_optimum_on(plant, gridded)
+        return optimum_on(plant, gridded)
     least = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
     t_f = request.t_f or machine.damping_optimal.t_f or _damping_factor() * least
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
@@ -315,7 +314,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         bounds=bounds,
         settings=request.transcription,
     )
-    return damping_optimum_on(plant, on_grid)
+    return optimum_on(plant, on_grid)
 
 
 def _damping_factor() -> float:

@@ -27,6 +27,9 @@ from mtcommission.optimal.solution import (
     Bang,
     DampingOptimum,
     Interior,
+    KnownPeaks,
+    Law,
+    Optimum,
     TimeOptimum,
     constant_arc,
     propagate,
@@ -86,7 +89,7 @@ def solve_damping_optimal(
     effort, squares, peaks = _measured(plant, problem, found)
     of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
     terms = np.array([effort, *of_states])
-    return DampingOptimum(
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=(),
@@ -94,12 +97,13 @@ def solve_damping_optimal(
         t_f=t_f,
         weights=weights,
         arcs=arcs,
-        cost=float(terms.sum()),
         cost_terms=terms,
-        adjoint_initial=found.z[0, 0, plant.order : -1] * problem.adjoint_scale,
-        law_residual=found.violation,
+        certificate=Law(
+            adjoint_initial=found.z[0, 0, plant.order : -1] * problem.adjoint_scale,
+            law_residual=found.violation,
+        ),
         terminal_error=np.where(fixed, propagate(plant, arcs) - target, 0.0),
-        peaks=peaks,
+        motion=KnownPeaks(peaks=peaks),
     )
 
 

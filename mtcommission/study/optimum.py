@@ -39,8 +39,7 @@ from mtcommission.optimal.band import (
     find_robust_force,
 )
 from mtcommission.optimal.solution import (
-    DampingOptimum,
-    TimeOptimum,
+    AnyOptimum,
     sample_evenly,
     sample_trajectory,
 )
@@ -55,7 +54,7 @@ Array = NDArray[np.float64]
 ROBUST = Message("control-robust")
 """Name of the force that keeps the band on all machines of the spread."""
 
-Fed = TimeOptimum | DampingOptimum | BandForce
+Fed = AnyOptimum | BandForce
 """An optimal control that can be fed forward."""
 
 
@@ -187,7 +186,7 @@ def compare_controls(
     move: Move,
     *,
     limits: MotionLimits,
-    optima: Sequence[TimeOptimum | DampingOptimum],
+    optima: Sequence[AnyOptimum],
 ) -> tuple[ComparedControl, ...]:
     """Return rectangular (F_max/m, no jerk limit) and trapezoidal acceleration, then the optima."""
     loop, band = tuned.loops[0], machine.requirements.tcp_deviation
@@ -203,7 +202,7 @@ def compare_controls(
         rows.append(_compare(kind, plant, move, seen, found.settling_time, found.peaks))
     for solution in optima:
         kind = "constrained-on-the-plant" if solution.bounds else "time-optimal-on-the-plant"
-        if isinstance(solution, DampingOptimum):
+        if solution.kind == "damping":
             kind = "damping-optimal-on-the-plant"
         step = solution.t_f / STUDY.motion_samples
         motion = sample_trajectory(plant, solution.arcs, step=step)
@@ -291,7 +290,7 @@ def _settles(time: float) -> Message:
 def feed_forward(
     machine: Machine,
     tuned: TunedLoop,
-    solutions: Sequence[TimeOptimum | DampingOptimum | BandForce],
+    solutions: Sequence[AnyOptimum | BandForce],
 ) -> list[tuple[FedForward, ...]]:
     """Return what each fed-forward optimum does on the nominal machine and in its corners.
 

@@ -45,6 +45,8 @@ from mtcommission.optimal.solution import (
     Certificate,
     DampingOptimum,
     Interior,
+    Law,
+    Optimum,
     TimeOptimum,
     constant_arc,
 )
@@ -111,14 +113,13 @@ def transcribe_time_optimal(
     found = _shortest(problem, settings)
     arcs, motion = _followed(problem, found)
     target, fixed = terminal_target(plant, move)
-    return TimeOptimum(
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=bounds,
         method="transcription",
         t_f=found.t_f,
         arcs=arcs,
-        touch_points=(),
         terminal_error=np.where(fixed, motion.final - target, 0.0),
         motion=motion,
         certificate=_certificate(plant, found),
@@ -167,7 +168,7 @@ def transcribe_damping_optimal(
     squares = motion.squares
     of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
     terms = np.array([motion.effort, *of_states])
-    return DampingOptimum(
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=bounds,
@@ -175,12 +176,13 @@ def transcribe_damping_optimal(
         t_f=t_f,
         weights=weights,
         arcs=arcs,
-        cost=float(terms.sum()),
         cost_terms=terms,
-        adjoint_initial=found.adjoint_initial,
-        law_residual=float(np.abs(_snap(found.control) - wanted).max()),
+        certificate=Law(
+            adjoint_initial=found.adjoint_initial,
+            law_residual=float(np.abs(_snap(found.control) - wanted).max()),
+        ),
         terminal_error=np.where(fixed, motion.final - target, 0.0),
-        peaks=motion.peaks,
+        motion=motion,
     )
 
 
