@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.ranges import FILTER_TIMES, FREQUENCIES
+from mtcommission.machine.readers import propose
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
 from mtcommission.messages.message import Message
@@ -127,10 +127,8 @@ class Options:
         if not separator:
             self.refuse("--limit", Message("option-no-bound", got=repr(text)))
         elif name not in plant.signals:
-            close = get_close_matches(name, plant.signals, n=1)
-            hint = Message("hint-did-you-mean", name=close[0]) if close else None
-            message = Message("option-no-signal", got=repr(name), hint=hint, names=plant.signals)
-            self.refuse("--limit", message)
+            hint = propose(name, plant.signals)
+            self.refuse("--limit", Message("option-no-signal", got=repr(name), hint=hint))
         else:
             unit = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
             return Bound(name=name, value=self.positive(f"--limit {name}", value, unit))
