@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.ranges import FILTER_TIMES, FREQUENCIES
+from mtcommission.machine.readers import propose
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
 from mtcommission.messages.message import Message
@@ -37,7 +37,7 @@ from mtcommission.units.quantities import (
 )
 
 if TYPE_CHECKING:  # the optima load slowly, and most commands need none
-    from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
+    from mtcommission.optimal.solution import AnyOptimum, Bound
     from mtcommission.optimal.transcription.settings import TranscriptionSettings
 
 MODAL = (MODAL_DEFLECTION, MODAL_RATE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
@@ -127,10 +127,8 @@ class Options:
         if not separator:
             self.refuse("--limit", Message("option-no-bound", got=repr(text)))
         elif name not in plant.signals:
-            close = get_close_matches(name, plant.signals, n=1)
-            hint = Message("hint-did-you-mean", name=close[0]) if close else None
-            message = Message("option-no-signal", got=repr(name), hint=hint, names=plant.signals)
-            self.refuse("--limit", message)
+            hint = propose(name, plant.signals)
+            self.refuse("--limit", Message("option-no-signal", got=repr(name), hint=hint))
         else:
             unit = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
             return Bound(name=name, value=self.positive(f"--limit {name}", value, unit))
@@ -256,7 +254,7 @@ def _refuse_all_but_jumps(
         options.refuse("--jerk", message)
 
 
-def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimum | DampingOptimum:
+def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum:
     """Return the optimal control that was asked for.
 
     Raises
@@ -267,10 +265,9 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     from mtcommission.limits.optima import find_damping_optimum, find_time_optimum
     from mtcommission.machine.rigid_body import require_force
     from mtcommission.optimal.at_once import (
-        damping_optimum_on,
         least_limit,
         on_states,
-        time_optimum_on,
+        optimum_on,
     )
     from mtcommission.optimal.solution import Bound
 
@@ -298,7 +295,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
             bounds=bounds,
             settings=request.transcription,
         )
-        return time_optimum_on(plant, gridded)
+        return optimum_on(plant, gridded)
     least = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
     t_f = request.t_f or machine.damping_optimal.t_f or _damping_factor() * least
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
@@ -315,7 +312,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         bounds=bounds,
         settings=request.transcription,
     )
-    return damping_optimum_on(plant, on_grid)
+    return optimum_on(plant, on_grid)
 
 
 def _damping_factor() -> float:

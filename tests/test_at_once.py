@@ -211,7 +211,7 @@ def test_damping_optimum_is_that_of_a_grid(move: Positioning | VelocityStep) -> 
         weights=optima.damping.weights, bounds=(), settings=TranscriptionSettings(intervals=800),
     )  # fmt: skip
     assert optima.damping.cost == pytest.approx(grid.cost, rel=1e-4)
-    assert optima.damping.law_residual < 1e-9
+    assert optima.damping.certificate.law_residual < 1e-9
     assert np.abs(optima.damping.terminal_error).max() < 1e-9
     for solution in (optima.time, optima.damping):
         entry = to_plain(optimum_entry(plant, solution))

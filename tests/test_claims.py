@@ -34,8 +34,6 @@ def fed(settling: float, residual: float) -> FedForward:
         corner=NOMINAL,
         settling_time=settling,
         residual_deviation=residual,
-        peak_deviation=residual,
-        saturated_share=0.0,
     )
 
 

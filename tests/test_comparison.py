@@ -96,4 +96,3 @@ def test_fed_forward_optimum_rests_on_the_nominal_machine_only(
     assert nominal.settling_time == pytest.approx(optimum.t_f + 125e-6)
     for off in (low, high):
         assert off.residual_deviation > machine.requirements.tcp_deviation
-        assert off.saturated_share > 0.2

@@ -102,7 +102,7 @@ def test_law_16_and_adjoint_equation_hold_for_a_general_ode_solver(move: Move, t
 
     motion = sample_trajectory(plant, best.arcs, step=5e-5)
     part = motion.t < 0.02
-    start = np.concatenate([np.zeros(n), best.adjoint_initial]) / size
+    start = np.concatenate([np.zeros(n), best.certificate.adjoint_initial]) / size
     flow = solve_ivp(
         slope, (0, 0.02), start, "DOP853", motion.t[part], rtol=1e-12, atol=1e-14, max_step=1e-4
     )
@@ -123,8 +123,8 @@ def test_cost_law_and_adjoint_when_integrated_again(move: Move, t_f: float) -> N
     assert again.cost_gap < 1e-10
     assert again.law < 1e-9
     assert np.abs(again.terminal_error).max() < 1e-9
-    worst = np.abs(again.adjoint_initial - best.adjoint_initial)
-    assert np.all(worst <= 1e-9 * np.abs(best.adjoint_initial))
+    worst = np.abs(again.adjoint_initial - best.certificate.adjoint_initial)
+    assert np.all(worst <= 1e-9 * np.abs(best.certificate.adjoint_initial))
 
 
 def test_integrating_again_sees_a_control_that_is_not_optimal() -> None:
@@ -170,8 +170,12 @@ def test_adjoint_is_the_price_of_the_target() -> None:
         paper_optimum(move=VelocityStep(velocity_step=0.1 + side * change)).cost
         for side in (1.0, -1.0)
     )
-    assert (more - less) / (2 * change) == pytest.approx(-best.adjoint_initial[4], rel=1e-5)
-    assert best.adjoint_initial[1] == pytest.approx(0.0, abs=1e-9 * abs(best.adjoint_initial[4]))
+    assert (more - less) / (2 * change) == pytest.approx(
+        -best.certificate.adjoint_initial[4], rel=1e-5
+    )
+    assert best.certificate.adjoint_initial[1] == pytest.approx(
+        0.0, abs=1e-9 * abs(best.certificate.adjoint_initial[4])
+    )
 
 
 def test_no_admissible_variation_is_cheaper() -> None:
@@ -267,7 +271,7 @@ def test_just_above_the_shortest_time_is_nearly_bang_bang() -> None:
     saturated = sum(a.t_end - a.t_start for a in best.arcs if a.control != Interior())
     assert saturated > 0.9 * best.t_f
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
-    assert best.law_residual < 1e-6
+    assert best.certificate.law_residual < 1e-6
 
 
 @pytest.mark.parametrize("t_f", [0.9999 * T_F_MIN, 0.5 * T_F_MIN])
@@ -294,7 +298,7 @@ def test_random_machines_reach_the_target(seed: int) -> None:
     best = solve_damping_optimal(plant, move, force_limit=0.93 * wanted, t_f=t_f, weights=weights)
     assert any(arc.control != Interior() for arc in best.arcs)
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
-    assert best.law_residual < 1e-6
+    assert best.certificate.law_residual < 1e-6
     assert best.cost > free.cost
     again = follow(plant, best)
     assert best.cost == pytest.approx(again.cost, rel=1e-9)
@@ -343,5 +347,5 @@ def test_long_slow_move_is_as_exact_as_a_short_one() -> None:
     best = solve_damping_optimal(plant, STEP, force_limit=6.0, t_f=t_f, weights=weights)
     assert len(best.arcs) > 4000
     assert np.all(np.abs(best.terminal_error) < 1e-10 * best.peaks[: plant.order])
-    assert best.law_residual < 1e-9
+    assert best.certificate.law_residual < 1e-9
     assert best.cost == pytest.approx(best.cost_terms.sum(), rel=1e-14)

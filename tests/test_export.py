@@ -640,7 +640,7 @@ def test_doubts_of_the_run_reach_the_file(control: str, paper: Case) -> None:
 
 
 def test_unknown_control_is_refused_with_a_proposal(paper: Case) -> None:
-    with pytest.raises(InputError, match="did you mean sinumerik"):
+    with pytest.raises(InputError, match='did you mean "sinumerik"'):
         export_record(paper.record, control="sinumerick")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-from benchmarks.identify_survey import GRIDS, Axis, measure, survey
+from benchmarks.identify_survey import GRIDS, Axis, measure, random_axis, survey
 from mtcommission.errors import InputError
 from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.lines import Lines
@@ -315,3 +315,18 @@ def test_a_lag_is_told_from_a_delay_and_a_delay_alone_has_none() -> None:
         assert abs(one.delay.value - 4e-4) < 3 * one.delay.sigma
         for gain, true in zip((mode.gains[0] for mode in fit.modes), (2e-3, -1.2e-3), strict=True):
             assert abs(gain.value - true) < 3 * gain.sigma
+
+
+def test_a_mode_narrower_than_the_lines_lie_apart_is_told_without_its_damping() -> None:
+    """Left out, its band would be cut off in silence; with its interval no profile is read."""
+    rng = np.random.default_rng(41)
+    axis = random_axis(rng)
+    noise = float(np.exp(rng.uniform(np.log(0.01), np.log(0.1))))
+    shown = measure(rng, axis, GRIDS["linear"], noise=noise)
+    found = identify(Evidence(responses=(shown,), spectra=(), vibrations=(), records=())).part
+    low = found.modes[0]
+    assert abs(low.frequency_hz.value - axis.frequency_hz[0]) < 2.0 * low.frequency_hz.sigma < 1.0
+    assert low.damping_ratio.sigma > low.damping_ratio.value
+    assert found.spread.damping == pytest.approx(0.95)
+    assert [one.kind for one in found.spread.because][1] == "identify-damping-unknown"
+    assert "identify-lines-too-far-apart" in [one.kind for one in found.warnings]

@@ -18,8 +18,16 @@ from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import Finding, FrequencyResponse, Output, Sensor, Spectrum
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.files import dump_json
+from mtcommission.verify.feedforward import suggest_feedforward
+from mtcommission.verify.refine import refine
+from mtcommission.verify.report import verification_entry
+from mtcommission.verify.trace import read_trace
+from mtcommission.verify.verify import verify
 from tests import identify_files as made
+from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_identify_formats import ENCODER, GAMMA2, LINES, time_files
+from tests.test_verify import GANTRY, axis_of, limits_of, rebuilt_of, record_of
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "300"))
 LONGEST = 5.0
@@ -105,6 +113,27 @@ def test_broken_files_end_the_command_with_0_1_or_2(tmp_path: Path) -> None:
         assert code in (0, 1) or "broken.dat" in said or "--columns" in said, (seed, said)
         codes.add(code)
     assert {0, 2} <= codes
+
+
+def test_broken_traces_are_judged_or_refused_by_name(tmp_path: Path) -> None:
+    """What ``verify`` makes of them; whoever records a move sends such files, too."""
+    rebuilt, record = rebuilt_of(GANTRY), record_of(GANTRY)
+    columns = record_moves(rebuilt, limits_of(record), Spoilt(step=1e-3, noise=1e-7))
+    good = write_csv(tmp_path / "good.csv", columns).read_bytes()
+    path, judged, refused = tmp_path / "broken.csv", 0, list[InputError]()
+    for seed in range(COUNT // 10):
+        path.write_bytes(made.mutated(good, np.random.default_rng([55, seed])))
+        try:
+            found = verify(record, [read_trace(str(path), {}, axis_of(rebuilt))])
+        except InputError as error:
+            refused.append(error)
+            continue
+        judged += 1
+        dump_json(verification_entry(found, refine(found), suggest_feedforward(found), None))
+    assert all(fault.where for error in refused for fault in error.faults)
+    assert all("None" not in str(error) for error in refused)
+    assert judged
+    assert refused
 
 
 def test_reading_takes_time_and_space_in_proportion_to_the_file() -> None:

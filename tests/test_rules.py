@@ -34,6 +34,8 @@ def test_rules_on_the_papers_machine_by_hand() -> None:
         "j = 10 a": (a, 10 * a),
         "j = 100 a": (a, 100 * a),
         "j = a²/v_max": (a, a**2 / 0.1),
+        "j = a f / 2 (base, 50 Hz)": (a, a * f / 2.0),
+        "j = a f / 3 (base, 50 Hz)": (a, a * f / 3.0),
     }
     assert set(rules) == set(expected)
     for name, (acceleration, jerk) in expected.items():

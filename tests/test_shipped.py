@@ -142,7 +142,7 @@ def test_profiles_inside_the_package_are_found_first(
     (package / "profiles" / "only.toml").write_text(read_shipped(NAMES[0]).text, "utf-8")
     monkeypatch.setattr(shipped, "__file__", str(package / "profile" / "shipped.py"))
     assert shipped_names() == ("only",)
-    with pytest.raises(InputError, match="there are: only"):
+    with pytest.raises(InputError, match="there are only"):
         read_shipped("rotary-table")
 
 

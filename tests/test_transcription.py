@@ -147,8 +147,10 @@ def test_damping_optimum_agrees_with_the_exact_one(exact: DampingOptimum) -> Non
     assert found.peaks == pytest.approx(exact.peaks, rel=2e-3)
     assert found.peaks[5] == pytest.approx(exact.peaks[5], rel=1e-4)
     fixed = [0, 2, 3, 4, 5, 6]
-    assert found.adjoint_initial[fixed] == pytest.approx(exact.adjoint_initial[fixed], rel=1e-3)
-    assert found.law_residual < 1e-4
+    assert found.certificate.adjoint_initial[fixed] == pytest.approx(
+        exact.certificate.adjoint_initial[fixed], rel=1e-3
+    )
+    assert found.certificate.law_residual < 1e-4
     assert found.cost_terms == pytest.approx(exact.cost_terms, rel=1e-3)
 
 

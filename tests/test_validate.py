@@ -23,7 +23,7 @@ from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bang, constant_arc, propagate
+from mtcommission.optimal.solution import Bang, KnownPeaks, constant_arc, propagate
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
@@ -142,7 +142,7 @@ def test_a_wrong_solver_is_caught(found: Validation) -> None:
     slow = replace(cases, bounded=replace(cases.bounded, t_f=0.0522 + 1.1e-4))
     assert pick(bounded_rows(slow), "bounded-time").verdict is Verdict.OUT
     peaks = cases.damping.peaks * 1.003
-    loud = replace(cases, damping=replace(cases.damping, peaks=peaks))
+    loud = replace(cases, damping=replace(cases.damping, motion=KnownPeaks(peaks=peaks)))
     assert pick(damping_rows(loud), "peak-rate", control="damping").verdict is Verdict.OUT
     certificate = replace(cases.bounded.certificate, relative_gap=1e-6)
     unproved = replace(cases, bounded=replace(cases.bounded, certificate=certificate))

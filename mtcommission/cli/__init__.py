@@ -97,7 +97,7 @@ def main() -> NoReturn:
     choose(find_language(sys.argv[1:], os.environ))
     try:
         now()  # numpy reads a wrong SOURCE_DATE_EPOCH, too, but does not say what is wrong
-        code = app(standalone_mode=False)
+        code = app(standalone_mode=False, prog_name="mtcommission")
     except MtcommissionError as error:
         _fail(error.text(words()), error.exit_code)
     except UsageError as error:

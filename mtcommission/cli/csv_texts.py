@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
+from mtcommission.optimal.solution import AnyOptimum, sample_trajectory
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
@@ -32,7 +32,7 @@ def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
     )
 
 
-def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
+def motion_csv(plant: Plant, solution: AnyOptimum) -> str:
     """Return the motion under an optimal control as CSV: t, F_set, every state (SI)."""
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOTION_SAMPLES)
     return _csv(

@@ -64,7 +64,7 @@ class SpokenGroup(TyperGroup):
 
 
 def _lines(command: TyperCommand | TyperGroup, ctx: Any) -> Iterator[str]:
-    key = "-".join(ctx.command_path.split("mtcommission", 1)[-1].split())
+    key = "-".join(ctx.command_path.split()[1:])
     arguments = [item for item in command.params if isinstance(item, TyperArgument)]
     options = [item for item in command.params if isinstance(item, TyperOption)]
     inner = command.commands if isinstance(command, TyperGroup) else {}

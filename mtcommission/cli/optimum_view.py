@@ -10,13 +10,14 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
+    AnyOptimum,
     ArcControl,
     Bang,
     Boundary,
-    DampingOptimum,
+    Certificate,
     Interior,
+    Law,
     Ramp,
-    TimeOptimum,
     control_text,
     excess_velocity,
     join_arcs,
@@ -37,7 +38,7 @@ EXCEEDED = 1e-6
 def describe_optimum(
     machine: Machine,
     plant: Plant,
-    solution: TimeOptimum | DampingOptimum,
+    solution: AnyOptimum,
     spoken: Catalogue,
     *,
     origin: Message | None = None,
@@ -67,26 +68,28 @@ def describe_optimum(
         method=Message(f"method-{solution.method}"),
     )
     lines = [first, *_limit_lines(plant, solution, spoken)]
-    if isinstance(solution, TimeOptimum):
-        lines += _proof_lines(solution, spoken)
+    proof = solution.certificate
+    if isinstance(proof, Certificate):
+        lines += _proof_lines(solution, proof, spoken)
     else:
-        lines += _damping_lines(machine, plant, solution, origin)
-    kind = "time" if isinstance(solution, TimeOptimum) else "damping"
+        lines += _damping_lines(machine, plant, solution, proof, origin)
     return [
-        heading(spoken.text(f"terminal-{kind}-optimal")),
+        heading(spoken.text(f"terminal-{solution.kind}-optimal")),
         *map(spoken.say, lines),
         *table(heads(spoken, "arc", "from", "to", "word-f-set"), arcs),
         *table(heads(spoken, "signal-head", "peak", "terminal-error"), peaks),
     ]
 
 
-def _proof_lines(solution: TimeOptimum, spoken: Catalogue) -> list[Message]:
+def _proof_lines(solution: AnyOptimum, proof: Certificate, spoken: Catalogue) -> list[Message]:
     """Return what is proved of a control, and how."""
-    proof = solution.certificate
     least, gap = proof.t_f_lower_bound, proof.relative_gap
     proves_nothing = Message("terminal-grid-proves-nothing")
     bound = Message("terminal-lower-bound", bound=_ms(spoken, least), gap=gap)
-    lines = [proves_nothing if isnan(gap) else bound, _law_line(solution)]
+    lines = [
+        proves_nothing if isnan(gap) else bound,
+        _law_line(solution, holds=proof.switching_law_holds),
+    ]
     if gap > TIGHT_GAP:
         lines.append(Message("terminal-loose-proof", percent=100.0 * gap))
     return lines + _touch_lines(solution)
@@ -107,12 +110,11 @@ def _ms(spoken: Catalogue, seconds: float) -> str:
     return f"{spoken.format.plain(1e3 * seconds, 6, 'f')} ms"
 
 
-def _law_line(solution: TimeOptimum) -> Message:
+def _law_line(solution: AnyOptimum, *, holds: bool) -> Message:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
     if isfinite(solution.jerk_limit):
-        holds = "yes" if solution.certificate.switching_law_holds else "no"
-        return Message("terminal-jerk-law", holds=holds)
-    if solution.certificate.switching_law_holds:
+        return Message("terminal-jerk-law", holds="yes" if holds else "no")
+    if holds:
         held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
         return Message(
             "terminal-law-holds",
@@ -128,7 +130,11 @@ def _law_line(solution: TimeOptimum) -> Message:
 
 
 def _damping_lines(
-    machine: Machine, plant: Plant, solution: DampingOptimum, origin: Message | None
+    machine: Machine,
+    plant: Plant,
+    solution: AnyOptimum,
+    law: Law,
+    origin: Message | None,
 ) -> list[Message]:
     """Return cost and weights with their units and where they come from."""
     force = _squared(machine.axis_units.force.si)
@@ -142,7 +148,7 @@ def _damping_lines(
         for item in solution.weights
     )
     chosen = "stated" if machine.damping_optimal.weights else "balanced"
-    cost, residual = solution.cost, solution.law_residual
+    cost, residual = solution.cost, law.law_residual
     return [
         *([Message("terminal-origin-of-final-time", origin=origin)] if origin else []),
         *_velocity_lines(plant, solution),
@@ -151,7 +157,7 @@ def _damping_lines(
     ]
 
 
-def _velocity_lines(plant: Plant, solution: DampingOptimum) -> list[Message]:
+def _velocity_lines(plant: Plant, solution: AnyOptimum) -> list[Message]:
     """Return by how much the move's max_velocity, which the functional knows not, is exceeded."""
     excess = excess_velocity(plant, solution)
     if not excess:
@@ -164,9 +170,7 @@ def _squared(unit: str) -> str:
     return f"({unit})^2" if set(unit) & set(" /^") else f"{unit}^2"
 
 
-def _limit_lines(
-    plant: Plant, solution: TimeOptimum | DampingOptimum, spoken: Catalogue
-) -> list[Message]:
+def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[Message]:
     """Return the limits and whether they act."""
     peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
     lines = []
@@ -177,14 +181,14 @@ def _limit_lines(
             acts = Message("terminal-exceeded", percent=100.0 * share)
         value = spoken.format.quantity(bound.value, plant.unit(bound.name))
         lines.append(Message("terminal-limit", name=bound.name, value=value, acts=acts))
-    if isinstance(solution, TimeOptimum) and isfinite(solution.jerk_limit):
+    if isfinite(solution.jerk_limit):
         value = spoken.format.quantity(solution.jerk_limit, plant.jerk_unit)
         acts = Message("terminal-reached")
         lines.append(Message("terminal-limit", name="jerk", value=value, acts=acts))
     return lines
 
 
-def _touch_lines(solution: TimeOptimum) -> list[Message]:
+def _touch_lines(solution: AnyOptimum) -> list[Message]:
     """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
     lines = [

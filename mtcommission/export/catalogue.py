@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
-
 from mtcommission.control_kinds.kinds import KINDS, STATE_SPACE
 from mtcommission.errors import Fault, InputError
+from mtcommission.machine.readers import propose
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
@@ -36,7 +35,7 @@ def find_control_key(name: str) -> str:
     Raises
     ------
     InputError
-        If there is no such control; with the nearest name and the list.
+        If there is no such control; with the nearest name, or the list.
 
     Examples
     --------
@@ -46,9 +45,5 @@ def find_control_key(name: str) -> str:
     key = name.strip().lower()
     if key in CONTROL_KEYS:
         return key
-    close = get_close_matches(key, CONTROL_KEYS, n=1)
-    given, there_are = repr(name), CONTROL_KEYS
-    message = Message("export-no-control", given=given, there_are=there_are)
-    if close:
-        message = Message("export-no-control-but", given=given, meant=close[0], there_are=there_are)
+    message = Message("export-no-control", given=repr(name), hint=propose(key, CONTROL_KEYS))
     raise InputError([Fault(where="--control", message=message)])

@@ -26,6 +26,8 @@ DAMPING_FLOOR = 0.15
 """Least spread of damping where several states were measured (empirical)."""
 DAMPING_FLOOR_OF_ONE = 0.3
 """Least spread of damping where one state was measured: that of a profile that states none."""
+MOST_DAMPING = 0.95
+"""Largest spread of damping: of a mode of which the lines show nothing but the frequency."""
 APART = 3.0
 """Difference of two states in its standard errors from which each is judged by itself."""
 STEP = 0.005
@@ -150,6 +152,10 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
                 (by_sigma, Message(f"identify-{kind}-sigma", mode=mode.name, spread=by_sigma)),
             ):
                 worst = (spread, message) if spread > worst[0] else worst
+        if kind == "damping" and worst[0] > MOST_DAMPING:
+            mode_of = worst[1].values["mode"]
+            unknown = Message("identify-damping-unknown", mode=mode_of, spread=MOST_DAMPING)
+            worst = MOST_DAMPING, unknown
         spreads[kind] = STEP * ceil(worst[0] / STEP - 1e-9)
         because.append(worst[1])
     return SpreadEntry(**spreads, because=because)

@@ -95,12 +95,14 @@ def explore(
     near: MotionLimits | None = None,
     beside: Sequence[SetpointFilter | None] = (),
     refined: int = REFINED,
+    latest: float = inf,
 ) -> tuple[Found, ...]:
     """Return limits with the shortest motion that keep all bounds, behind each filter, best first.
 
     Of those equally soon the one with the least jerk. ``near``: what is known of a loop much like
     this one; then only its neighbourhood is looked at, and ``beside`` its filter others.
-    ``refined``: how many places are; 0 for a first look. Empty where nothing keeps the bounds.
+    ``refined``: how many places are; 0 for a first look. ``latest``: duration beyond which nothing
+    is looked at [s]. Empty where nothing keeps the bounds.
     """
     machine, control = bench.machine, bench.machine.control
     ladder = largest_acceleration(machine) * np.geomspace(LEAST_SHARE, 1.0, LADDER)
@@ -119,7 +121,7 @@ def explore(
         if is_free:
             times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
             jerk_times = list(dict.fromkeys(times))
-    begins = explorer.first_look([(item, t) for item in items for t in jerk_times])
+    begins = explorer.first_look([(item, t) for item in items for t in jerk_times], latest)
     # One after the other: what was refined before decides what is worth it.
     looks = (explorer.look_at([p], latest=WORTHWHILE * explorer.soonest()) for p in begins)
     for begin in islice((found for found in looks if found is not None), refined):
@@ -160,10 +162,10 @@ class _Explorer:
             best.append(min(near, key=lambda item: item.acceleration / item.jerk_time))
         return tuple(sorted(best, key=lambda item: item.duration))
 
-    def first_look(self, places: list[Place]) -> list[Place]:
+    def first_look(self, places: list[Place], latest: float) -> list[Place]:
         """Find the best of some places; the most promising with each filter, the best first."""
-        hopes = self._hopes(places, inf)
-        self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, inf)
+        hopes = self._hopes(places, latest)
+        self._settle_first(hopes[:ROUGH] if self.is_rough else hopes, latest)
         first: dict[SetpointFilter | None, Place] = {}
         for place in sorted(hopes, key=self._promise):
             first.setdefault(place[0], place)

@@ -12,10 +12,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.at_once import (
-    damping_optimum_on,
     least_limit,
     on_states,
-    time_optimum_on,
+    optimum_on,
 )
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
@@ -106,7 +105,7 @@ def find_time_optimum(
     else:
         found = solve_time_optimal(moved, move, force_limit=limit)
     others = tuple(bound for bound in bounds if bound not in kept)
-    return time_optimum_on(plant, replace(found, bounds=(*found.bounds, *others)))
+    return optimum_on(plant, replace(found, bounds=(*found.bounds, *others)))
 
 
 def find_damping_optimum(
@@ -130,7 +129,7 @@ def find_damping_optimum(
         reference = solve_time_optimal(moved, move, force_limit=force)
         weights = balanced_weights(moved, reference)
     found = solve_damping_optimal(moved, move, force_limit=force, t_f=t_f, weights=weights)
-    return damping_optimum_on(plant, found)
+    return optimum_on(plant, found)
 
 
 def condense_optima(

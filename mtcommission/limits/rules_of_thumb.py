@@ -15,6 +15,9 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
+SLOWER_RAMPS = (2, 3)
+"""Periods of the dominant mode that a ramp may take besides one."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleOfThumb:
@@ -28,7 +31,8 @@ class RuleOfThumb:
 def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return the rules of thumb applied to the nominal machine.
 
-    Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
+    Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f, and for
+    j = a f / k, the later zeros of the vibration.
     """
     a = machine.drive.motion_force / moving_mass(machine)
     mode = dominant_mode(plant)
@@ -45,23 +49,7 @@ def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, .
     if isfinite(velocity):
         limits = MotionLimits(acceleration=a, jerk=a**2 / velocity)
         rules.append(_rule("velocity", "heidenhain", limits))
-    return tuple(rules)
-
-
-SLOWER_RAMPS = (2, 3)
-"""Periods of the dominant mode that a ramp may take besides one."""
-
-
-def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
-    """Return j = a f / k, the later zeros of the vibration, applied to the nominal machine.
-
-    With a = F_max/m, one for each of ``SLOWER_RAMPS``.
-
-    Source: Biagiotti & Melchiorri 2008, as j = a f.
-    """
-    a = machine.drive.motion_force / moving_mass(machine)
-    mode = dominant_mode(plant)
-    return tuple(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS)
+    return (*rules, *(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS))
 
 
 def _rule(name: str, source: str, limits: MotionLimits) -> RuleOfThumb:

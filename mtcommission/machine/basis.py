@@ -132,7 +132,8 @@ def name_control(kind: str, words: Catalogue) -> str:
 def say_loop(place: str, position_cycle: float, velocity_cycle: float, words: Catalogue) -> str:
     """Return where the position loop closes, "" for nowhere, and the cycles [s]."""
     return words.text(
-        f"position-loop-{place}" if place else "no-position-loop",
+        "position-loop-at",
+        place=place or "none",
         position_cycle=words.format.quantity(position_cycle, "s"),
         velocity_cycle=words.format.quantity(velocity_cycle, "s"),
     )

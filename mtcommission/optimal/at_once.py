@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.optimal.solution import Arc, Bound, DampingOptimum, MotionPeaks, TimeOptimum
+from mtcommission.optimal.solution import Arc, Bound, MotionPeaks, Optimum, Proof
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -36,8 +36,8 @@ class PeaksWithForce:
         return np.insert(self.motion.peaks, self.force, _largest(self.arcs))
 
 
-def time_optimum_on(plant: Plant, found: TimeOptimum) -> TimeOptimum:
-    """Return a time-optimal control in the states of the plant."""
+def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
+    """Return an optimal control in the states of the plant."""
     if not plant.follows:
         return found
     proof = found.certificate
@@ -46,18 +46,6 @@ def time_optimum_on(plant: Plant, found: TimeOptimum) -> TimeOptimum:
         terminal_error=np.append(found.terminal_error, 0.0),
         motion=PeaksWithForce(motion=found.motion, arcs=found.arcs, force=plant.force),
         certificate=replace(proof, adjoint_initial=np.append(proof.adjoint_initial, np.nan)),
-    )
-
-
-def damping_optimum_on(plant: Plant, found: DampingOptimum) -> DampingOptimum:
-    """Return a damping-optimal control in the states of the plant."""
-    if not plant.follows:
-        return found
-    return replace(
-        found,
-        terminal_error=np.append(found.terminal_error, 0.0),
-        peaks=np.insert(found.peaks, plant.force, _largest(found.arcs)),
-        adjoint_initial=np.append(found.adjoint_initial, np.nan),
     )
 
 

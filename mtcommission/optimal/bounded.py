@@ -52,6 +52,7 @@ from mtcommission.optimal.smallest_bound import smallest_factor_by
 from mtcommission.optimal.solution import (
     Bound,
     Certificate,
+    Optimum,
     TimeOptimum,
     TouchPoint,
 )
@@ -257,7 +258,7 @@ def _as_optimum(
         )
         for at in found.touches
     ]
-    return TimeOptimum(
+    return Optimum(
         move=move,
         force_limit=problem.force_limit,
         bounds=bounds,

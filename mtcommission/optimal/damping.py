@@ -14,6 +14,7 @@ from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
+from mtcommission.optimal.piecewise import follow_piecewise
 from mtcommission.optimal.saturated import (
     Iterate,
     SaturatedProblem,
@@ -26,10 +27,12 @@ from mtcommission.optimal.solution import (
     Bang,
     DampingOptimum,
     Interior,
+    KnownPeaks,
+    Law,
+    Optimum,
     TimeOptimum,
     constant_arc,
     propagate,
-    sample_trajectory,
 )
 from mtcommission.plant.plant import Plant
 
@@ -38,8 +41,6 @@ Array = NDArray[np.float64]
 FINER, BLOCK = 8, 256
 """Parts of a cell for quadrature and peaks: nine-point Newton-Cotes and cubic interpolation then
 err by less than 1e-14 and 3e-9 of the fastest amplitude; pieces at a time, some ten megabytes."""
-SAMPLING_ANGLE = 0.02
-"""Sampling step times the fastest natural frequency [-]: the quadrature then errs by 1e-8."""
 MOST_RADIANS = 1e4
 """Of the fastest mode over the motion: a hundred thousand samples (empirical)."""
 
@@ -88,7 +89,7 @@ def solve_damping_optimal(
     effort, squares, peaks = _measured(plant, problem, found)
     of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
     terms = np.array([effort, *of_states])
-    return DampingOptimum(
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=(),
@@ -96,12 +97,13 @@ def solve_damping_optimal(
         t_f=t_f,
         weights=weights,
         arcs=arcs,
-        cost=float(terms.sum()),
         cost_terms=terms,
-        adjoint_initial=found.z[0, 0, plant.order : -1] * problem.adjoint_scale,
-        law_residual=found.violation,
+        certificate=Law(
+            adjoint_initial=found.z[0, 0, plant.order : -1] * problem.adjoint_scale,
+            law_residual=found.violation,
+        ),
         terminal_error=np.where(fixed, propagate(plant, arcs) - target, 0.0),
-        peaks=peaks,
+        motion=KnownPeaks(peaks=peaks),
     )
 
 
@@ -187,14 +189,7 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     if radians > MOST_RADIANS:
         detail = Message("optimum-too-long", t_f=reference.t_f, radians=radians, most=MOST_RADIANS)
         raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
-    motion = sample_trajectory(plant, reference.arcs, step=SAMPLING_ANGLE / fastest)
-    h = np.diff(motion.t)[:, None]
-    x = motion.states
-    square, free, pushed = x**2, x @ plant.A.T, np.outer(motion.force[:-1], plant.B)
-    # Where F_set acts at once, rates jump at a switch: each cell has slopes of its own.
-    start, end = 2.0 * x[:-1] * (free[:-1] + pushed), 2.0 * x[1:] * (free[1:] + pushed)
-    corrected = h / 2 * (square[:-1] + square[1:]) + h**2 / 12 * (start - end)
-    integrals = corrected.sum(axis=0)
-    effort = float((h[:, 0] * motion.force[:-1] ** 2).sum())
+    motion = follow_piecewise(plant, reference.arcs, longest=reference.t_f)
+    effort, squares = motion.effort, motion.squares
     places = [mode.deflection for mode in plant.modes] + [mode.rate for mode in plant.modes]
-    return tuple(Weight(state=plant.states[i], value=effort / float(integrals[i])) for i in places)
+    return tuple(Weight(state=plant.states[i], value=effort / float(squares[i])) for i in places)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,9 @@ from mtcommission.optimal.program import Cells, Plan, Points, at_ends, may_act, 
 from mtcommission.optimal.smallest_bound import LEAST_TOLERANCE, smallest_factor
 
 Array = NDArray[np.float64]
-FEWEST_CELLS, MOST_CELLS = 100, 400
-"""At first: enough to see every feature, few enough for a fraction of a second (empirical)."""
+FEWEST_CELLS, MOST_CELLS = 100, (400, 900)
+"""At first: enough to see every feature, few enough for a fraction of a second; the more without a
+cruise, of which one knows where it begins and ends (empirical)."""
 RADIANS_PER_CELL = 0.8
 """Between the two, cells that resolve the fastest mode (empirical)."""
 GROWTH = 0.15
@@ -87,7 +89,7 @@ def exchange(
 def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell = radians / problem.vibration_rate
-    if t_f / cell < MOST_CELLS:
+    if t_f / cell < MOST_CELLS[problem.ramp == inf]:
         return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
     ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])
@@ -121,7 +123,7 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     0.052
     """
     t_f = 1.05 * t_free
-    found = _evenly(problem, t_f)
+    found = earlier = _evenly(problem, t_f)
     faster: Cells | None = None
     slower: Cells | None = None
     missing, spare, was_slow = 1.0, 1.0, False
@@ -131,8 +133,9 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return found
         if found.reach < 1.0:
-            if found.t_f > HORIZON * t_free or (faster is not None and _is_still(faster, found)):
+            if found.t_f > HORIZON * t_free or _is_still(earlier, found):
                 raise _out_of_reach(problem, found, t_free)
+            earlier = found if found.t_f > LONGER * earlier.t_f else earlier
             faster, missing = found, 1.0 - found.reach
             # Illinois' rule: the chord moves on from an end that stays twice.
             spare, was_slow = spare * (1.0 if was_slow else 0.5), False
@@ -157,10 +160,10 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
 
 
-def _is_still(before: Cells, found: Cells) -> bool:
+def _is_still(earlier: Cells, found: Cells) -> bool:
     """Return whether the reach does not grow any more, over times some way apart."""
-    is_long = found.t_f > LONGER * before.t_f
-    return is_long and found.reach - before.reach < STANDSTILL * found.reach
+    is_long = found.t_f > LONGER * earlier.t_f
+    return is_long and found.reach - earlier.reach < STANDSTILL * found.reach
 
 
 def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:

@@ -137,7 +137,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             base = best if seen.gap > SETBACK * best.gap else seen
             plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
             edges = plan.edges
-        if plan.edges.size * plan.points.limit.size > MOST_ENTRIES:
+        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
 
 
@@ -329,10 +329,17 @@ def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:
     What exceeds a bound is paid for by reach to spare: all forces are divided by the reach.
     """
     plan, start, slope = cells.plan, None, cells.slope
+    before: Cells | None = None
+    slower: Cells | None = None
     for attempt in range(FINISHES):
         found = solve_cells(problem, plan, start=start, relaxed=False)
         if found is None:
-            return
+            break
+        # Other points change the reach as well, yet what the first cells say of it may be nothing.
+        if before is not None and found.t_f != before.t_f:
+            secant = (found.reach - before.reach) / (found.t_f - before.t_f)
+            slope = secant if secant > 0.0 else slope
+        before = found
         peaks = find_peaks(problem, found)
         over = excess(problem, found, peaks)
         worst = max(float(over.max(initial=0.0)), 0.0)
@@ -340,11 +347,15 @@ def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:
         most = wanted + 10.0 * SPARE + worst * (1.0 if attempt < FINISHES // 2 else 10.0)
         if wanted - 0.5 * SPARE <= found.reach <= most:
             yield found
+        elif found.reach > most and (slower is None or found.t_f < slower.t_f):
+            slower = found
         bad = over > (POINT_EXCESS if attempt < FINISHES // 2 else inf)
         more = found.plan.points.joined(peaks.remaining[bad], peaks.limit[bad])
         share = later(replace(found, slope=slope), wanted=wanted + SPARE + 0.5 * worst)
         share = 1.0 if bad.any() and abs(found.reach - 1.0) < worst else share
         plan, start = replace(found.plan, points=more).scaled(share), found.basis
+    if slower is not None:
+        yield slower
 
 
 def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:

@@ -11,10 +11,10 @@ interior arcs of the linear-quadratic problem (Hamiltonian system) alike.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby
-from math import inf
-from typing import Protocol
+from math import inf, nan
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -289,20 +289,51 @@ class MotionPeaks(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TimeOptimum:
-    """A time-optimal control, free or under bounds."""
+class Law:
+    """What proves a damping-optimal control: the problem is convex, so the law is enough."""
+
+    adjoint_initial: Array  # λ(0), shape (n,)
+    law_residual: float  # Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownPeaks:
+    """Peaks that were found with the control."""
+
+    peaks: Array
+
+
+Proof = TypeVar("Proof", Certificate, Law)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Optimum(Generic[Proof]):
+    """An optimal control: of least time, free or under bounds, or of least cost, eq. (5)."""
 
     move: Move  # Velocity step or positioning move
     force_limit: float  # Force left for motion [N]
-    bounds: tuple[Bound, ...]  # Bounds on states and outputs; empty for the free optimum
+    bounds: tuple[Bound, ...]  # On states and outputs; under cost only a transcription takes them
     method: str  # ``"exact"`` or ``"transcription"``
     t_f: float  # Final time [s]
     arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
-    touch_points: tuple[TouchPoint, ...]  # Where a bound is touched without a boundary arc
+    touch_points: tuple[TouchPoint, ...] = ()  # Where a bound is touched without a boundary arc
     terminal_error: Array  # State at t_f minus target, shape (n,); 0 for a free state
     motion: MotionPeaks  # Tells the peaks of all signals
-    certificate: Certificate  # The proof
+    certificate: Proof  # The proof
     jerk_limit: float = inf  # Of a motor that follows [m/s³]; inf: the acceleration may jump
+    weights: tuple[Weight, ...] = ()  # c_i of the cost by state
+    # Parts of the cost: first of F_set², then one for each weight [N² s]; none of a least time.
+    cost_terms: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def kind(self) -> str:
+        """What is least: ``"time"`` or ``"damping"``."""
+        return "time" if isinstance(self.certificate, Certificate) else "damping"
+
+    @property
+    def cost(self) -> float:
+        """Value of the functional [N² s]; nan of a least time."""
+        return float(self.cost_terms.sum()) if self.cost_terms.size else nan
 
     @property
     def peaks(self) -> Array:
@@ -318,23 +349,9 @@ class TimeOptimum:
         return tuple(arc.t_end for arc in self.arcs[:-1])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DampingOptimum:
-    """A damping-optimal control: the saturated linear-quadratic problem, eq. (5)."""
-
-    move: Move  # Velocity step or positioning move
-    force_limit: float  # Force left for motion [N]
-    bounds: tuple[Bound, ...]  # Bounds on states and outputs, which only a transcription takes
-    method: str  # ``"exact"`` or ``"transcription"``
-    t_f: float  # Final time [s]
-    weights: tuple[Weight, ...]  # c_i by state
-    arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
-    cost: float  # Value of the functional [N² s]
-    cost_terms: Array  # Its parts: first F_set², then one for each weight [N² s]
-    adjoint_initial: Array  # λ(0), shape (n,)
-    law_residual: float  # Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
-    terminal_error: Array  # As in ``TimeOptimum``
-    peaks: Array  # Largest magnitude of each of ``Plant.signals`` on [0, t_f]
+TimeOptimum = Optimum[Certificate]
+DampingOptimum = Optimum[Law]
+AnyOptimum = TimeOptimum | DampingOptimum
 
 
 def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: float) -> Array:
@@ -359,7 +376,7 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
     return _with_force(plant, states, force)
 
 
-def excess_velocity(plant: Plant, damping: DampingOptimum) -> float:
+def excess_velocity(plant: Plant, damping: AnyOptimum) -> float:
     """Return the share by which a control exceeds its move's max_velocity, 0 where it does not."""
     move = damping.move
     if not isinstance(move, Positioning):

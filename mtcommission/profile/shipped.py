@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from textwrap import wrap
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.readers import propose
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, read_profile_text
@@ -40,9 +40,7 @@ def read_shipped(name: str) -> ShippedProfile:
     """Return a shipped profile, with or without ``.toml``; raise InputError if there is none."""
     known, wanted = shipped_names(), name.strip().removesuffix(".toml")
     if wanted not in known:
-        close = get_close_matches(wanted, known, n=1)
-        hint = Message("hint-did-you-mean", name=close[0]) if close else None
-        message = Message("profile-unknown", got=repr(name), hint=hint, names=", ".join(known))
+        message = Message("profile-unknown", got=repr(name), hint=propose(wanted, known))
         raise InputError([Fault(where="profiles", message=message)])
     text = read_profile_text(_folder() / f"{wanted}.toml")
     return ShippedProfile(

@@ -7,8 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
 
 from mtcommission.optimal.solution import (
-    DampingOptimum,
-    TimeOptimum,
+    AnyOptimum,
     control_text,
     join_arcs,
     sample_trajectory,
@@ -196,24 +195,19 @@ def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
     )
 
 
-def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> OptimumEntry:
+def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
     """Return an optimal control of a plant as ``optimal --json`` prints it."""
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / PLOT_SAMPLES)
     limits = {bound.name: bound.value for bound in solution.bounds}
-    certificate: ProofEntry | LawEntry
-    if isinstance(solution, TimeOptimum):
-        if isfinite(solution.jerk_limit):
-            limits["jerk"] = solution.jerk_limit
-        proof = solution.certificate
-        adjoint = _known(plant, proof.adjoint_initial)
-        certificate = entry_of(ProofEntry, proof, adjoint_initial=adjoint)
-        own: dict[str, object] = {"kind": "time", "cost": None, "cost_terms": {}, "weights": {}}
-    else:
-        weights = {item.state: item.value for item in solution.weights}
-        terms = by_name(("F_set", *weights), solution.cost_terms)
-        adjoint = _known(plant, solution.adjoint_initial)
-        certificate = entry_of(LawEntry, solution, adjoint_initial=adjoint)
-        own = {"kind": "damping", "touch_points": [], "cost_terms": terms, "weights": weights}
+    if isfinite(solution.jerk_limit):
+        limits["jerk"] = solution.jerk_limit
+    weights = {item.state: item.value for item in solution.weights}
+    proof, is_timed = solution.certificate, solution.kind == "time"
+    certificate = entry_of(
+        ProofEntry if is_timed else LawEntry,
+        proof,
+        adjoint_initial=_known(plant, proof.adjoint_initial),
+    )
     return entry_of(
         OptimumEntry,
         solution,
@@ -222,7 +216,8 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         terminal_error=by_name(plant.states, solution.terminal_error),
         certificate=certificate,
         series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
-        **own,
+        weights=weights,
+        cost_terms={} if is_timed else by_name(("F_set", *weights), solution.cost_terms),
     )
 
 

@@ -235,12 +235,13 @@ def load_record(path: Path) -> Record:
         raise fault(path, Message(kind, given=given, read=SCHEMA), "schema")
     record, wrong = _read(data)
     if data["checksum"] != find_checksum(data):
-        raise fault(path, _named("record-edited", wrong), "checksum")
+        edited = Message("record-edited-where", wrong=_join(wrong)) if wrong else None
+        raise fault(path, edited or Message("record-edited"), "checksum")
     if record is None:
-        raise fault(path, _named("record-of-other-version", wrong))
+        raise fault(path, Message("record-of-other-version", wrong=_join(wrong)))
     broken = list(islice(find_broken_rules(record), MOST_NAMED + 1))
     if broken:
-        raise fault(path, _named("record-disagrees", broken))
+        raise fault(path, Message("record-disagrees", wrong=_join(broken)))
     return record
 
 
@@ -264,12 +265,9 @@ def _read(data: object) -> tuple[Record | None, list[Message]]:
         return None, list(islice(find_faults(error), MOST_NAMED + 1))
 
 
-def _named(kind: str, wrong: list[Message]) -> Message:
-    """A message that tells the first wrong places, and whether there are more."""
-    if not wrong:
-        return Message(kind)
+def _join(wrong: list[Message]) -> Message:
+    """The first wrong places, and whether there are more."""
     shown: Iterable[Message] = wrong[:MOST_NAMED]
     if len(wrong) > MOST_NAMED:
         shown = [*shown, Message("record-has-more-wrong")]
-    told = reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
-    return Message(f"{kind}-where", wrong=told)
+    return reduce(lambda first, then: Message("record-both", first=first, then=then), shown)

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from mtcommission.export.write import Export
 
 HOW = tuple(f"measure-how-{i}" for i in range(1, 6))
-HOW_FOLLOWED = ("measure-how-held", "measure-how-4")
+HOW_FOLLOWED = HOW[0], HOW[3]
 """How each thing is measured; where the motor follows there is no loop, and no force known."""
 
 

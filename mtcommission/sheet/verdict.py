@@ -254,7 +254,8 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
     lines = [words.say(line) for line in hung]
     others = [line for line in record.warnings if line not in hung]
     if others:
-        lines.append(words.text("further-warnings" if hung else "warning-count", count=len(others)))
+        further = "yes" if hung else "no"
+        lines.append(words.text("warning-count", count=len(others), others=further))
     return tuple(Paragraph(text=line, tone=Tone.WARNING) for line in lines)
 
 
@@ -385,18 +386,17 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     gap = getattr(best.certificate, "relative_gap", None)
     if isinstance(bound, float) and isinstance(gap, float) and gap > ENCLOSED:
         optimal = text("reference-enclosed", optimum=optimal, bound=f.quantity(bound, "s"))
-    if settling is None:
-        return " ".join([text("reference-unsettled", move=title, optimum=optimal), *aside])
-    share = settling / best.t_f - 1.0
+    share = 0.0 if settling is None else settling / best.t_f - 1.0
+    compared = "unsettled" if settling is None else "sooner" if share < 0.0 else "later"
     sentence = text(
-        "reference" if share >= 0.0 else "reference-faster",
+        "reference",
         move=title,
         optimum=optimal,
+        compared=compared,
         settling=f.quantity(settling, "s"),
-        more=f.percent(share),
-        less=f.percent(-share),
+        share=f.percent(abs(share)),
     )
-    if bounded:
+    if bounded and settling is not None:
         change = f.signed_percent(settling / bounded.t_f - 1.0)
         held = text("reference-bounded", optimum=f.quantity(bounded.t_f, "s"), change=change)
         aside.append(held)

@@ -222,8 +222,17 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
             if known is None:
                 found.append(_explore(machine, item))
             else:
-                beside = _best_filters(known)[1:]
-                found.append(_explore(machine, item, near=known.limits, beside=beside, refined=0))
+                least = min(other.expected_time for other in found)
+                latest = STUDY.too_late * least - item.tuned.controller.reference_delay
+                row = Row(
+                    machine=machine,
+                    tuned=item.tuned,
+                    near=known.limits,
+                    beside=_best_filters(known)[1:],
+                    refined=0,
+                    latest=latest,
+                )
+                found.append(replace(item, found=look(row)))
 
     look_at(proposals.loops)
     for best in sorted(found, key=lambda one: one.price)[: STUDY.centres]:
@@ -244,12 +253,11 @@ def _explore(
     item: LoopTrial,
     *,
     near: MotionLimits | None = None,
-    beside: Sequence[SetpointFilter | None] = (),
     refined: int = REFINED,
 ) -> LoopTrial:
     """A loop with the best limits, sought everywhere or near those of a loop much like it."""
-    row = Row(machine=machine, tuned=item.tuned, near=near, beside=beside, refined=refined)
-    return replace(item, found=look(row), is_explored=bool(refined))
+    row = Row(machine=machine, tuned=item.tuned, near=near, refined=refined)
+    return replace(item, found=look(row), is_explored=True)
 
 
 def _judge(machine: Machine, item: LoopTrial, *, near: MotionLimits | None = None) -> LoopTrial:
@@ -304,7 +312,8 @@ def show_alternatives(machine: Machine, choice: LoopChoice, settings: TuningSett
     if machine.drive.follows:
         return choice
     machine = with_filters(machine, choice.tuned)
-    near = [_judge(machine, each, near=each.limits) for each in choice.others]
+    others = [one if one.is_explored else _explore(machine, one) for one in choice.others]
+    near = [_judge(machine, each, near=each.limits) for each in others]
     choice = replace(choice, trials=_in_order((*choice.trials, *near)), others=())
     if not machine.control.seeks_force_filters:
         choice = _suggest_filters(machine, choice, settings)

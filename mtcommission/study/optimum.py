@@ -39,8 +39,7 @@ from mtcommission.optimal.band import (
     find_robust_force,
 )
 from mtcommission.optimal.solution import (
-    DampingOptimum,
-    TimeOptimum,
+    AnyOptimum,
     sample_evenly,
     sample_trajectory,
 )
@@ -55,11 +54,8 @@ Array = NDArray[np.float64]
 ROBUST = Message("control-robust")
 """Name of the force that keeps the band on all machines of the spread."""
 
-Fed = TimeOptimum | DampingOptimum | BandForce
+Fed = AnyOptimum | BandForce
 """An optimal control that can be fed forward."""
-
-ROUNDING = 1e-6
-"""By how much the mean of a bang-bang force may exceed its limit without being saturation."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,8 +135,6 @@ class FedForward:
     corner: Corner  # the machine
     settling_time: float  # with the tool outside the band about the delayed motion wanted [s]
     residual_deviation: float  # of the tool from that, after its end [m]
-    peak_deviation: float  # and ever [m]
-    saturated_share: float  # of the move during which the correction found no force left [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,7 +186,7 @@ def compare_controls(
     move: Move,
     *,
     limits: MotionLimits,
-    optima: Sequence[TimeOptimum | DampingOptimum],
+    optima: Sequence[AnyOptimum],
 ) -> tuple[ComparedControl, ...]:
     """Return rectangular (F_max/m, no jerk limit) and trapezoidal acceleration, then the optima."""
     loop, band = tuned.loops[0], machine.requirements.tcp_deviation
@@ -208,7 +202,7 @@ def compare_controls(
         rows.append(_compare(kind, plant, move, seen, found.settling_time, found.peaks))
     for solution in optima:
         kind = "constrained-on-the-plant" if solution.bounds else "time-optimal-on-the-plant"
-        if isinstance(solution, DampingOptimum):
+        if solution.kind == "damping":
             kind = "damping-optimal-on-the-plant"
         step = solution.t_f / STUDY.motion_samples
         motion = sample_trajectory(plant, solution.arcs, step=step)
@@ -296,7 +290,7 @@ def _settles(time: float) -> Message:
 def feed_forward(
     machine: Machine,
     tuned: TunedLoop,
-    solutions: Sequence[TimeOptimum | DampingOptimum | BandForce],
+    solutions: Sequence[AnyOptimum | BandForce],
 ) -> list[tuple[FedForward, ...]]:
     """Return what each fed-forward optimum does on the nominal machine and in its corners.
 
@@ -317,11 +311,10 @@ def feed_forward(
         # The motor does what the optimum asks for, one cycle late like every force fed forward.
         moved = [[sample(each, one) @ one.row("tcp") for one in plants] for each in solutions]
         tool = np.pad(np.moveaxis(np.array(moved), -1, 0)[:-2], ((1, 0), (0, 0), (0, 0)))
-        saturated = np.zeros(tool.shape, dtype=np.bool_)
     else:
         whole = replace(tuned.controller, velocity_feedforward=1.0)
         loops = [build_loop(one, whole, model=plant) for one in plants]
-        tool, saturated = _advance(loops, wanted, limit=machine.drive.motion_force)
+        tool = _advance(loops, wanted, limit=machine.drive.motion_force)
     found = []
     for k, (solution, count) in enumerate(zip(solutions, counts, strict=True)):
         states = wanted[k, : count + 2]
@@ -341,8 +334,6 @@ def feed_forward(
                     corner=corner,
                     settling_time=inf if last[i] == t[-1] else max(end, float(last[i])),
                     residual_deviation=float(np.max(deviation[t >= end, i])),
-                    peak_deviation=float(np.max(deviation[:, i])),
-                    saturated_share=float(np.mean(saturated[: count + 1, k, i][t <= solution.t_f])),
                 )
                 for i, corner in enumerate(places)
             )
@@ -360,20 +351,14 @@ def follow_setpoint(
         loops = [build_loop(one, tuned.controller, model=model) for one in plants]
         band = machine.requirements.tcp_deviation
         responses = tuple(simulate_corners(loops, setpoint, drive=machine.drive, band=band))
-    limit = machine.drive.motion_force * (1.0 - ROUNDING)
-    found = []
-    for corner, response in zip(places, responses, strict=True):
-        at_limit = response.saturated & (np.abs(response.force) >= limit)
-        found.append(
-            FedForward(
-                corner=corner,
-                settling_time=response.settling_time,
-                residual_deviation=response.residual_deviation,
-                peak_deviation=response.peak_deviation,
-                saturated_share=float(np.mean(at_limit[response.t <= setpoint.duration])),
-            )
+    return tuple(
+        FedForward(
+            corner=corner,
+            settling_time=response.settling_time,
+            residual_deviation=response.residual_deviation,
         )
-    return tuple(found)
+        for corner, response in zip(places, responses, strict=True)
+    )
 
 
 def _places(machine: Machine) -> tuple[Corner, ...]:
@@ -385,10 +370,8 @@ def _places(machine: Machine) -> tuple[Corner, ...]:
     return corners(replace(machine, requirements=needs))
 
 
-def _advance(
-    loops: Sequence[SampledLoop], wanted: Array, *, limit: float
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Tool position and saturation at every velocity cycle, shapes (n_samples, n_motions, n_loops).
+def _advance(loops: Sequence[SampledLoop], wanted: Array, *, limit: float) -> Array:
+    """Position of the tool at every velocity cycle, shape (n_samples, n_motions, n_loops) [m].
 
     ``wanted``: states of some motions, shape (n_motions, n_samples + 1, n). The force acts one
     velocity cycle late, so the controllers compare with the motion wanted one cycle ago, its
@@ -418,9 +401,8 @@ def _advance(
         if np.abs(found[..., -together:]).max() > limit:
             found = _step_on(loops, states, given, limit=limit)
         states = found[..., :size]
-        parts.append(found[..., size:].reshape(*found.shape[:2], 2, together))
-    tool, demand = np.moveaxis(np.concatenate(parts, axis=-1), (2, 3), (0, 1))[:, : fed.shape[1]]
-    return tool, np.abs(demand) > limit * (1.0 + ROUNDING)
+        parts.append(found[..., size:-together])
+    return np.moveaxis(np.concatenate(parts, axis=-1), -1, 0)[: fed.shape[1]]
 
 
 def _step_on(loops: Sequence[SampledLoop], states: Array, fed: Array, *, limit: float) -> Array:

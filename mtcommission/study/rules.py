@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from mtcommission.errors import ComputationError
 from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Candidate, describe_place
-from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import Today
@@ -43,7 +43,6 @@ SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
 
 def evaluate_rules(machine: Machine, tuned: TunedLoop, rule: RuleResult) -> tuple[Candidate, ...]:
     """Return what the commissioning rule, then the rules of makers and textbooks do."""
-    plant = build_plant(machine)
     own = Row(
         label=Message("commissioning-rule-with", chosen=rule.best.name),
         source=Message("source-commissioning-rule"),
@@ -51,7 +50,7 @@ def evaluate_rules(machine: Machine, tuned: TunedLoop, rule: RuleResult) -> tupl
         tuned=tuned,
         limits=rule.limits,
     )
-    known = (*apply_rules_of_thumb(machine, plant), *apply_slower_ramps(machine, plant))
+    known = apply_rules_of_thumb(machine, build_plant(machine))
     judged: dict[MotionLimits, Candidate] = {}  # some rules give the same limits
     for item in known:
         if item.limits not in judged:

@@ -34,6 +34,7 @@ class Row:
     beside: Sequence[SetpointFilter | None] = ()  # other filters that may be better,
     found: tuple[Found, ...] = ()  # or what was found already
     refined: int = REFINED  # places that are looked at more closely; 0 for a first look
+    latest: float = inf  # duration beyond which nothing is looked at [s]
     largest_jerk: float = inf  # [m/s³]
 
 
@@ -60,6 +61,7 @@ def look(row: Row) -> tuple[Found, ...]:
         near=row.near,
         beside=row.beside,
         refined=row.refined,
+        latest=row.latest,
     )
 
 

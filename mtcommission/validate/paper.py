@@ -19,7 +19,7 @@ from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
+from mtcommission.optimal.solution import AnyOptimum, Bound, DampingOptimum, TimeOptimum
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 
@@ -112,7 +112,7 @@ class Cases:
     bounded: TimeOptimum
     damping: DampingOptimum
 
-    def peak(self, solution: TimeOptimum | DampingOptimum, name: str) -> float:
+    def peak(self, solution: AnyOptimum, name: str) -> float:
         """Return the largest magnitude of a state under one of the controls."""
         return float(solution.peaks[self.plant.signals.index(name)])
 

@@ -112,13 +112,17 @@ def _clocks(stamps: Sequence[bool]) -> list[_Clock]:
 def _first_row(lines: Sequence[str], separator: str, steps: int, width: int) -> int:
     for place in range(steps + 1, len(lines)):
         cells = lines[place].split(separator)
-        if len(cells) == width and _is_number(cells[0]) and _is_number(cells[1]):
+        if len(cells) == width and np.isfinite([_number(cell) for cell in cells[:2]]).all():
             return place
     return -1
 
 
-def _is_number(cell: str) -> bool:
-    return re.fullmatch(r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?", cell.strip()) is not None
+def _number(cell: str) -> float:
+    """The number in a cell; nan where there is none."""
+    try:
+        return float(cell.replace(",", "."))
+    except ValueError:
+        return np.nan
 
 
 def _cells(
@@ -143,15 +147,12 @@ def _values(
     *,
     where: str,
 ) -> Array:
-    try:
-        values = np.asarray([float(cell.replace(",", ".")) for cell in cells])
-    except ValueError:
-        values = np.full(len(cells), np.nan)
+    values = np.asarray([_number(cell) for cell in cells])
     if not np.isfinite(values).all():
-        for cell, line in zip(cells, lines.tolist(), strict=True):
-            if not _is_number(cell):
-                kind = "identify-no-number"
-                raise refuse(where, kind, line=line, column=place + 1, got=cell[:40])
+        row = int(np.argmin(np.isfinite(values)))
+        kind = "identify-no-number" if np.isnan(values[row]) else "identify-not-finite"
+        line, got = int(lines[row]), cells[row][:40]
+        raise refuse(where, kind, line=line, column=place + 1, got=got)
     return values
 
 

@@ -39,7 +39,7 @@ from mtcommission.optimal.free.start import (
     start_force,
 )
 from mtcommission.optimal.free.switching import ROUNDOFF, Control, prove_time
-from mtcommission.optimal.solution import Arc, Bang, Certificate, TimeOptimum
+from mtcommission.optimal.solution import Arc, Bang, Certificate, Optimum, TimeOptimum
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -240,7 +240,7 @@ def _published(
         error[plant.position] = 0.0
     else:
         error[plant.position] -= move.distance
-    optimum = TimeOptimum(
+    optimum = Optimum(
         move=move,
         force_limit=force_limit,
         bounds=(),

@@ -22,6 +22,7 @@ t_f is where that multiple is 1, which Newton's method finds.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf, isfinite, nan, sqrt
 from typing import Any
 
@@ -34,14 +35,21 @@ from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
+from mtcommission.optimal.piecewise import PiecewiseMotion, follow_piecewise
 from mtcommission.optimal.saturated import state_scales, terminal_target
 from mtcommission.optimal.solution import (
+    Arc,
+    ArcControl,
+    Bang,
     Bound,
     Certificate,
     DampingOptimum,
+    Interior,
+    Law,
+    Optimum,
     TimeOptimum,
+    constant_arc,
 )
-from mtcommission.optimal.transcription.grid_motion import follow_grid, grid_arcs
 from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.plant.plant import Plant
 
@@ -103,18 +111,16 @@ def transcribe_time_optimal(
         plant, move, force_limit, bounds, t_f=_guess_time(plant, move, force_limit=force_limit)
     )
     found = _shortest(problem, settings)
-    control = _snap(found.control) * force_limit
-    motion = follow_grid(plant, control, t_f=found.t_f)
+    arcs, motion = _followed(problem, found)
     target, fixed = terminal_target(plant, move)
-    return TimeOptimum(
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=bounds,
         method="transcription",
         t_f=found.t_f,
-        arcs=grid_arcs(control, t_f=found.t_f, force_limit=force_limit),
-        touch_points=(),
-        terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
+        arcs=arcs,
+        terminal_error=np.where(fixed, motion.final - target, 0.0),
         motion=motion,
         certificate=_certificate(plant, found),
     )
@@ -156,26 +162,27 @@ def transcribe_damping_optimal(
             raise
         reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
         raise reason or error from error
-    control = _snap(found.control) * force_limit
-    motion = follow_grid(plant, control, t_f=t_f)
+    arcs, motion = _followed(problem, found)
     target, fixed = terminal_target(plant, move)
-    wanted = -found.adjoint @ plant.B / 2.0
-    law = np.abs(control - np.clip(wanted, -force_limit, force_limit)) / force_limit
-    terms = motion.cost_terms(weights)
-    return DampingOptimum(
+    wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
+    squares = motion.squares
+    of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
+    terms = np.array([motion.effort, *of_states])
+    return Optimum(
         move=move,
         force_limit=force_limit,
         bounds=bounds,
         method="transcription",
         t_f=t_f,
         weights=weights,
-        arcs=grid_arcs(control, t_f=t_f, force_limit=force_limit),
-        cost=float(terms.sum()),
+        arcs=arcs,
         cost_terms=terms,
-        adjoint_initial=found.adjoint_initial,
-        law_residual=float(law.max()),
-        terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
-        peaks=motion.peaks,
+        certificate=Law(
+            adjoint_initial=found.adjoint_initial,
+            law_residual=float(np.abs(_snap(found.control) - wanted).max()),
+        ),
+        terminal_error=np.where(fixed, motion.final - target, 0.0),
+        motion=motion,
     )
 
 
@@ -414,6 +421,22 @@ def _check(problem: _Problem, settings: TranscriptionSettings, stats: dict[str, 
 def _snap(control: Array) -> Array:
     """Return the control with its nearly saturated intervals at the limit exactly."""
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
+
+
+def _followed(problem: _Problem, found: _Solution) -> tuple[tuple[Arc, ...], PiecewiseMotion]:
+    """Return the arcs, neighbours of the same full force as one, and their exact motion."""
+    control, N = _snap(found.control), found.control.size
+    edges = np.linspace(0.0, found.t_f, N + 1)
+    joined = (np.abs(control[1:]) == 1.0) & (control[1:] == control[:-1])
+    starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), N]
+    arcs = []
+    for start, end in pairwise(starts):
+        force = float(control[start])
+        kind: ArcControl = Bang(1 if force > 0.0 else -1) if abs(force) == 1.0 else Interior()
+        span = float(edges[start]), float(edges[end])
+        arcs.append(constant_arc(*span, control=kind, force=force * problem.force_limit))
+    motion = follow_piecewise(problem.plant, tuple(arcs), longest=found.t_f / N)
+    return tuple(arcs), motion
 
 
 def _certificate(plant: Plant, found: _Solution) -> Certificate:

@@ -17,7 +17,7 @@ option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht d
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
 option-no-bound = { $got } angegeben, muss NAME=WERT sein
-option-no-signal = kein Zustand oder Ausgang { $got }{ $hint }; es gibt: { $names }
+option-no-signal = kein Zustand oder Ausgang { $got }{ $hint }
 option-no-language = "{ $got }" angegeben, muss eine davon sein: { $allowed }
 
 file-folder-not-writable = dort kann nicht geschrieben werden ({ $reason }); mit -o einen anderen Ordner angeben

@@ -3,8 +3,7 @@
 export-profile-edited = das Profil in dieser Ergebnisdatei wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
 export-other-loop = der Regelkreis in dieser Ergebnisdatei ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
 export-too-small = die Beschleunigung { SI($acceleration, "ACCELERATION", digits: 3) } ist kleiner als eine Einheit dieser Steuerung; --control generic verwenden
-export-no-control = keine Steuerung { $given }. Es gibt: { $there_are }
-export-no-control-but = keine Steuerung { $given }; ist { $meant } gemeint? Es gibt: { $there_are }
+export-no-control = keine Steuerung { $given }{ $hint }
 export-other-letter = { $control } nennt seine Achsen { $letters }; diese Ergebnisdatei gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
 export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rundachse; --control generic verwenden
 

@@ -49,6 +49,7 @@ identify-frequency-range = { $mode } liegt in { $states } Zuständen zwischen { 
 identify-damping-range = { $mode } hat in { $states } Zuständen { NUMBER($low, digits: 3) } bis { NUMBER($high, digits: 3) }
 identify-frequency-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
 identify-damping-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
+identify-damping-unknown = die Messung zeigt die Dämpfung von { $mode } kaum: { SHARE($spread) } ist angenommen, das Größte, was ein Profil fasst; länger aufzeichnen
 
 # Zweifel und Ratschläge
 identify-mode-not-everywhere = { $mode } ist in { $states } nicht zu sehen.

@@ -22,7 +22,6 @@ grid-program-unfinished = das lineare Programm mit { PLAIN($cells, digits: 9) } 
 free-motion-rings-on = die freie Bewegung nach dem Ende klingt zu langsam ab, um sie ganz zu verfolgen
 band-program-gave-up = das lineare Programm des Optimums mit dem Band kam zu keinem Ende
 band-exchange-goes-on = weitere Spitzen der freien Bewegung verlassen das Band, so viele auch gehalten werden
-band-exceeds-velocity = zwischen den überwachten Punkten erreicht die Geschwindigkeit das { PLAIN($times, digits: 6) }-fache von max_velocity
 
 damping-not-solved = dämpfungsoptimale Steuerung für t_f = { PLAIN($t_f, digits: 6) } s und { PLAIN($force, digits: 6) } { $unit }: nur bis zu einer Grenze von { PLAIN($solved, digits: 6) } { $unit } gelöst
 

@@ -14,7 +14,7 @@ file-binary = ist eine Binär- oder UTF-16-Datei; das Profil als UTF-8-Text spei
 file-is-json = ist JSON wie die Ergebnisdatei eines Laufs; das Maschinenprofil (.toml) angeben, oder sie an sheet oder export
 file-not-utf8 = Byte { $byte } ist kein UTF-8; das Profil als UTF-8-Text speichern
 file-empty = ist leer; von einem mitgelieferten Profil ausgehen (mtcommission profiles list)
-profile-unknown = kein mitgeliefertes Profil { $got }{ $hint }; es gibt: { $names }
+profile-unknown = kein mitgeliefertes Profil { $got }{ $hint }
 
 toml-nested-deeply = ist zu tief verschachtelt; ein Profil braucht höchstens drei Ebenen
 toml-refused = TOML-Syntax: { $reason }; diese oder die Zeile davor berichtigen: Texte und Werte mit Einheit stehen in Anführungszeichen, Zahlen haben einen Punkt, und jeder Schlüssel steht nur einmal
@@ -68,7 +68,7 @@ control-without-delay = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $contr
 control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
 control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
 # $has: vorhandene Arten und das Wort für keines
-control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter: { $has } schreiben
+control-without-filter = { $got } angegeben; kind = "{ $control }" hat keinen solchen Sollwertfilter: { $has } schreiben
 control-filter-time = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
 control-filter-frequency = { PLAIN($got, digits: 6) } Hz angegeben; kind = "{ $control }" nimmt für einen Shaper { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } Hz
 control-filter-damping = { PLAIN($got, digits: 6) } angegeben; kind = "{ $control }" nimmt für diesen Shaper einen Dämpfungsgrad von { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) }

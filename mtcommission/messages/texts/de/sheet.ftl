@@ -96,9 +96,12 @@ reserve-kept = { $axis ->
     [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Drehmoments
    *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der { word-force }
 }
-position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
-position-loop-interpolated = Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
-position-loop-drive = Lageregler im Antrieb (DSC), { $velocity_cycle }; Sollwert { $position_cycle }
+position-loop-at = { $place ->
+    [none] gesteuerte Achse ohne Lageregler; simuliert alle { $position_cycle }
+    [control] Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
+    [interpolated] Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
+   *[drive] Lageregler im Antrieb (DSC), { $velocity_cycle }; Sollwert { $position_cycle }
+}
 judged-in-motion = Fährt das Werkzeug eine Bahn ab, zählt: { $requirements }; muss es am Ende stillstehen: die Restabweichung.
 # $feed: up to which velocity it counts, or none
 judged-to-feed = { $requirement }{ $feed ->
@@ -113,16 +116,20 @@ encoder-steps = { $axis ->
 share-used = Genutzt
 yes-without-reserve = ja, Reserve verbraucht
 met-without-reserve = erfüllt, Reserve verbraucht
-reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
-reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.
-reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
+reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $compared ->
+    [unsettled] nicht eingeschwungen
+    [sooner] { $settling }, { $share } weniger, da am Band und nicht an exakter Ruhe gemessen
+   *[later] { $settling } ({ $share } mehr)
+}.
 band-optimum = Mit dem Band von ± { $band } statt exakter Ruhe: { $optimum } (empfohlen: { $change }; bewiesen: nichts unter { $bound }).
 robust-force = Ein { word-force-before }verlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-enclosed = { $optimum } (bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
-warning-count = Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
-further-warnings = Weitere Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
+warning-count = { $others ->
+    [yes] Weitere Warnungen
+   *[no] Warnungen
+}: { $count }, siehe Anhang, Nachweise und Annahmen.
 check = Anforderung
 found = Ist
 permitted = Zulässig
@@ -451,8 +458,10 @@ profile-caption = Profil { $name }, wie gelesen
 
 measure-heading = Messungen an der Maschine
 measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
-measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
-measure-how-held = Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
+measure-how-1 = { $axis ->
+    [open-loop] Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
+   *[other] Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
+}
 measure-how-2 = { $axis ->
     [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
    *[linear] Bewegte Masse: Motor{ word-force-behind } durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
@@ -543,4 +552,3 @@ improvements-note = Alles gerechnet: { $loop ->
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement-saved = Gespart
 improvement-share = Zeitänderung
-no-position-loop = gesteuerte Achse ohne Lageregler; simuliert alle { $position_cycle }

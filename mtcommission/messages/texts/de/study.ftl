@@ -26,8 +26,8 @@ loop-in-use = der verwendete Regelkreis
 time-value = { TIME($time) }
 state-feedback-chosen = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Zustandsrückführung: beste Einschwingzeit { $with_it } mit ihr, { $without } ohne sie: sie wird weggelassen.
-state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit am Werkzeug um { CHANGE($change) }.
-state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit am Werkzeug: { CHANGE($change) }).
+state-feedback-stiffness = Mit Zustandsrückführung ändert sich die dynamische Steifigkeit im ungünstigsten Eckfall um { CHANGE($change) }.
+state-feedback-would = Eine Zustandsrückführung (kind = "state-space" mit state_feedback = "auto"; keine andere Steuerung hat sie), die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (dynamische Steifigkeit im ungünstigsten Eckfall: { CHANGE($change) }).
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel und keiner langsamer gegen { $axis ->
     [rotary] ein bleibendes Drehmoment
    *[other] eine bleibende { word-force }

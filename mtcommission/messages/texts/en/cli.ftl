@@ -20,7 +20,7 @@ option-jerk-all-but-jumps = with { PLAIN($jerk, digits: 6) } { $unit } the accel
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
 option-step-or-distance = cannot go with --velocity-step; give one of them
 option-no-bound = got { $got }, must be NAME=VALUE
-option-no-signal = no state or output { $got }{ $hint }; there are: { $names }
+option-no-signal = no state or output { $got }{ $hint }
 option-no-language = got "{ $got }", must be one of: { $allowed }
 
 file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o

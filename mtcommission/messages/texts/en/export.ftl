@@ -5,8 +5,7 @@
 export-profile-edited = the profile in this record was edited: it does not have the hash of the run; run the changed profile instead
 export-other-loop = the loop in this record is not the one that its profile and gains give; run the profile again with this version
 export-too-small = the acceleration of { SI($acceleration, "ACCELERATION", digits: 3) } is less than one unit of this control; use --control generic
-export-no-control = no control { $given }. There are: { $there_are }
-export-no-control-but = no control { $given }; did you mean { $meant }? There are: { $there_are }
+export-no-control = no control { $given }{ $hint }
 export-other-letter = { $control } names its axes { $letters }; this record is of axis "{ $axis_name }": begin machine.axis with one of these letters, or use --control generic
 export-linear-only = { $control } limits linear axes only, this one is rotary; use --control generic
 

@@ -49,6 +49,7 @@ identify-frequency-range = { $mode } lies between { FREQUENCY($low) } and { FREQ
 identify-damping-range = { $mode } has { NUMBER($low, digits: 3) } to { NUMBER($high, digits: 3) } in { $states } states
 identify-frequency-sigma = twice the standard error of { $mode } is { SHARE($spread) }
 identify-damping-sigma = twice the standard error of { $mode } is { SHARE($spread) }
+identify-damping-unknown = the measurement hardly shows the damping of { $mode }: { SHARE($spread) } is assumed, the most that a profile takes; record longer
 
 # Doubts and advice
 identify-mode-not-everywhere = { $mode } does not show in { $states }.

@@ -22,7 +22,6 @@ grid-program-unfinished = the linear program of { PLAIN($cells, digits: 9) } cel
 free-motion-rings-on = the free motion after the end takes too long to decay to be watched
 band-program-gave-up = the linear program of the optimum with the band did not end
 band-exchange-goes-on = further peaks of the free motion leave the band however many are held
-band-exceeds-velocity = between the points at which it is watched the velocity reaches { PLAIN($times, digits: 6) } times max_velocity
 
 damping-not-solved = damping-optimal control for t_f = { PLAIN($t_f, digits: 6) } s and { PLAIN($force, digits: 6) } { $unit }: solved down to a limit of { PLAIN($solved, digits: 6) } { $unit } only
 

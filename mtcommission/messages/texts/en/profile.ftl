@@ -18,7 +18,7 @@ file-binary = is a binary or UTF-16 file; save the profile as UTF-8 text
 file-is-json = is JSON, as the record of a run is; give the machine profile (.toml), or the record to sheet or export
 file-not-utf8 = byte { $byte } is not UTF-8; save the profile as UTF-8 text
 file-empty = is empty; start from a shipped profile (mtcommission profiles list)
-profile-unknown = no shipped profile { $got }{ $hint }; there are: { $names }
+profile-unknown = no shipped profile { $got }{ $hint }
 
 # TOML.
 toml-nested-deeply = is nested too deeply; a profile needs no more than three levels

@@ -93,9 +93,12 @@ spread-none = judged as stated, no spread
 all-kept-between = all kept from { $low } to { $high }
 not-kept-nominally = requirements not kept even as stated
 reserve-kept = recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the { word-force }
-position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
-position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
-position-loop-drive = position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
+position-loop-at = { $place ->
+    [none] open-loop axis, no position loop; simulated every { $position_cycle }
+    [control] position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
+    [interpolated] position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
+   *[drive] position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
+}
 judged-in-motion = A tool working along a path is judged by the { $requirements }, one that must be still at the end by the residual deviation.
 # $feed: up to which velocity it counts, or none
 judged-to-feed = { $requirement }{ $feed ->
@@ -107,16 +110,20 @@ encoder-steps = steps of { $resolution } move the tool by up to ± { $tool } and
 share-used = Used
 yes-without-reserve = yes, reserve used
 met-without-reserve = met, reserve used up
-reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
-reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
-reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling }, { $less } less, since it is judged by the band and not by exact rest.
+reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $compared ->
+    [unsettled] not settled
+    [sooner] { $settling }, { $share } less, since it is judged by the band and not by exact rest
+   *[later] { $settling } ({ $share } more)
+}.
 band-optimum = With the band of ± { $band } instead of exact rest: { $optimum } (recommended: { $change }; proved: nothing below { $bound }).
 robust-force = { word-a-force-first } profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-enclosed = { $optimum } (proved: not below { $bound })
 checks-caption = Requirements
-warning-count = Warnings: { $count }, see the appendix, certificates and assumptions.
-further-warnings = Further warnings: { $count }, see the appendix, certificates and assumptions.
+warning-count = { $others ->
+    [yes] Further warnings
+   *[no] Warnings
+}: { $count }, see the appendix, certificates and assumptions.
 check = Requirement
 found = Found
 permitted = Permitted
@@ -421,8 +428,10 @@ profile-caption = Profile { $name } as read
 
 measure-heading = Measurements to make on the machine
 measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
-measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
-measure-how-held = Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
+measure-how-1 = { $axis ->
+    [open-loop] Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
+   *[other] Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
+}
 measure-how-2 = Moving { word-mass }: motor { word-force } over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
 measure-how-3 = Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set { word-force }.
 measure-how-4 = { $axis ->
@@ -482,4 +491,3 @@ improvements-note = Each computed: { $loop ->
 improvements-none = Less or nothing is gained by: { $changes }.
 improvement-saved = Saved
 improvement-share = Change of time
-no-position-loop = open-loop axis, no position loop; simulated every { $position_cycle }

@@ -28,8 +28,8 @@ loop-in-use = the loop that is used
 time-value = { TIME($time) }
 state-feedback-chosen = State feedback: best settling time { $with_it } with it, { $without } without it: it is used.
 state-feedback-left-out = State feedback: best settling time { $with_it } with it, { $without } without it: it is left out.
-state-feedback-stiffness = With state feedback the dynamic stiffness at the tool changes by { CHANGE($change) }.
-state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (dynamic stiffness at the tool: { CHANGE($change) }).
+state-feedback-stiffness = With state feedback the dynamic stiffness in the worst corner changes by { CHANGE($change) }.
+state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (dynamic stiffness in the worst corner: { CHANGE($change) }).
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
 loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting { word-force }, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 # Filters of the set force that nobody asked for; $filters: the two messages that follow
