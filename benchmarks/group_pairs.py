@@ -22,6 +22,7 @@ from mtcommission.errors import ComputationError
 from mtcommission.group.contours import draw_circle, follow_contours
 from mtcommission.group.group import Group, join
 from mtcommission.group.task import Task
+from mtcommission.group.verdict import judge_group
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.profile.read import ProfileSource, parse_profile
@@ -137,8 +138,9 @@ def main() -> None:
         except ComputationError as error:
             print(f"{seed}: {error.outcome.name}", flush=True)
             continue
-        if group.acceleration == 0.0:
-            print(f"{seed}: no path acceleration keeps the tolerance", flush=True)
+        contour = judge_group(group, follow_contours(group))[:2]
+        if not all(check.is_met for check in contour):
+            print(f"{seed}: no promise", flush=True)
             continue
         against = refuted(group, seed)
         judged, broken = judged + 1, broken + bool(against)

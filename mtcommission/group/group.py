@@ -388,12 +388,17 @@ def _kept_on_lines(
     acceleration: float,
     jerk: float,
 ) -> tuple[float, float]:
-    """Path limits with which lines keep the tolerance, too: both lowered by the same factor."""
-    for _ in range(ROUNDS if allowed else 0):
-        off = line_deviation(
-            *plane.behind(item), feed=task.feed, acceleration=acceleration, jerk=jerk
-        )
+    """Path limits with which lines keep the tolerance, too: both lowered by the same factor.
+
+    What unequal delays do at the feed no limit changes: where that is too much they stay.
+    """
+    first, second = plane.behind(item)
+    apart = float(np.abs(first.lag[:, None] - second.lag).max())
+    coasting = 0.5 * task.feed * apart
+    for _ in range(ROUNDS if coasting < allowed else 0):
+        off = line_deviation(first, second, feed=task.feed, acceleration=acceleration, jerk=jerk)
         if off <= allowed:
             break
-        acceleration, jerk = (0.98 * allowed / off * limit for limit in (acceleration, jerk))
+        share = 0.98 * (allowed - coasting) / (off - coasting)
+        acceleration, jerk = share * acceleration, share * jerk
     return acceleration, jerk
