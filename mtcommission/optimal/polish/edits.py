@@ -34,9 +34,9 @@ EDITS = 12
 """Changes of a sequence in one go."""
 CLOSED_GAP = 1e-9
 """Gap below which the simpler one of two sequences is the better one."""
-VANISHED, SLIVER, SPLINTER = 1e-8, 1e-6, 2e-4
+VANISHED, SLIVER = 1e-8, 1e-6
 """Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
-without it; of what cells show, where it may be their ripple."""
+without it."""
 WRONG = 1e-6
 """Share of the largest density of an arc from which one of the wrong sign counts."""
 DIP = 0.5
