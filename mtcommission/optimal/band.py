@@ -140,7 +140,7 @@ def find_robust_force(
             problem, plan, start = asked(), cells.plan, cells.basis
         elif rounds < ROUNDS:
             plan, rounds = (
-                finer(problem, observe(problem, cells), early=False, room=1.0),
+                finer(problem, observe(problem, cells), room=1.0),
                 rounds + 1,
             )
         else:

@@ -23,9 +23,7 @@ from mtcommission.optimal.exchange import (
     first_cells,
 )
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.polish.edits import SPLINTER, holds_high_order, pruned, solve_exactly
-from mtcommission.optimal.polish.newton import Extremal
-from mtcommission.optimal.polish.sequence import Sequence
+from mtcommission.optimal.polish.edits import holds_high_order, solve_exactly
 from mtcommission.optimal.polish.structure import (
     detect_sequence,
 )
@@ -213,7 +211,7 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
         guess = detect_sequence(problem, seen.structure, seen.parts, seen.zeros, seen.mesh)
         # Newton's method on a long sequence that is not yet right costs more than a finer program.
         if seen.gap > 0.5 * gap or len(guess.pieces) <= LONG or seen.gap < CERTAIN:
-            found = _exact(problem, seen, guess)
+            found = solve_exactly(problem, guess)
             if found is not None:
                 return found
         may_be_exact = seen.gap < gap and not holds_high_order(problem, guess)
@@ -232,16 +230,6 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     force = problem.force_limit
     detail = Message("bounded-optimum-not-found", bounds=told, force=force, unit=unit)
     raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-
-
-def _exact(problem: BoundedProblem, seen: Seen, guess: Sequence) -> Found | None:
-    """Return the extremal that the multipliers show, or the same without ripples."""
-    found = solve_exactly(problem, guess)
-    if found is None:
-        shown = Extremal(sequence=guess, measure=seen.cells.measure, residual=inf)
-        plainer = pruned(problem, shown, least=SPLINTER)
-        found = None if plainer is None else solve_exactly(problem, plainer)
-    return found
 
 
 def _as_optimum(

@@ -109,11 +109,6 @@ class BoundedProblem:
     rate: float  # Fastest rate of the plant [1/s]
 
     @property
-    def has_high_order(self) -> bool:
-        """Whether a bound has an order above 2, for which no finite sequence of arcs need exist."""
-        return bool(np.any(self.orders > 2))
-
-    @property
     def vibration_rate(self) -> float:
         """Natural frequency of the fastest mode, or the fastest rate without modes [1/s]."""
         return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)

@@ -58,9 +58,6 @@ BESIDE = 1.0 / 8.0
 """Distance from a zero of further edges, in its cell: it moves when the program is solved again."""
 NEARBY = 3.0
 """Cells about an acting point in which new edges become points, too."""
-DEEP, EARLY, FAIR = 6.0, 4, 5e-3
-"""Cells from its ends within which an arc of order 2 is divided in the first rounds, from a gap on
-at which the arc itself is certain."""
 MARGINS, SHORT = (3.0, 15.0), 0.7
 """Cells between an interior and the ends of its arc, for orders 1 and 2 and for higher ones, and
 the share of its arc that they may take."""
@@ -135,7 +132,7 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
             if worse == PATIENCE:
                 return
             base = best if seen.gap > SETBACK * best.gap else seen
-            plan = finer(problem, base, early=i < EARLY and base.gap < FAIR, room=room)
+            plan = finer(problem, base, room=room)
             edges = plan.edges
         if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
@@ -223,7 +220,7 @@ def _rightly_held(
     return found
 
 
-def finer(problem: BoundedProblem, seen: Seen, *, early: bool, room: float) -> Plan:
+def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
     """Return the next program: cells divided where σ changes sign.
 
     The force may then switch there. About ends of arcs and touch points cells are halved.
@@ -231,13 +228,9 @@ def finer(problem: BoundedProblem, seen: Seen, *, early: bool, room: float) -> P
     edges, zeros = seen.mesh, seen.zeros
     arcs, widths = seen.structure.arcs, np.diff(edges)
     around = widths[np.clip(np.searchsorted(edges, zeros), 1, widths.size) - 1]
-    on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden.copy()
+    on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden
     for arc in arcs:
-        depth = np.minimum(zeros - arc.end, arc.start - zeros)
-        on_arc |= depth >= 0.0
-        if early and problem.limits[arc.limit].order == 2:
-            # Newton's method knows the inside of the arc; what it must be told are its ends.
-            hidden[depth > DEEP * around] = 0.0
+        on_arc |= (arc.end <= zeros) & (zeros <= arc.start)
     large = hidden > max(LEAST_HIDDEN, LARGE_SHARE * float(hidden.max(initial=0.0)))
     moving = zeros[large & ~on_arc], BESIDE * around[large & ~on_arc]
     points = seen.cells.acting

@@ -180,7 +180,8 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     for one in looked[: STUDY.finalists]:
         least = min((item.price for item in finalists), default=inf)
         is_done = one.is_explored or one.price > STUDY.too_dear * least
-        finalists.append(one if is_done else _explore(machine, one))
+        refined = REFINED if least == inf else STUDY.beside_best
+        finalists.append(one if is_done else _explore(machine, one, refined=refined))
     finalists.sort(key=lambda one: one.price)
     best: LoopTrial | None = None
     for item in finalists:

@@ -48,6 +48,7 @@ class StudySettings:
     centres: int = 2  # loops about which others are looked at
     beside: int = 4  # kinds of setpoint filters of a first look, the best of another loop first
     finalists: int = 3  # loops whose limits are sought more closely,
+    beside_best: int = 2  # about so many places behind the first of them,
     too_late: float = 1.1  # a first look goes no further than this share of the least time,
     too_dear: float = 1.03  # unless their price at a first look is beyond that of the least one
     push_time: float = 0.3  # of the response to a step of force [s]

@@ -34,9 +34,9 @@ EDITS = 12
 """Changes of a sequence in one go."""
 CLOSED_GAP = 1e-9
 """Gap below which the simpler one of two sequences is the better one."""
-VANISHED, SLIVER, SPLINTER = 1e-8, 1e-6, 2e-4
+VANISHED, SLIVER = 1e-8, 1e-6
 """Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
-without it; of what cells show, where it may be their ripple."""
+without it."""
 WRONG = 1e-6
 """Share of the largest density of an arc from which one of the wrong sign counts."""
 DIP = 0.5
@@ -54,7 +54,7 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     best: Found | None = None
     # Arcs that a guess drives over each other, as where a force turns before it is on its bound.
-    shared = _joined([piece for piece in _shared(list(guess.pieces)) if piece.duration != 0.0])
+    shared = _joined([piece for piece in _shared(guess.pieces) if piece.duration != 0.0])
     following: Sequence | None = replace(guess, pieces=tuple(shared))
     for _ in range(EDITS):
         if following is None or not _may_be_solved(problem, following):
@@ -91,7 +91,7 @@ def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
 def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
     """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
     sequence = extremal.sequence
-    shared = _shared(_reunited(sequence.pieces))
+    shared = _shared(sequence.pieces)
     pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
     points = touch_points(sequence)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
@@ -108,29 +108,11 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
 
 
-def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
-    """Return the pieces with two arcs as one, where nothing is left between them.
-
-    Of two arcs that Newton's method drives over each other the second has a negative duration:
-    together they are as long as from the entry of the first to the exit of the second.
-    """
-    left: list[Piece] = []
-    for piece in pieces:
-        apart = left[-1].duration if left else 1.0
-        if len(left) > 1 and apart <= 0.0 and _kind(left[-2]) == _kind(piece):
-            whole = left[-2].duration + apart + piece.duration
-            if min(left[-2].duration, piece.duration) < 0.0 < whole:
-                left[-2:] = [replace(piece, duration=whole)]
-                continue
-        left.append(piece)
-    return left
-
-
 def _kind(piece: Piece) -> tuple[int, int]:
     return piece.limit, piece.side
 
 
-def _shared(pieces: list[Piece]) -> list[Piece]:
+def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
     """Return the pieces with half of each negative duration taken from the pieces beside it."""
     spans = [piece.duration for piece in pieces]
     for i in range(1, len(spans) - 1):
