@@ -80,6 +80,7 @@ group-row-acceleration-without-place = Bahnbeschleunigung { SI($acceleration, "A
 group-row-jerk-without-place = Bahnruck { SI($jerk, "JERK") }
 group-row-step-without-place = ein Wert für Ecken (die Tabelle der Geschwindigkeit über dem Winkel steht im Protokoll)
 group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
+group-export-other-corner = KEIN WERT FÜR ECKEN: der im Protokoll gehört zu dessen Steuerung; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren oder die Profile für diese Steuerung rechnen.
 group-export-no-rounding = KEIN WERT FÜR ECKEN: innerhalb der Toleranz ist kein Verrunden schneller als sofortiges Abbiegen; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren.
 
 # Aufgezeichnete Kreise. $name, $first, $second, $later, $sooner: Achsen; $number: des Kreises

@@ -80,6 +80,7 @@ group-row-acceleration-without-place = path acceleration { SI($acceleration, "AC
 group-row-jerk-without-place = path jerk { SI($jerk, "JERK") }
 group-row-step-without-place = a value for corners (the table of speeds over the angle is in the record)
 group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
+group-export-other-corner = NO VALUE FOR CORNERS: that of the record belongs to its own control; pass them at the speeds over the angle of the record, or compute the profiles for this control.
 group-export-no-rounding = NO VALUE FOR CORNERS: within the tolerance no rounding is faster than turning at once; pass them at the speeds over the angle of the record.
 
 # Recorded circles. $name, $first, $second, $later, $sooner: axes; $number: of the circle
