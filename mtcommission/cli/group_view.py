@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
 from mtcommission.cli.verified_view import STYLES
 from mtcommission.group.record import AngleEntry, GroupRecord
-from mtcommission.group.verified import rows_of, say_found, say_headline
+from mtcommission.group.verified import say_found
 from mtcommission.group.verify import CircleVerification
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.tables import SETTLING, say_filter, show
+from mtcommission.verify.report import check_row, say_reasons
 
 
 def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
@@ -52,15 +53,18 @@ def describe_circles(found: CircleVerification, spoken: Catalogue) -> list[Line]
     record, say = found.record, spoken.text
     names = ", ".join(axis.name for axis in record.axes)
     heads_ = [say(f"verify-head-{name}") for name in ("what", "predicted", "measured")]
+    rows = []
+    for check in found.checks:
+        what, predicted, _, measured, verdict = check_row(check, spoken)
+        rows.append((what, predicted, measured, verdict))
     return [
         heading(say("group-axes", name=record.axes[0].machine.name, axes=names)),
-        (spoken.say(say_headline(found)), f"bold {STYLES[found.verdict]}"),
+        (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
         *warn(spoken, found.warnings),
         "",
-        *table(
-            [*heads_, ""], rows_of(found, spoken), [STYLES[one.verdict] for one in found.checks]
-        ),
+        *table([*heads_, ""], rows, [STYLES[one.verdict] for one in found.checks]),
         "",
+        *say_reasons(found.checks, spoken),
         *map(spoken.say, say_found(found)),
     ]
 

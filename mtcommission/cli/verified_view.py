@@ -31,7 +31,7 @@ def describe_verification(
     """
     spoken = words()
     say = spoken.text
-    checks = [check for check in known_first(found) if check.measured is not None]
+    checks = [check for check in known_first(found.checks) if check.measured is not None]
     rows = []
     for check in checks:
         what, predicted, allowed, measured, verdict = check_row(check, spoken)
@@ -46,7 +46,7 @@ def describe_verification(
         "",
         *table(heads, rows, [STYLES[check.verdict] for check in checks]),
         "",
-        *say_reasons(found, spoken),
+        *say_reasons(found.checks, spoken),
     ]
     for block in list_differences(found, refined, fed, limits, spoken):
         if isinstance(block, Table):

@@ -11,9 +11,7 @@ Im E = R s/2 in either.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from math import log, pi, sqrt
 
 import numpy as np
@@ -47,6 +45,9 @@ TURN = 2.0 * pi * (1.0 - 1e-3)
 BEFORE, BEHIND = 2.0 * pi / 180.0, 40.0 * pi / 180.0
 """Angle before a reversal, and at most behind it, that belongs to its peak."""
 
+SEEN = 5
+"""Samples between which no peak hides (design choice)."""
+
 SIGMAS = 2.0
 """Standard deviations of an uncertainty."""
 
@@ -78,15 +79,15 @@ class FittedCircle:
     is_assumed: bool  # whether that is only the nearest whole millimetre
     feed: float  # [m/s]
     direction: int  # 1 counterclockwise, -1 clockwise
-    centre: tuple[float, float]  # [m]
+    centre: Array  # shape (2,) [m]
     angle: Array  # of the tool about the centre, shape (n,) [rad]
     deviation: Array  # its distance from the centre less the nominal radius, shape (n,) [m]
     fitted: Array  # the same of the ellipse
     noise: float  # of a sample [m]
     design: Array  # that takes samples to the coefficients, shape (5, n)
-    mean: Found  # mean radius less the nominal one [m]
-    gain: Found  # Re E [m]
-    skew: Found  # Im E [m]
+    found: Array
+    """Mean radius less the nominal one, a, b, Re E, Im E, shape (5,) [m]."""
+    uncertainty: Array  # of these, shape (5,) [m]
 
     @property
     def omega(self) -> float:
@@ -103,33 +104,29 @@ class FittedCircle:
         return np.asarray(_behind(self.angle, axis, self.direction) / self.omega)
 
     def peak(self, axis: int) -> Found | None:
-        """Return how far reversals of an axis throw the tool off [m]; None: none was seen."""
-        left = self.deviation - self.fitted
+        """Return how far reversals of an axis throw the tool off [m]; None: none was seen.
+
+        Of several the middle one; unsure by their spread, and by the largest of so many samples'
+        noise.
+        """
         own = _behind(self.angle, axis, self.direction)
-        window = min(AFTER * self.omega, BEHIND)
-        inside = (own <= window) | (own >= pi - BEFORE)
-        ends = np.flatnonzero(np.diff(inside.astype(int)))
-        found, counts = [], []
-        for begin, end in pairwise([-1, *ends, inside.size - 1]):
-            piece = left[begin + 1 : end + 1]
-            is_whole = begin >= 0 and end < inside.size - 1
-            if is_whole and inside[begin + 1] and piece.size > 2:
-                found.append(_largest(piece))
-                counts.append(piece.size)
-        if not found:
+        inside = (own <= min(AFTER * self.omega, BEHIND)) | (own >= pi - BEFORE)
+        off = np.abs(self.deviation - self.fitted)
+        # The first and the last stretch may be cut.
+        whole = [k for k in _stretches(inside) if k.start > 0 and k.stop < inside.size]
+        whole = [k for k in whole if k.stop - k.start >= SEEN]
+        if not whole:
             return None
-        white = self.noise * sqrt(2.0 * log(max(counts)))
-        value = float(np.median([one.value for one in found]))
-        spread = float(np.std([one.value for one in found])) / sqrt(len(found))
-        coarse = max(one.uncertainty for one in found)
-        return Found(value=value, uncertainty=white + spread + coarse)
+        found = [float(off[k].max()) for k in whole]
+        white = self.noise * sqrt(2.0 * log(max(k.stop - k.start for k in whole)))
+        spread = float(np.std(found)) / sqrt(len(found))
+        return Found(value=float(np.median(found)), uncertainty=white + spread)
 
 
-def _largest(piece: Array) -> Found:
-    """The largest deviation, and how much more it may have been between two samples."""
-    k = int(np.clip(np.abs(piece).argmax(), 1, piece.size - 2))
-    between = abs(float(piece[k - 1] - 2.0 * piece[k] + piece[k + 1])) / 8.0
-    return Found(value=float(np.abs(piece).max()), uncertainty=between)
+def _stretches(inside: NDArray[np.bool_]) -> list[slice]:
+    """Each stretch of samples that are inside."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _behind(angle: Array, axis: int, direction: int) -> Array:
@@ -138,7 +135,7 @@ def _behind(angle: Array, axis: int, direction: int) -> Array:
 
 
 def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
-    """Return every stretch of at least a turn at constant feed.
+    """Return the longest stretch at constant feed of each direction, of at least a turn.
 
     Raises
     ------
@@ -159,15 +156,20 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
     angle = np.unwrap(np.arctan2(*(told - centre).T[::-1]))
     rate = _rate(trace.t, angle)
     _require_same_travel(trace, on)
+    fast = 0.5 * float(np.quantile(np.abs(rate[on]), 0.9))
     found, longest = [], (0.0, 0)
-    for begin, end in _stretches(on, rate):
-        span = abs(float(angle[end] - angle[begin]))
-        longest = max(longest, (span, end))
-        settled = int(np.searchsorted(trace.t, trace.t[begin] + SETTLED))
-        if settled < end and abs(float(angle[end] - angle[settled])) >= TURN:
-            begin = settled
-        if span >= TURN:
-            found.append(_fit(trace, slice(begin, end + 1), centre, radius, angle))
+    for sign in (1.0, -1.0):
+        moving = on & (sign * rate > fast)
+        usual = float(np.median(rate[moving])) if moving.any() else 0.0
+        steady = moving & (np.abs(rate - usual) <= STEADY * abs(usual))
+        part = max(_stretches(steady), key=lambda one: one.stop - one.start, default=slice(0, 1))
+        turned = np.abs(angle[part.stop - 1] - angle[part])
+        longest = max(longest, (float(turned[0]), part.stop - 1))
+        settled = int(np.searchsorted(trace.t[part], trace.t[part.start] + SETTLED))
+        if settled < turned.size and turned[settled] >= TURN:
+            part = slice(part.start + settled, part.stop)
+        if turned[0] >= TURN:
+            found.append(_fit(trace, part, centre, radius, angle))
     if not found:
         got, last = longest
         raise refuse(
@@ -181,13 +183,15 @@ def _require_same_travel(trace: CircularTrace, on: NDArray[np.bool_]) -> None:
     if trace.reference is None:
         return
     names = list(trace.columns.values())
-    for column in (0, 1):
-        told = float(np.ptp(trace.reference[on, column]))
-        ratio = float(np.ptp(trace.points[on, column])) / told
+    travels = np.ptp(trace.points[on], axis=0) / np.ptp(trace.reference[on], axis=0)
+    for name, reference, ratio in zip(names[:2], names[2:4], travels, strict=True):
         if abs(ratio - 1.0) > SAME_TRAVEL:
-            name, reference = names[column], names[2 + column]
             raise refuse(
-                trace.file, "verify-other-travel", name=name, reference=reference, ratio=ratio
+                trace.file,
+                "verify-other-travel",
+                name=name,
+                reference=reference,
+                ratio=float(ratio),
             )
 
 
@@ -216,23 +220,6 @@ def _rate(t: Array, angle: Array) -> Array:
     return np.asarray((angle[behind] - angle[before]) / (t[behind] - t[before]))
 
 
-def _stretches(on: NDArray[np.bool_], rate: Array) -> Iterator[tuple[int, int]]:
-    """First and last sample of each stretch on the circle at constant feed."""
-    fast = float(np.quantile(np.abs(rate[on]), 0.9))
-    state = np.where(on & (np.abs(rate) > 0.5 * fast), np.sign(rate), 0.0)
-    ends = [0, *(np.flatnonzero(np.diff(state)) + 1).tolist(), state.size]
-    for begin, end in pairwise(ends):
-        if state[begin] == 0.0:
-            continue
-        usual = float(np.median(rate[begin:end]))
-        steady = np.abs(rate[begin:end] - usual) <= STEADY * abs(usual)
-        bounds = [0, *(np.flatnonzero(np.diff(steady.astype(int))) + 1).tolist(), steady.size]
-        runs = [(b - a, a, b) for a, b in pairwise(bounds) if steady[a]]
-        if runs:
-            _, a, b = max(runs)
-            yield begin + a, begin + b - 1
-
-
 def _fit(
     trace: CircularTrace, part: slice, centre: Array, radius: float, told: Array
 ) -> FittedCircle:
@@ -241,11 +228,10 @@ def _fit(
     whole, is_assumed = max(round(radius / WHOLE), 1) * WHOLE, trace.reference is None
     nominal = whole if is_assumed or abs(radius - whole) <= FILTERED else radius
     feed = nominal * abs(turned) / float(trace.t[part][-1] - trace.t[part][0])
-    points = trace.points[part]
-    middle = _find_circle(points)[0]
     window = min(AFTER * feed / nominal, BEHIND)
-    for _ in range(3):
-        own = points - middle
+    middle = centre
+    for _ in range(4):  # What is left of the centre is seen to first order.
+        own = trace.points[part] - middle
         angle, off = np.unwrap(np.arctan2(own[:, 1], own[:, 0])), np.hypot(*own.T) - nominal
         behind = [_behind(angle, axis, direction) for axis in (0, 1)]
         kept = np.all([(b > window) & (b < pi - BEFORE) for b in behind], axis=0)
@@ -255,24 +241,23 @@ def _fit(
         design[:, kept] = np.linalg.pinv(A[kept])
         found = design @ off
         middle = middle + found[1:3]
-    left = off - A @ found
-    rest = left[kept]
-    spread = float(np.sqrt(rest @ rest / max(rest.size - A.shape[1], 1)))
-    alike = float(np.clip(rest[1:] @ rest[:-1] / max(rest @ rest, 1e-300), 0.0, 0.999))
-    sigma = SIGMAS * spread * np.sqrt((design**2).sum(axis=1) * (1.0 + alike) / (1.0 - alike))
+    rest = (off - A @ found)[kept]
+    power = float(rest @ rest)
+    # Neighbours that are alike tell so much less: as of a first-order process.
+    alike = float(np.clip(rest[1:] @ rest[:-1] / max(power, 1e-300), 0.0, 0.999))
+    variance = power / max(rest.size - A.shape[1], 1) * (1.0 + alike) / (1.0 - alike)
     return FittedCircle(
         trace=trace,
         radius=nominal,
         is_assumed=is_assumed,
         feed=feed,
         direction=direction,
-        centre=(float(middle[0]), float(middle[1])),
+        centre=middle,
         angle=angle,
         deviation=off,
         fitted=A @ found,
         noise=float(np.std(np.diff(rest))) / sqrt(2.0),
         design=design,
-        mean=Found(value=float(found[0]), uncertainty=float(sigma[0])),
-        gain=Found(value=float(found[3]), uncertainty=float(sigma[3])),
-        skew=Found(value=float(found[4]), uncertainty=float(sigma[4])),
+        found=found,
+        uncertainty=SIGMAS * np.sqrt(variance * (design**2).sum(axis=1)),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -15,7 +15,7 @@ from mtcommission.group.held import HeldAxis, find_deviations, find_ellipses, re
 from mtcommission.group.record import GroupRecord
 from mtcommission.group.traces import CircularTrace
 from mtcommission.messages.message import Message
-from mtcommission.verify.checks import KEPT, Check, Verdict, judge, judge_all
+from mtcommission.verify.checks import KEPT, Check, Part, Verdict, judge, judge_all, what_of
 
 Array = NDArray[np.float64]
 
@@ -31,43 +31,43 @@ APART = 0.5
 """Of the largest angular velocity, by which circles must differ, directions counted, for their
 squareness to be told from unequal delays (design choice)."""
 
-FASTER = 2.0
-"""Of the slowest circle, how fast another must be for scales to be told from loops: what these do
-has then grown to four times (design choice)."""
-
 LARGEST_SCALE = 100e-6
 """What pitch and temperature make of a length at most [-] (empirical: 11 µm/m and K of steel)."""
 
-RADIUS, FORM, DELAY, GAIN, PEAK = "radius", "form", "delay", "gain", "quadrant peak"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Foreseen:
-    """What the record makes of a circle, in every pair of corners, the nominal one first."""
-
-    radius: Array  # deviation of the mean radius, (n_pairs,) [m]
-    ellipse: NDArray[np.complex128]  # E, (n_pairs,) [m]
-    course: tuple[Array, Array]  # what friction adds to each sample, nominal, by axis [m]
-    peak: tuple[Array, Array]  # what it adds at most, by axis: (n_corners,) [m]; empty without
+RADIUS, FORM, DELAY, PEAK = "radius", "form", "delay", "quadrant peak"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CircleBeside:
-    """A circle beside its prediction."""
+    """A circle and what the record makes of it, in every pair of corners, the nominal first."""
 
     fitted: FittedCircle
-    foreseen: Foreseen
-    bias: Array  # what the tails of the peaks add to the fit, shape (5,) [m]
-    mean: Found  # mean radius less the nominal one, without what scales make of it [m]
-    gain: Found  # Re E, likewise [m]
-    skew: Found  # Im E without what the squareness makes of it [m]
+    radius: Array  # deviation of the mean radius, (n_pairs,) [m]
+    ellipse: NDArray[np.complex128]  # E, (n_pairs,) [m]
+    course: Array  # what friction adds to each sample, nominal, (n,) [m]
+    peaks: tuple[Array, Array]  # what it adds at most, by axis: (n_corners,) [m]; empty without
+
+    @property
+    def uncertainty(self) -> Array:
+        """Of the fit, with what the tails of the peaks may add to it, shape (5,) [m]."""
+        return np.asarray(self.fitted.uncertainty + np.abs(self.fitted.design @ self.course))
 
     @property
     def predicted(self) -> Array:
         """Deviation of the radius at each sample, nominal [m]."""
-        angle, own = self.fitted.angle, self.foreseen
-        oval = np.real(own.ellipse[0] * np.exp(-2j * angle))
-        return np.asarray(own.radius[0] + oval + sum(own.course))
+        oval = np.real(self.ellipse[0] * np.exp(-2j * self.fitted.angle))
+        return np.asarray(self.radius[0] + oval + self.course)
+
+    def skew(self, squareness: Found | None) -> Found:
+        """Return Im E [m] without what the angle of the axes makes of it, as far as known."""
+        value, unsure = float(self.fitted.found[4]), float(self.uncertainty[4])
+        if squareness is None:
+            return Found(value=value, uncertainty=unsure)
+        half = 0.5 * self.fitted.radius
+        return Found(
+            value=value - half * squareness.value,
+            uncertainty=unsure + half * squareness.uncertainty,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,12 +78,21 @@ class CircleVerification:
     traces: tuple[CircularTrace, ...]
     circles: tuple[CircleBeside, ...]
     squareness: Found | None  # by which the axes' angle is less than a right one [rad]
-    scales: tuple[Found, Found] | None
-    """By which the axes measure too long in the mean, and half of what the first one does so more
-    than the second [-]."""
-    checks: tuple[Check, ...]  # ``move`` is the number of the circle, from 1
-    verdict: Verdict
+    checks: tuple[Check, ...]
     warnings: tuple[Message, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Over all checks."""
+        return judge_all(self.checks)
+
+    @property
+    def headline(self) -> Message:
+        """The verdict in words; it names what cannot be told, unless something does not hold."""
+        if self.verdict is not Verdict.UNKNOWN:
+            return Message(f"verify-verdict-{self.verdict.value.replace(' ', '-')}")
+        unknown = [one for one in self.checks if one.verdict is Verdict.UNKNOWN]
+        return Message("verify-verdict-except", what=tuple(dict.fromkeys(map(what_of, unknown))))
 
 
 def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> CircleVerification:
@@ -95,38 +104,30 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
         A trace holds no circle of at least a turn at constant feed.
     """
     axes = read_plane(record)
-    fitted = [one for trace in traces for one in fit_circles(trace)]
-    beside = [_lay_beside(one, foresee(axes, one)) for one in fitted]
-    squareness = find_squareness(beside)
-    scales = find_scales(beside)
-    beside = [_without(one, squareness, scales) for one in beside]
-    checks = tuple(
+    circles = [foresee(axes, one) for trace in traces for one in fit_circles(trace)]
+    squareness = find_squareness(circles)
+    checks = [
         check
-        for number, one in enumerate(beside, start=1)
-        for check in _check(
-            record, number, one, is_square=squareness is not None, is_scaled=scales is not None
-        )
-    )
+        for number, one in enumerate(circles, start=1)
+        for check in (*_check_size(record, number, one, squareness), *_peaks(record, number, one))
+    ]
     return CircleVerification(
         record=record,
         traces=tuple(traces),
-        circles=tuple(beside),
+        circles=tuple(circles),
         squareness=squareness,
-        scales=scales,
-        checks=checks,
-        verdict=judge_all(checks),
-        warnings=tuple(dict.fromkeys(_warn(record, traces, fitted))),
+        checks=tuple(checks),
+        warnings=tuple(dict.fromkeys(_warn(record, traces, circles))),
     )
 
 
-def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> Foreseen:
-    """Return what the record makes of a circle of that radius, feed and direction."""
+def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> CircleBeside:
+    """Return a circle beside what the record makes of that radius, feed and direction."""
     omega = np.array([circle.omega])
     ellipse = find_ellipses(axes, omega)[:, 0] * circle.radius
-    courses, peaks = [], []
+    course, peaks = np.zeros(circle.angle.size), []
     for place, axis in enumerate(axes):
         if not axis.machine.drive.has_friction:
-            courses.append(np.zeros(circle.angle.size))
             peaks.append(np.zeros(0))
             continue
         every = [
@@ -142,39 +143,14 @@ def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> Foreseen:
         peaks.append(np.array([np.abs(one).max() for one in every]))
         step = axis.tuned.controller.velocity_cycle
         t, own = circle.since(place), circle.angle - 0.5 * np.pi * place
-        course = np.interp(t, step * np.arange(every[0].size), every[0], right=0.0)
-        courses.append(course * np.abs(np.cos(own)))
-    return Foreseen(
+        late = np.interp(t, step * np.arange(every[0].size), every[0], right=0.0)
+        course += late * np.abs(np.cos(own))
+    return CircleBeside(
+        fitted=circle,
         radius=find_deviations(axes, omega).radius[:, 0] * circle.radius,
         ellipse=ellipse if circle.direction > 0 else np.conj(ellipse),
-        course=(courses[0], courses[1]),
-        peak=(peaks[0], peaks[1]),
-    )
-
-
-def _lay_beside(fitted: FittedCircle, foreseen: Foreseen) -> CircleBeside:
-    bias = np.abs(fitted.design @ np.asarray(sum(foreseen.course)))
-    return CircleBeside(
-        fitted=fitted,
-        foreseen=foreseen,
-        bias=bias,
-        mean=_unsure(fitted.mean, bias[0]),
-        gain=_unsure(fitted.gain, bias[3]),
-        skew=_unsure(fitted.skew, bias[4]),
-    )
-
-
-def _unsure(found: Found, more: float) -> Found:
-    return Found(value=found.value, uncertainty=found.uncertainty + float(more))
-
-
-def _less(found: Found, part: Found | None, times: float) -> Found:
-    """A value without so many times another one; None: nothing is known of that."""
-    if part is None:
-        return found
-    return Found(
-        value=found.value - times * part.value,
-        uncertainty=found.uncertainty + times * part.uncertainty,
+        course=course,
+        peaks=(peaks[0], peaks[1]),
     )
 
 
@@ -187,131 +163,117 @@ def find_squareness(circles: Sequence[CircleBeside]) -> Found | None:
     turning = np.array([one.fitted.direction * one.fitted.omega for one in circles])
     if float(np.ptp(turning)) < APART * float(np.abs(turning).max()):
         return None
-    radii = np.array([one.fitted.radius for one in circles])
-    excess = np.array([one.fitted.skew.value - one.foreseen.ellipse[0].imag for one in circles])
-    unsure = np.array([one.fitted.skew.uncertainty + one.bias[4] for one in circles])
-    weights = 1.0 / np.maximum(unsure, 1e-12)
-    A = 0.5 * np.column_stack([radii, -turning * radii]) * weights[:, None]
-    inverse = np.linalg.pinv(A)
-    value = float((inverse @ (excess * weights))[0])
-    return Found(value=value, uncertainty=float(np.abs(inverse[0]).sum()))
+    half = np.array([0.5 * one.fitted.radius for one in circles])
+    excess = np.array([one.fitted.found[4] - one.ellipse[0].imag for one in circles])
+    inverse = np.linalg.pinv(np.column_stack([half, -turning * half]))[0]
+    unsure = np.abs(inverse) @ np.array([one.uncertainty[4] for one in circles])
+    return Found(value=float(inverse @ excess), uncertainty=float(unsure))
 
 
-def find_scales(circles: Sequence[CircleBeside]) -> tuple[Found, Found] | None:
-    """Return by how much the axes measure too long, mean and half the difference; None: unknown.
-
-    The slowest circle tells: what loops and filter do to a circle grows with the square of the
-    feed, what pitch and temperature do not at all.
-    """
-    slow = min(circles, key=lambda one: one.fitted.omega)
-    if max(one.fitted.omega for one in circles) < FASTER * slow.fitted.omega:
-        return None
-    radius, own = slow.fitted.radius, slow.foreseen
-    pairs = ((slow.mean, own.radius[0]), (slow.gain, own.ellipse[0].real))
-    mean, apart = (
-        Found(value=(one.value - float(told)) / radius, uncertainty=one.uncertainty / radius)
-        for one, told in pairs
-    )
-    return mean, apart
-
-
-def _without(
-    circle: CircleBeside, squareness: Found | None, scales: tuple[Found, Found] | None
-) -> CircleBeside:
-    """The circle without what scales and the angle of the axes make of it."""
-    mean, apart = scales or (None, None)
-    radius = circle.fitted.radius
-    return replace(
-        circle,
-        mean=_less(circle.mean, mean, radius),
-        gain=_less(circle.gain, apart, radius),
-        skew=_less(circle.skew, squareness, 0.5 * radius),
+def _judge(
+    key: str,
+    number: int,
+    found: Found,
+    predicted: Array,
+    slack: float,
+    *,
+    unit: str = "m",
+    of: str = "",
+) -> Check:
+    """A value beside its prediction in every pair of corners."""
+    low, high = float(predicted.min()), float(predicted.max())
+    least, most = found.value - found.uncertainty, found.value + found.uncertainty
+    # Less of an oval or a peak than was promised is no fault.
+    verdict = judge(least, most, -inf if key in (FORM, PEAK) else low - slack, high + slack)
+    return Check(
+        part=Part.CIRCLE,
+        key=key,
+        move=number,
+        mode=of,
+        unit=unit,
+        predicted=float(predicted[0]),
+        low=low,
+        high=high,
+        measured=found.value,
+        uncertainty=found.uncertainty,
+        verdict=verdict,
+        reason=KEPT[verdict],
+        decides=True,
     )
 
 
-def _check(
-    record: GroupRecord, number: int, circle: CircleBeside, *, is_square: bool, is_scaled: bool
+def _check_size(
+    record: GroupRecord, number: int, circle: CircleBeside, squareness: Found | None
 ) -> Iterator[Check]:
-    """Every promise about a circle."""
-    fitted, foreseen = circle.fitted, circle.foreseen
-    slack = max(MODEL, MODEL_SHARE * float(np.abs(foreseen.radius).max()))
-
-    def check(
-        key: str, found: Found, predicted: Array, unit: str, slack: float, *, of: str = ""
-    ) -> Check:
-        low, high = float(predicted.min()), float(predicted.max())
-        least, most = found.value - found.uncertainty, found.value + found.uncertainty
-        # Less of an oval or a peak than was promised is no fault.
-        bound = -inf if key in (FORM, PEAK) else low - slack
-        verdict = judge(least, most, bound, high + slack)
-        return Check(
-            key=key,
-            move=number,
-            mode=of,
-            unit=unit,
-            predicted=float(predicted[0]),
-            low=low,
-            high=high,
-            measured=found.value,
-            uncertainty=found.uncertainty,
-            verdict=verdict,
-            reason=KEPT[verdict],
-            decides=True,
-        )
-
-    def times(found: Found, scale: float) -> Found:
-        return Found(value=scale * found.value, uncertainty=abs(scale) * found.uncertainty)
-
-    def or_scale(check: Check, size: float) -> Check:
-        off = abs((check.measured or 0.0) - (check.predicted or 0.0))
-        if is_scaled or check.verdict is not Verdict.FAILS or off > LARGEST_SCALE * size:
-            return check
-        return check.doubted(Message("group-one-feed", scale=_told(1e6 * off / size)))
-
-    radius = check(RADIUS, circle.mean, foreseen.radius, "m", slack)
-    radius = or_scale(radius, fitted.radius)
+    """Radius, oval and delay."""
+    fitted, (mean, _, _, gain, _) = circle.fitted, circle.fitted.found
+    unsure, skew = circle.uncertainty, circle.skew(squareness)
+    slack = max(MODEL, MODEL_SHARE * float(np.abs(circle.radius).max()))
+    told = Found(value=float(mean), uncertainty=float(unsure[0]))
+    radius = _or_scale(_judge(RADIUS, number, told, circle.radius, slack), fitted.radius)
     if fitted.is_assumed and radius.verdict is not Verdict.HOLDS:
         radius = radius.doubted(Message("group-radius-assumed", radius=fitted.radius))
     yield radius
-    gain, skew = circle.gain, circle.skew
+    size = 2.0 * np.abs(circle.ellipse)
+    slack = max(MODEL, MODEL_SHARE * float(size.max()))
     form = Found(
-        value=2.0 * float(np.hypot(gain.value, skew.value)),
-        uncertainty=2.0 * float(np.hypot(gain.uncertainty, skew.uncertainty)),
+        value=2.0 * float(np.hypot(gain, skew.value)),
+        uncertainty=2.0 * float(np.hypot(unsure[3], skew.uncertainty)),
     )
-    size = 2.0 * np.abs(foreseen.ellipse)
-    oval = max(MODEL, MODEL_SHARE * float(size.max()))
     # E to a difference of delays, of the second axis less the first one.
     per = -2.0 * fitted.direction / fitted.feed
-    delay = times(skew, per)
-    forms = check(FORM, form, size, "m", oval)
+    delay = Found(value=per * skew.value, uncertainty=abs(per) * skew.uncertainty)
     first, second = record.plane
-    foreseen_delay = per * foreseen.ellipse.imag
-    later = f"{second} - {first}"
-    delays = check(DELAY, delay, foreseen_delay, "s", abs(per) * oval, of=later)
-    if not is_square:
-        value = 2.0 * (skew.value - foreseen.ellipse[0].imag) / fitted.radius
-        doubt = Message("group-one-direction", squareness=_told(1e6 * value))
-        forms, delays = (
-            one if one.verdict is Verdict.HOLDS else one.doubted(doubt) for one in (forms, delays)
-        )
-    larger = f"{first} - {second}"
-    sizes = check(GAIN, times(gain, 2.0), 2.0 * foreseen.ellipse.real, "m", 2.0 * oval, of=larger)
-    sizes = or_scale(sizes, 2.0 * fitted.radius)
-    if sizes.verdict is Verdict.UNKNOWN and forms.verdict is Verdict.FAILS:
-        forms = forms.doubted(sizes.reason)
-    yield from (forms, delays, sizes)
-    for place, (name, peaks) in enumerate(zip(record.plane, foreseen.peak, strict=True)):
-        peak = fitted.peak(place)
+    checks = (
+        _judge(FORM, number, form, size, slack),
+        _judge(
+            DELAY,
+            number,
+            delay,
+            per * circle.ellipse.imag,
+            abs(per) * slack,
+            unit="s",
+            of=f"{second} - {first}",
+        ),
+    )
+    excess = 2.0 * (skew.value - float(circle.ellipse[0].imag)) / fitted.radius
+    doubt = Message("group-one-direction", squareness=_told(1e6 * excess))
+    for check in checks:
+        if squareness is None and check.verdict is not Verdict.HOLDS:
+            check = check.doubted(doubt)
+        yield _or_scale(check, 2.0 * fitted.radius) if check.key == FORM else check
+
+
+def _or_scale(check: Check, size: float) -> Check:
+    """A size that is off by no more than scales may be cannot be told."""
+    off = abs((check.measured or 0.0) - (check.predicted or 0.0))
+    if check.verdict is not Verdict.FAILS or off > LARGEST_SCALE * size:
+        return check
+    return check.doubted(Message("group-may-be-scale", scale=_told(1e6 * off / size)))
+
+
+def _peaks(record: GroupRecord, number: int, circle: CircleBeside) -> Iterator[Check]:
+    """What friction throws the tool off where an axis reverses."""
+    for place, (name, peaks) in enumerate(zip(record.plane, circle.peaks, strict=True)):
         if record.axis(name).machine.follows:
             continue
-        if peak is None:
-            yield _unknown(number, name, Message("group-peak-not-seen"))
-        elif not peaks.size:
-            told = _unknown(number, name, Message("group-friction-unknown", name=name))
-            yield replace(told, measured=peak.value, uncertainty=peak.uncertainty)
+        peak = circle.fitted.peak(place)
+        if peak and peaks.size:
+            slack = MODEL + FRICTION_SHARE * float(peaks.max())
+            yield _judge(PEAK, number, peak, peaks, slack, of=name)
         else:
-            more = MODEL + FRICTION_SHARE * float(peaks.max())
-            yield check(PEAK, peak, peaks, "m", more, of=name)
+            yield Check(
+                part=Part.CIRCLE,
+                key=PEAK,
+                move=number,
+                mode=name,
+                unit="m",
+                measured=peak.value if peak else None,
+                uncertainty=peak.uncertainty if peak else None,
+                reason=Message("group-friction-unknown", name=name)
+                if peak
+                else Message("group-peak-not-seen"),
+            )
 
 
 def _told(value: float) -> float:
@@ -319,16 +281,12 @@ def _told(value: float) -> float:
     return float(f"{value:.2g}")
 
 
-def _unknown(number: int, name: str, reason: Message) -> Check:
-    return Check(key=PEAK, move=number, mode=name, unit="m", reason=reason)
-
-
 def _warn(
-    record: GroupRecord, traces: Sequence[CircularTrace], circles: Sequence[FittedCircle]
+    record: GroupRecord, traces: Sequence[CircularTrace], circles: Sequence[CircleBeside]
 ) -> Iterator[Message]:
     for trace in traces:
         yield from trace.remarks
-    for one in circles:
+    for one in (circle.fitted for circle in circles):
         if one.is_assumed:
             yield Message("group-trace-radius", file=one.trace.file, radius=one.radius)
         a, most = one.feed**2 / one.radius, record.path.acceleration

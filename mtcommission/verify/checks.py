@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf, isfinite
+from typing import Protocol
 
 from mtcommission.messages.message import Message
 from mtcommission.requirements.register import read_requirement
@@ -20,13 +21,21 @@ class Verdict(Enum):
     UNKNOWN = "cannot tell"
 
 
+class Part(Enum):
+    """What a promise is about; the values are those of the JSON."""
+
+    MOVE = "move"
+    CIRCLE = "circle"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
     """One promise against what was measured [SI]."""
 
     key: str  # what it is, as in JSON, e.g. ``"residual deviation"``
-    move: int = 0  # number of the record's move from 1; 0: of no single move
-    mode: str = ""
+    part: Part = Part.MOVE
+    move: int = 0  # number of the record's move, or of the circle, from 1; 0: of no single move
+    mode: str = ""  # of a circle: the axis, or both
     unit: str = ""  # of all values
     predicted: float | None = None  # nominal; None: nothing was predicted
     low: float | None = None  # least and largest over the corners
@@ -41,7 +50,7 @@ class Check:
     @property
     def name(self) -> str:
         """Name in JSON."""
-        parts = [f"move {self.move}"] if self.move else []
+        parts = [f"{self.part.value} {self.move}"] if self.move else []
         return ": ".join([*parts, *([self.mode] if self.mode else []), self.key])
 
     def doubted(self, reason: Message) -> Check:
@@ -49,6 +58,26 @@ class Check:
         if self.verdict is Verdict.UNKNOWN:
             return self
         return replace(self, verdict=Verdict.UNKNOWN, reason=reason)
+
+
+class Judged(Protocol):
+    """Checks of one verification."""
+
+    @property
+    def checks(self) -> Sequence[Check]:
+        """Of every promise."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Over all of them."""
+
+    @property
+    def headline(self) -> Message:
+        """The verdict in words."""
+
+    @property
+    def warnings(self) -> Sequence[Message]:
+        """What there is to mind."""
 
 
 KEPT = {
@@ -60,7 +89,9 @@ KEPT = {
 
 
 def what_of(check: Check) -> Message:
-    """Return what was checked, of whichever move."""
+    """Return what was checked, of whichever move or circle."""
+    if check.part is Part.CIRCLE:
+        return Message(f"group-circle-{check.key.replace(' ', '-')}", name=check.mode)
     what = Message(f"verify-{check.key.lower().replace(' ', '-')}")
     if check.key != "peak deviation":  # of the tool; else "peak" begins a bound on a state
         with suppress(ValueError):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from operator import itemgetter
+from typing import TypeVar
 
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.machine import Profile
 from mtcommission.sheet.document import (
     BigValue,
     Block,
@@ -24,7 +26,7 @@ from mtcommission.sheet.html import set_html
 from mtcommission.sheet.plots import FOURTH, MAIN, OTHER, THIRD, Curve, Signals, line_plot
 from mtcommission.sheet.tables import Quantity, table
 from mtcommission.verify.beside import Recorded
-from mtcommission.verify.checks import Verdict
+from mtcommission.verify.checks import Check, Judged, Verdict
 from mtcommission.verify.columns import Role
 from mtcommission.verify.feedforward import FeedForward
 from mtcommission.verify.refine import Refined
@@ -40,6 +42,8 @@ from mtcommission.verify.report import (
 )
 from mtcommission.verify.trace import Trace
 from mtcommission.verify.verify import Verification
+
+T = TypeVar("T")
 
 SETPOINT_POINTS = 1500
 """Of the setpoint's curve."""
@@ -63,30 +67,47 @@ def print_verification(
     """Return the page, which works offline."""
     record, machine = found.record, found.record.machine
     words = Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
-    say = words.text
-    warnings = tuple(map(words.say, found.warnings))
+    large = [one for one in found.checks if one.key in LARGE][: len(LARGE)]
     parts: dict[str, Sequence[Block]] = {
-        "verdict": (
-            _headline(found, words),
-            *([Bullets(items=warnings, tone=Tone.WARNING)] if warnings else []),
-            _checks(found, words),
-            Bullets(items=tuple(say_reasons(found, words))),
-        ),
+        "verdict": verdict_blocks(found, words, detail=say_detail(found, words), large=large),
         "overlay": [
             _plot(f"move-{place}", one, found, words)
             for place, one in enumerate(found.recorded[:MOST_PLOTS], start=1)
             if one.beside
         ],
         "differences": list_differences(found, refined, fed, limits, words),
-        "sources": [_sources(found, words)],
+        "sources": [source_table(found.traces, _roles, words)],
     }
+    return set_verification(
+        parts,
+        words,
+        machine=machine.name,
+        axes=[machine.axis],
+        profiles=[record.profile],
+        created=created,
+    )
+
+
+def set_verification(
+    parts: Mapping[str, Sequence[Block]],
+    words: Catalogue,
+    *,
+    machine: str,
+    axes: Sequence[str],
+    profiles: Sequence[Profile],
+    created: str,
+) -> str:
+    """Return the page of parts, by key of their heading."""
+    say = words.text
     page = document(
         words,
         script_note="identify-script-note",
         title=say("verify-title"),
-        machine=machine.name,
-        axis=f"{say('axis')} {machine.axis}",
-        identity=say("identity", name=record.profile.name, hash=record.profile.sha256[:12]),
+        machine=machine,
+        axis=f"{say('axis')} {', '.join(axes)}",
+        identity=", ".join(
+            say("identity", name=one.name, hash=one.sha256[:12]) for one in profiles
+        ),
         created=created,
         disclaimer=say("verify-disclaimer"),
         sections=tuple(
@@ -98,44 +119,56 @@ def print_verification(
     return set_html(page, decimal_mark=words.format.decimal_mark)
 
 
-def _headline(found: Verification, words: Catalogue) -> Headline:
-    return Headline(
+def verdict_blocks(
+    found: Judged, words: Catalogue, *, detail: str, large: Sequence[Check]
+) -> list[Block]:
+    """Return the headline with some large values, warnings, every check, and reasons."""
+    warnings = tuple(map(words.say, found.warnings))
+    headline = Headline(
         is_met=found.verdict is Verdict.HOLDS,
         verdict=words.say(found.headline),
-        detail=say_detail(found, words),
+        detail=detail,
         values=tuple(
             BigValue(
                 label=say_check(check, words),
                 value=words.format.quantity(check.measured, check.unit),
                 aside=say_verdict(check.verdict, words),
             )
-            for check in [one for one in found.checks if one.key in LARGE][: len(LARGE)]
+            for check in large
         ),
     )
+    return [
+        headline,
+        *([Bullets(items=warnings, tone=Tone.WARNING)] if warnings else []),
+        _checks(known_first(found.checks), words),
+        Bullets(items=tuple(say_reasons(found.checks, words))),
+    ]
 
 
-def _checks(found: Verification, words: Catalogue) -> Table:
+def _checks(checks: Sequence[Check], words: Catalogue) -> Table:
     widths = {"what": 1.6, "predicted": 1.8, "allowed": 0.9, "measured": 1.4, "verdict": 0.9}
     columns = (
         Quantity(f"verify-head-{head}", itemgetter(k), width=width)
         for k, (head, width) in enumerate(widths.items())
+        if head != "allowed" or any(one.limit is not None for one in checks)
     )
-    checks = known_first(found)
     failed = tuple(k for k, one in enumerate(checks) if one.verdict is Verdict.FAILS)
     rows = [check_row(one, words) for one in checks]
     return replace(table(words, "verify-caption-checks", columns, rows), strong_rows=failed)
 
 
-def _sources(found: Verification, words: Catalogue) -> Table:
-    def roles(trace: Trace) -> str:
-        return ", ".join(f"{one.name} = {one.role.value}" for one in trace.channels)
-
+def source_table(traces: Sequence[T], roles: Callable[[T], str], words: Catalogue) -> Table:
+    """Return file, columns and hash of each trace."""
     columns = (
         Quantity("identify-head-file", "file"),
         Quantity("verify-head-columns", roles, width=2.0),
         Quantity("identify-head-hash", "sha256", width=2.0),
     )
-    return table(words, "verify-caption-sources", columns, found.traces)
+    return table(words, "verify-caption-sources", columns, traces)
+
+
+def _roles(trace: Trace) -> str:
+    return ", ".join(f"{one.name} = {one.role.value}" for one in trace.channels)
 
 
 def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> LinePlot:

@@ -28,7 +28,7 @@ def say_verdict(verdict: Verdict, words: Catalogue) -> str:
 def say_check(check: Check, words: Catalogue) -> str:
     """Return what was checked."""
     what = words.say(what_of(check))
-    return f"{words.text('move', number=check.move)}: {what}" if check.move else what
+    return f"{words.text(check.part.value, number=check.move)}: {what}" if check.move else what
 
 
 def say_detail(found: Verification, words: Catalogue) -> str:
@@ -37,9 +37,9 @@ def say_detail(found: Verification, words: Catalogue) -> str:
     return words.text("verify-detail", moves=len(found.recorded), obeyed=obeyed)
 
 
-def known_first(found: Verification) -> list[Check]:
-    """Return the checks, those that tell something first."""
-    return sorted(found.checks, key=lambda check: check.verdict not in KNOWN)
+def known_first(checks: Sequence[Check]) -> list[Check]:
+    """Return checks, those that tell something first."""
+    return sorted(checks, key=lambda check: check.verdict not in KNOWN)
 
 
 def check_row(check: Check, words: Catalogue) -> tuple[str, ...]:
@@ -69,10 +69,10 @@ def check_cells(check: Check, words: Catalogue) -> tuple[str, str, str, str]:
     )
 
 
-def say_reasons(found: Verification, words: Catalogue) -> list[str]:
+def say_reasons(checks: Sequence[Check], words: Catalogue) -> list[str]:
     """Return why promises do not hold or cannot be told: each reason once."""
     grouped: dict[tuple[str, str], list[str]] = {}
-    for check in known_first(found):
+    for check in known_first(checks):
         if check.verdict is not Verdict.HOLDS:
             why = say_verdict(check.verdict, words), words.say(check.reason)
             grouped.setdefault(why, []).append(say_check(check, words))
@@ -230,7 +230,7 @@ def check_entry(check: Check) -> Entry:
     values = ("unit", "predicted", "low", "high", "limit", "measured", "uncertainty")
     return {
         "name": check.name,
-        "move": check.move or None,
+        check.part.value: check.move or None,
         "mode": check.mode or None,
         **{key: getattr(check, key) for key in values},
         "verdict": check.verdict.value,

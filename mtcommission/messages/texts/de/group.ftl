@@ -84,17 +84,15 @@ group-export-other-corner = KEIN WERT FÜR ECKEN: der im Protokoll gehört zu de
 group-export-no-rounding = KEIN WERT FÜR ECKEN: innerhalb der Toleranz ist kein Verrunden schneller als sofortiges Abbiegen; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren.
 
 # Aufgezeichnete Kreise. $name, $first, $second, $later, $sooner: Achsen; $number: des Kreises
+circle = Kreis { $number }
 group-circle-radius = mittlerer Radius
 group-circle-form = Unrundheit (größter weniger kleinster Radius)
 group-circle-delay = Verzögerung, { $name }
-group-circle-gain = Größe längs der Achsen, { $name }
 group-circle-quadrant-peak = Umkehrspitze, { $name }
-group-circle-recorded = Kreis { $number }: { $file }, { LENGTH($radius) } mit { FEED($feed) }, { $direction ->
+group-recorded-caption = Kreis { $number }: { $file }, { LENGTH($radius) } mit { FEED($feed) }, { $direction ->
     [clockwise] im Uhrzeigersinn
    *[counterclockwise] gegen den Uhrzeigersinn
 }, { NUMBER($turns, digits: 3) } Umläufe.
-group-circle-reason = { $verdict } ({ $why }): { $what }
-group-delay-found = Kreis { $number }: Die Verzögerung von { $later } ist um { TIME($by) } ± { TIME($uncertainty) } länger als die von { $sooner }.
 # in µm/m
 group-squareness-found = Als Rechtwinkligkeit herausgenommen: Der Winkel der Achsen weicht um { NUMBER($value, digits: 3) } ± { NUMBER($uncertainty, digits: 2) } µm/m vom rechten ab (positiv: kleiner als 90°).
 group-squareness-unknown = Rechtwinkligkeit und ungleiche Verzögerungen sind mit Kreisen einer Richtung und eines Vorschubs nicht zu trennen: auch die Gegenrichtung aufzeichnen.
@@ -111,8 +109,8 @@ group-trace-no-angle = { $name } [{ $unit }] ist kein Winkel; die Einheit hinter
 group-trace-size = der Kreis hat einen Radius von { LENGTH($radius) }, den kein Kreisformtest hat; die Einheiten prüfen und den ganzen Radius angeben, nicht seine Abweichung
 group-trace-no-circle = ist kein Kreis: dieser Abtastwert liegt { LENGTH($off) } neben dem durch die meisten anderen; die Aufzeichnung auf den Kreis kürzen oder die Spalten prüfen
 group-trace-arc = das längste Stück mit gleichbleibendem Vorschub läuft { $got }° herum; nötig ist ein ganzer Umlauf: mindestens zwei Umläufe samt Anlauf aufzeichnen
-group-plot-angle = Winkel / °
-group-plot-deviation = Abweichung des Radius / { $unit }
+group-plot-angle = Winkel, °
+group-plot-deviation = Abweichung des Radius
 group-line-measured = gemessen
 group-line-fitted = angepasst, ohne die Umkehrstellen
 group-line-predicted = vorhergesagt, Nennfall
@@ -206,5 +204,4 @@ group-page-field-radius = Radius des Kreises
 group-page-field-angle = Richtungsänderung an der Ecke
 
 # in µm/m
-group-one-feed = ein Maßstab, der durch Steigung oder Temperatur um { NUMBER($scale, digits: 3) } µm/m abweicht, wirkt bei jedem Vorschub gleich, ein Regelkreis mit dessen Quadrat; auch einen Kreis mit anderem Vorschub aufzeichnen
-group-scales-found = Als Maßstab herausgenommen, nach dem langsamsten Kreis: Längen fallen um { NUMBER($mean, digits: 3) } µm/m zu groß aus, die von { $first } um { NUMBER($apart, digits: 3) } µm/m mehr als die von { $second }.
+group-may-be-scale = ein Maßstab, der durch Steigung oder Temperatur um { NUMBER($scale, digits: 3) } µm/m abweicht, wirkt ebenso; die Maßstäbe der Achsen messen

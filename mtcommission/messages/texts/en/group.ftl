@@ -84,17 +84,15 @@ group-export-other-corner = NO VALUE FOR CORNERS: that of the record belongs to 
 group-export-no-rounding = NO VALUE FOR CORNERS: within the tolerance no rounding is faster than turning at once; pass them at the speeds over the angle of the record.
 
 # Recorded circles. $name, $first, $second, $later, $sooner: axes; $number: of the circle
+circle = Circle { $number }
 group-circle-radius = mean radius
 group-circle-form = oval (largest less smallest radius)
 group-circle-delay = delay, { $name }
-group-circle-gain = size along the axes, { $name }
 group-circle-quadrant-peak = peak at reversal, { $name }
-group-circle-recorded = Circle { $number }: { $file }, { LENGTH($radius) } at { FEED($feed) }, { $direction ->
+group-recorded-caption = Circle { $number }: { $file }, { LENGTH($radius) } at { FEED($feed) }, { $direction ->
     [clockwise] clockwise
    *[counterclockwise] counterclockwise
 }, { NUMBER($turns, digits: 3) } turns.
-group-circle-reason = { $verdict } ({ $why }): { $what }
-group-delay-found = Circle { $number }: the delay of { $later } is longer than that of { $sooner } by { TIME($by) } ± { TIME($uncertainty) }.
 # in µm/m
 group-squareness-found = Left out as squareness: the angle of the axes is off a right one by { NUMBER($value, digits: 3) } ± { NUMBER($uncertainty, digits: 2) } µm/m (positive: less than 90°).
 group-squareness-unknown = Squareness cannot be told from unequal delays by circles of one direction and feed: record the other direction, too.
@@ -111,8 +109,8 @@ group-trace-no-angle = { $name } [{ $unit }] is no angle; write its unit behind 
 group-trace-size = the circle has a radius of { LENGTH($radius) }, which no circle test has; look at the units, and give the whole radius, not its deviation
 group-trace-no-circle = is no circle: this sample is { LENGTH($off) } off the one through most of them; cut the record to the circle, or look at the columns
 group-trace-arc = the longest stretch at constant feed goes round { $got }°; a whole turn is needed: record at least two turns, with their run-in
-group-plot-angle = angle / °
-group-plot-deviation = deviation of the radius / { $unit }
+group-plot-angle = angle, °
+group-plot-deviation = deviation of the radius
 group-line-measured = measured
 group-line-fitted = fitted, reversals apart
 group-line-predicted = predicted, nominal machine
@@ -206,5 +204,4 @@ group-page-field-radius = Radius of the circle
 group-page-field-angle = Change of direction at the corner
 
 # in µm/m
-group-one-feed = a scale that is off by { NUMBER($scale, digits: 3) } µm/m, by pitch or temperature, does the same at any feed, a loop with its square; record a circle at another feed, too
-group-scales-found = Left out as scale, by the slowest circle: lengths come out { NUMBER($mean, digits: 3) } µm/m too long, those of { $first } by { NUMBER($apart, digits: 3) } µm/m more than those of { $second }.
+group-may-be-scale = a scale that is off by { NUMBER($scale, digits: 3) } µm/m, by pitch or temperature, does the same; measure the scales of the axes
