@@ -199,7 +199,7 @@ def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_bla
     assert row[1].startswith(planned)
     assert row[2] == "–"
     entered = words.format.quantity(limits_of(found.record).jerk, jerk.unit)
-    assert any(f"with {entered} entered" in line for line in say_reasons(found, words))
+    assert any(f"with {entered} entered" in line for line in say_reasons(found.checks, words))
     assert find(found, "setpoint acceleration").verdict is Verdict.HOLDS
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
@@ -240,9 +240,9 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
     residual = find(found, "move 1: residual deviation")
     assert residual.reason.kind == "verify-encoder-only"
     # What is known stands first, and the reason once.
-    shown = [check.verdict is Verdict.UNKNOWN for check in known_first(found)]
+    shown = [check.verdict is Verdict.UNKNOWN for check in known_first(found.checks)]
     assert shown == sorted(shown)
-    said = [line for line in say_reasons(found, words_of(found)) if "only the encoder" in line]
+    said = [line for line in say_reasons(found.checks, words_of(found)) if "only the encoder" in line]
     assert len(said) == 1
     assert said[0].count("Move 1") == 3
 
