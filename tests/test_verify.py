@@ -242,7 +242,9 @@ def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_pat
     # What is known stands first, and the reason once.
     shown = [check.verdict is Verdict.UNKNOWN for check in known_first(found.checks)]
     assert shown == sorted(shown)
-    said = [line for line in say_reasons(found.checks, words_of(found)) if "only the encoder" in line]
+    said = [
+        line for line in say_reasons(found.checks, words_of(found)) if "only the encoder" in line
+    ]
     assert len(said) == 1
     assert said[0].count("Move 1") == 3
 

@@ -2,7 +2,6 @@
 
 const contours = (() => {
   const PLACES = 720, DIRECTIONS = 4, HALVINGS = 9;
-  const SHARES = [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
   const times = ([a, b], [c, d]) => [a * c - b * d, a * d + b * c];
   const turn = angle => [Math.cos(angle), Math.sin(angle)];
@@ -125,31 +124,28 @@ const contours = (() => {
     return Math.max(far, closest);
   }
 
-  function cornerDeviation(model, angle, speed, arc = NO_ARC, isNominal = false) {
-    const [phases, first, second] = isNominal ? [1, 1, 1] : [model.starts.length, model.axes[0].lag.length, model.axes[1].lag.length];
+  function cornerDeviation(model, angle, speed, arc = NO_ARC) {
+    const [first, second] = model.axes.map(axis => axis.lag.length);
     let worst = 0;
-    for (let phase = 0; phase < phases; phase++) for (let i = 0; i < first; i++) for (let k = 0; k < second; k++) for (let n = 0; n < DIRECTIONS; n++) {
+    for (let phase = 0; phase < model.starts.length; phase++) for (let i = 0; i < first; i++) for (let k = 0; k < second; k++) for (let n = 0; n < DIRECTIONS; n++) {
       const direction = n * Math.PI / DIRECTIONS;
       worst = Math.max(worst, distance(path(model, [phase, i, k], angle, speed, arc, direction), direction, angle));
     }
     return worst;
   }
 
-  // How fast a corner is passed within the tolerance; on an arc where the control puts one in.
-  function cornerSpeed(model, angle, feed, acceleration = model.arc_acceleration) {
+  // How fast a corner is passed within the tolerance; on the arc that the control puts in, if it does.
+  function cornerSpeed(model, angle, feed, isOnArc = model.arc > 0) {
     const off = cornerDeviation(model, angle, feed), tolerance = model.allowed;
-    let best = {speed: Math.min(feed, feed * tolerance / off), arc: NO_ARC, off};
-    for (const share of acceleration ? SHARES : []) {
-      const arc = arcWithin(share * tolerance, angle);
-      let low = best.speed, high = Math.min(feed, Math.sqrt(acceleration * arc.radius));
-      if (high <= low || cornerDeviation(model, angle, low, arc, true) > tolerance) continue;
-      for (let n = 0; n < HALVINGS; n++) {
-        const middle = 0.5 * (low + high);
-        if (cornerDeviation(model, angle, middle, arc, true) <= tolerance) low = middle; else high = middle;
-      }
-      if (low > best.speed && cornerDeviation(model, angle, low, arc) <= tolerance) best = {speed: low, arc, off};
+    if (!isOnArc) return {speed: Math.min(feed, feed * tolerance / off), arc: NO_ARC, off};
+    const arc = arcWithin(model.arc, angle), top = Math.min(feed, Math.sqrt(model.arc_acceleration * arc.radius));
+    if (cornerDeviation(model, angle, top, arc) <= tolerance) return {speed: top, arc, off};
+    let low = 0, high = top;
+    for (let n = 0; n < HALVINGS; n++) {
+      const middle = 0.5 * (low + high);
+      if (cornerDeviation(model, angle, middle, arc) <= tolerance) low = middle; else high = middle;
     }
-    return best;
+    return {speed: low, arc, off};
   }
 
   return {circle, trace, path, cornerDeviation, cornerSpeed, NO_ARC};
@@ -176,7 +172,7 @@ const groupPage = (() => {
 
   function compute(isHasty) {
     const begun = performance.now(), {feed, radius, angle} = state, found = contours.circle(model, radius, feed), trace = contours.trace(model, radius, feed);
-    const corner = contours.cornerSpeed(model, angle, feed, isHasty ? 0 : model.arc_acceleration), path = feed * feed / radius;
+    const corner = contours.cornerSpeed(model, angle, feed, model.arc > 0 && !isHasty), path = feed * feed / radius;
     tell("acceleration", `${show(path)} m/s²`, `${show(model.path.acceleration)} m/s²`);
     tell("largest", micro(found.largest), micro(model.allowed));
     tell("radius", micro(found.radius));

@@ -70,6 +70,7 @@ def contour_panel(record: GroupRecord, words: Catalogue) -> GroupPanel:
             "model": to_plain(record.drawn)
             | {
                 "filter": to_plain(record.filter),
+                "arc": record.corner_rule.value if record.drawn.arc_acceleration else 0.0,
                 "tolerance": record.tolerance,
                 "path": to_plain(record.path),
                 "feed": record.feed,
