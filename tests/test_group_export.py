@@ -215,7 +215,7 @@ def renamed(axis: AxisEntry, name: str) -> AxisEntry:
     return replace(axis, name=name, profile=profile, machine=replace(axis.machine, axis=name))
 
 
-@pytest.mark.parametrize("control", ["linuxcnc", "klipper", "twincat"])
+@pytest.mark.parametrize("control", ["linuxcnc", "twincat"])
 def test_axes_that_a_control_cannot_tell_apart_are_refused(
     control: str, record: GroupRecord
 ) -> None:

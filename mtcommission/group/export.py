@@ -38,7 +38,7 @@ from mtcommission.export.write import (
     write_body,
     write_head,
 )
-from mtcommission.group.held import find_deviations, hold_axis
+from mtcommission.group.held import find_circle, hold_axis
 from mtcommission.group.record import CircleEntry, GroupRecord
 from mtcommission.group.rules import Corner, rule_of
 from mtcommission.messages.catalogue import Catalogue
@@ -304,21 +304,25 @@ def _with_path(values: Values, path: Values) -> dict[Key, float | str]:
 
 def _draw_circles(record: GroupRecord, judged: Sequence[Judged]) -> Iterator[CircleOfText]:
     """The record's circle at two feeds, as the text draws it."""
-    by_name = {}
-    for axis, one in zip(record.axes, judged, strict=True):
-        held = one.held
-        wait = float(held.values.get((Setting.WAIT, ""), 0.0))
-        item = held.limits().setpoint_filter
-        by_name[axis.name] = hold_axis(axis.name, held.machine, held.tuned, item, wait)
-    plane = [by_name[name] for name in record.plane]
+    axes = {
+        axis.name: hold_axis(
+            one.held.machine,
+            one.held.tuned,
+            one.held.limits().setpoint_filter,
+            float(one.held.values.get((Setting.WAIT, ""), 0.0)),
+        )
+        for axis, one in zip(record.axes, judged, strict=True)
+        if axis.name in record.plane
+    }
+    first, second = (axes[name] for name in record.plane)
     for circle in record.circle:
         if any(isclose(circle.feed, feed) for feed in (SLOW, record.feed)):
-            every = find_deviations(plane, np.array([circle.feed / circle.radius]))
-            worst = int(every.largest[:, 0].argmax())
+            size, E = find_circle(first, second, radius=circle.radius, feed=circle.feed)
+            worst = int((np.abs(size) + np.abs(E)).argmax())
             yield CircleOfText(
                 planned=circle,
-                radius_deviation=circle.radius * float(every.radius[worst, 0]),
-                form_deviation=circle.radius * float(every.form[worst, 0]),
+                radius_deviation=float(size[worst]),
+                form_deviation=2.0 * float(np.abs(E[worst])),
             )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mtcommission.group.circle import reversal_course
 from mtcommission.group.fit import FittedCircle, Found, fit_circles
-from mtcommission.group.held import HeldAxis, find_deviations, find_ellipses, read_plane
+from mtcommission.group.held import HeldAxis, find_circle, read_plane
 from mtcommission.group.record import GroupRecord
 from mtcommission.group.traces import CircularTrace
 from mtcommission.messages.message import Message
@@ -123,8 +123,7 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
 
 def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> CircleBeside:
     """Return a circle beside what the record makes of that radius, feed and direction."""
-    omega = np.array([circle.omega])
-    ellipse = find_ellipses(axes, omega)[:, 0] * circle.radius
+    radius, ellipse = find_circle(*axes, radius=circle.radius, feed=circle.feed)
     course, peaks = np.zeros(circle.angle.size), []
     for place, axis in enumerate(axes):
         if not axis.machine.drive.has_friction:
@@ -147,7 +146,7 @@ def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> CircleBesi
         course += late * np.abs(np.cos(own))
     return CircleBeside(
         fitted=circle,
-        radius=find_deviations(axes, omega).radius[:, 0] * circle.radius,
+        radius=radius,
         ellipse=ellipse if circle.direction > 0 else np.conj(ellipse),
         course=course,
         peaks=(peaks[0], peaks[1]),
