@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 
 import numpy as np
@@ -52,75 +52,66 @@ def read_circular(name: str, said: Mapping[str, str], plane: Sequence[str]) -> C
     """
     data = read_measured(name)
     contents = read_contents(data, said, where=name)
-    actual = [axis.casefold() for axis in plane]
-    pairs = (actual, [f"{axis}_ref" for axis in actual], [ANGLE, RADIUS])
-    known = [own for pair in pairs for own in pair]
+    first, second = (axis.casefold() for axis in plane)
+    actual, reference, polar = (first, second), (f"{first}_ref", f"{second}_ref"), (ANGLE, RADIUS)
     items = [item for item in contents.items if isinstance(item, TimeContents) and item.columns]
     if not items:
         raise refuse(name, "verify-no-time-record")
-    found: dict[str, tuple[Column, str]] = {}
-    for column, own, unit in _named(items[0].columns, said, known):
-        if own in found:
-            names = (found[own][0].name, column.name)
-            raise refuse(name, "verify-two-columns", role=own, names=names)
-        found[own] = (column, unit)
-    whole = [pair for pair in pairs if all(own in found for own in pair)]
-    if pairs[0] not in whole and pairs[2] not in whole:
+    found = _find(items[0].columns, said, (*actual, *reference, *polar), where=name)
+    whole = [pair for pair in (actual, reference, polar) if found.keys() >= set(pair)]
+    if actual not in whole and polar not in whole:
         there = tuple(column.name for column in items[0].columns)
-        raise refuse(name, "group-trace-columns", found=there, first=actual[0], second=actual[1])
-    used = [own for pair in whole for own in pair]
+        raise refuse(name, "group-trace-columns", found=there, first=first, second=second)
+    columns = {own: found[own] for pair in whole for own in pair}
     remarks = [*contents.remarks]
     values = {}
-    for own in used:
-        column, unit = found[own]
-        if not unit:
-            if own == ANGLE:
-                raise refuse(name, "group-trace-angle-unit", name=column.name)
+    for own, column in columns.items():
+        values[own] = _scale(column, is_angle=own == ANGLE, where=name) * column.values
+        if not column.unit:
             remarks.append(Message("verify-si-assumed", name=column.name))
-        values[own] = _scale(column, unit, is_angle=own == ANGLE, where=name) * column.values
+    if actual not in whole:
+        values[first] = values[RADIUS] * np.cos(values[ANGLE])
+        values[second] = values[RADIUS] * np.sin(values[ANGLE])
+    told = np.column_stack([values[own] for own in reference]) if reference in whole else None
     clock = read_clock(items[0], said, where=name)
-    first, second = (values.get(own) for own in pairs[0])
-    if first is None or second is None:
-        angle, radius = values[ANGLE], values[RADIUS]
-        first, second = radius * np.cos(angle), radius * np.sin(angle)
-    has_setpoint = pairs[1] in whole
     return CircularTrace(
         file=name,
         sha256=sha256(data).hexdigest(),
-        columns={own: found[own][0].name for own in used},
+        columns={own: column.name for own, column in columns.items()},
         t=clock.times,
-        points=np.column_stack([first, second]),
-        reference=np.column_stack([values[own] for own in pairs[1]]) if has_setpoint else None,
+        points=np.column_stack([values[own] for own in actual]),
+        reference=told,
         lines=clock.lines,
         remarks=tuple(dict.fromkeys(remarks)),
     )
 
 
-def _named(
-    columns: Sequence[Column], said: Mapping[str, str], known: Sequence[str]
-) -> list[tuple[Column, str, str]]:
-    """Each column of one of our names, that name, and its unit; ``--columns`` comes first."""
+def _find(
+    columns: Sequence[Column], said: Mapping[str, str], known: Sequence[str], *, where: str
+) -> dict[str, Column]:
+    """The column of each of our names, with its unit; ``--columns`` comes first."""
     chosen = find_columns([column.name for column in columns], said, known)
     taken = {own for own, _ in chosen.values()}
-    found = []
+    found: dict[str, Column] = {}
     for place, column in enumerate(columns):
         plain = column.name.casefold().replace(" ", "_")
         own, unit = chosen.get(place, ("" if plain in taken else plain, None))
+        if own in found:
+            names = (found[own].name, column.name)
+            raise refuse(where, "verify-two-columns", role=own, names=names)
         if own in known:
-            found.append((column, own, unit or column.unit))
+            found[own] = replace(column, unit=unit or column.unit)
     return found
 
 
-def _scale(column: Column, unit: str, *, is_angle: bool, where: str) -> float:
+def _scale(column: Column, *, is_angle: bool, where: str) -> float:
     """SI value of one unit of the file."""
-    if not unit:
+    if not column.unit and is_angle:
+        raise refuse(where, "group-trace-angle-unit", name=column.name)
+    if not column.unit:
         return 1.0
-    measured = read_signal_unit(unit)
-    if (
-        measured is None
-        or measured.signal is not Signal.POSITION
-        or measured.rotary is not is_angle
-    ):
-        kind = "group-trace-no-angle" if is_angle else "group-trace-no-length"
-        raise refuse(where, kind, name=column.name, unit=unit)
-    return measured.scale
+    measured = read_signal_unit(column.unit)
+    if measured and measured.signal is Signal.POSITION and measured.rotary is is_angle:
+        return measured.scale
+    kind = "group-trace-no-angle" if is_angle else "group-trace-no-length"
+    raise refuse(where, kind, name=column.name, unit=column.unit)
