@@ -67,11 +67,13 @@ AT_CORNERS = {
     Corner.ARC: Setting.CORNER_TOLERANCE,
 }
 
+CORNER = {*AT_CORNERS.values(), Setting.CONTOUR_TOLERANCE}
+"""Settings with one of which a control knows what corners may take."""
+
 PLACES = {
-    Setting.WAIT: (Setting.WAIT,),
-    Setting.PATH_ACCELERATION: (Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION_CEILING),
-    Setting.PATH_JERK: (Setting.PATH_JERK, Setting.PATH_JERK_CEILING),
-    Setting.CORNER_STEP: (*AT_CORNERS.values(), Setting.CONTOUR_TOLERANCE),
+    Setting.WAIT: {Setting.WAIT},
+    Setting.PATH_ACCELERATION: {Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION_CEILING},
+    Setting.PATH_JERK: {Setting.PATH_JERK, Setting.PATH_JERK_CEILING},
 }
 """Settings each of which a control must have one of, to hold that value of the group."""
 
@@ -218,14 +220,10 @@ def _tell(
         Setting.PATH_JERK_CEILING: _ceiling(path.jerk, [one.jerk for one in best], jerks),
         Setting.CONTOUR_TOLERANCE: record.tolerance,
     }
-    if is_for(record, target):
+    # The record's value at corners belongs to the rule of its own control.
+    if record.axes[0].loop.kind == target.kind.key:
         told[AT_CORNERS[rule_of(target.kind.key).kind]] = record.corner_rule.value
     return {(setting, ""): value for setting, value in told.items() if 0.0 < value < inf}
-
-
-def is_for(record: GroupRecord, target: Control) -> bool:
-    """Return whether a group was computed for a control; else its value at corners is another's."""
-    return record.axes[0].loop.kind == target.kind.key
 
 
 def _ceiling(path: float, axes: Sequence[float], typed: Sequence[float]) -> float:
@@ -364,7 +362,7 @@ def _say(
             yield Message("group-export-of", name=name, said=sentence)
         notes[name] = say_notes(subject, target, found, part.rows)
     rows = [row for part in parts for row in part.rows]
-    yield from _say_without_place(record, target, {row.setting for row in rows})
+    yield from _say_without_place(record, {row.setting for row in rows})
     yield from _say_notes(notes)
     # Whether the rule at corners was read is said of this control, not of the record's.
     doubt = Message("group-rule-not-verified")
@@ -383,33 +381,23 @@ def _say_notes(by_axis: Mapping[str, Sequence[Message]]) -> Iterator[Message]:
             yield note if is_common else Message("group-export-of", name=own, said=note)
 
 
-def _say_without_place(
-    record: GroupRecord, target: Control, held: set[Setting]
-) -> Iterator[Message]:
+def _say_without_place(record: GroupRecord, held: set[Setting]) -> Iterator[Message]:
     """Which values of the group the text does not hold."""
-    lacking = {setting for setting, places in PLACES.items() if not held & set(places)}
     waits = tuple(
         Message("group-wait-of", name=axis.name, wait=axis.wait)
         for axis in record.axes
         if axis.wait
     )
-    if not waits:
-        lacking.discard(Setting.WAIT)
-    if record.axes[0].loop.jerk == "none":
-        lacking.discard(Setting.PATH_JERK)
-    if Setting.CORNER_STEP in lacking:
-        known = {row.setting for row in (*target.axis_in_group, *target.group)}
-        if not is_for(record, target):
-            lacking.discard(Setting.CORNER_STEP)
-            yield Message("group-export-other-corner")
-        elif known & set(AT_CORNERS.values()):
-            lacking.discard(Setting.CORNER_STEP)
-            yield Message("group-export-no-rounding")
+    lacking = [setting for setting, places in PLACES.items() if not held & places]
+    if not waits and Setting.WAIT in lacking:
+        lacking.remove(Setting.WAIT)
+    if record.axes[0].loop.jerk == "none" and Setting.PATH_JERK in lacking:
+        lacking.remove(Setting.PATH_JERK)
     if lacking:
         path = {"acceleration": record.path.acceleration, "jerk": record.path.jerk}
         values = tuple(
-            Message(f"{setting.value[2]}-without-place", waits=waits, **path)
-            for setting in PLACES
-            if setting in lacking
+            Message(f"{setting.value[2]}-without-place", waits=waits, **path) for setting in lacking
         )
         yield Message("group-export-without-place", values=values)
+    if not held & CORNER:
+        yield Message("group-export-no-corner")

@@ -78,10 +78,8 @@ group-row-wait-without-place = Wartezeit { $waits }
 group-wait-of = { $name } { TIME($wait) }
 group-row-acceleration-without-place = Bahnbeschleunigung { SI($acceleration, "ACCELERATION") }
 group-row-jerk-without-place = Bahnruck { SI($jerk, "JERK") }
-group-row-step-without-place = ein Wert für Ecken (die Tabelle der Geschwindigkeit über dem Winkel steht im Protokoll)
 group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
-group-export-other-corner = KEIN WERT FÜR ECKEN: der im Protokoll gehört zu dessen Steuerung; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren oder die Profile für diese Steuerung rechnen.
-group-export-no-rounding = KEIN WERT FÜR ECKEN: innerhalb der Toleranz ist kein Verrunden schneller als sofortiges Abbiegen; sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren.
+group-export-no-corner = KEIN WERT FÜR ECKEN: sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren. Ein Wert gehört zu der Steuerung, für die die Gruppe gerechnet ist; es gibt keinen, wo innerhalb der Toleranz kein Verrunden schneller ist als sofortiges Abbiegen.
 
 # Aufgezeichnete Kreise. $name, $first, $second, $later, $sooner: Achsen; $number: des Kreises
 circle = Kreis { $number }
@@ -152,7 +150,6 @@ group-circle-alt = Kreise mit Radius { LENGTH($radius) } bei { $feeds }, die Abw
 group-circle-band = Toleranz ± { LENGTH($tolerance) }
 group-circle-nominal = Sollkreis
 group-circle-division = Ein Teilstrich: { $division }
-group-circle-magnified = Abweichung { $factor }-fach vergrößert
 group-circle-turn = Gegen den Uhrzeigersinn (G3)
 group-circle-figures = { $feed }: F { LENGTH($least, digits: 3) } bis { LENGTH($largest, digits: 3) }, G { LENGTH($circular, digits: 3) }
 group-feeds-caption = Größter Vorschub auf Kreisen innerhalb { LENGTH($tolerance) }

@@ -78,10 +78,8 @@ group-row-wait-without-place = wait { $waits }
 group-wait-of = { $name } { TIME($wait) }
 group-row-acceleration-without-place = path acceleration { SI($acceleration, "ACCELERATION") }
 group-row-jerk-without-place = path jerk { SI($jerk, "JERK") }
-group-row-step-without-place = a value for corners (the table of speeds over the angle is in the record)
 group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
-group-export-other-corner = NO VALUE FOR CORNERS: that of the record belongs to its own control; pass them at the speeds over the angle of the record, or compute the profiles for this control.
-group-export-no-rounding = NO VALUE FOR CORNERS: within the tolerance no rounding is faster than turning at once; pass them at the speeds over the angle of the record.
+group-export-no-corner = NO VALUE FOR CORNERS: pass them at the speeds over the angle of the record. A value belongs to the control that the group was computed for; there is none where no rounding within the tolerance is faster than turning at once.
 
 # Recorded circles. $name, $first, $second, $later, $sooner: axes; $number: of the circle
 circle = Circle { $number }
@@ -152,7 +150,6 @@ group-circle-alt = Circles of radius { LENGTH($radius) } at { $feeds }, the devi
 group-circle-band = Tolerance ± { LENGTH($tolerance) }
 group-circle-nominal = Nominal circle
 group-circle-division = One division: { $division }
-group-circle-magnified = Deviation magnified { $factor } times
 group-circle-turn = Counterclockwise (G3)
 group-circle-figures = { $feed }: F { LENGTH($least, digits: 3) } to { LENGTH($largest, digits: 3) }, G { LENGTH($circular, digits: 3) }
 group-feeds-caption = Largest feed of circles within { LENGTH($tolerance) }
