@@ -43,7 +43,6 @@ from mtcommission.group.record import CircleEntry, GroupRecord
 from mtcommission.group.rules import Corner, rule_of
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.values import Words
 
 SLOW = 1.0 / 60.0
 """The first feed at which the text's circle is drawn [m/s]; the other is the group's."""
@@ -364,11 +363,10 @@ def _say(
     rows = [row for part in parts for row in part.rows]
     yield from _say_without_place(record, {row.setting for row in rows})
     yield from _say_notes(notes)
-    # Whether the rule at corners was read is said of this control, not of the record's.
+    # That the rule at corners was not read is of no matter where the text holds no value for it.
     doubt = Message("group-rule-not-verified")
-    warnings: list[Words] = [one for one in record.warnings if one != doubt]
-    if not rule_of(target.key).is_verified:
-        warnings.append(doubt)
+    holds_corner = any(row.setting in CORNER for row in rows)
+    warnings = [one for one in record.warnings if holds_corner or one != doubt]
     yield from say_doubts(subjects, judged, warnings, rows, words)
 
 
