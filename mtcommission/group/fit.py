@@ -46,7 +46,7 @@ BEFORE, BEHIND = 2.0 * pi / 180.0, 40.0 * pi / 180.0
 """Angle before a reversal, and at most behind it, that belongs to its peak."""
 
 SEEN = 5
-"""Samples between which no peak hides (design choice)."""
+"""Samples about a reversal without which its peak is not told (design choice)."""
 
 SIGMAS = 2.0
 """Standard deviations of an uncertainty."""
@@ -106,21 +106,28 @@ class FittedCircle:
     def peak(self, axis: int) -> Found | None:
         """Return how far reversals of an axis throw the tool off [m]; None: none was seen.
 
-        Of several the middle one; unsure by their spread, and by the largest of so many samples'
-        noise.
+        Of several the middle one; unsure by their spread, by the largest of so many samples' noise,
+        and by what lies between two of these.
         """
         own = _behind(self.angle, axis, self.direction)
         inside = (own <= min(AFTER * self.omega, BEHIND)) | (own >= pi - BEFORE)
-        off = np.abs(self.deviation - self.fitted)
+        off = self.deviation - self.fitted
         # The first and the last stretch may be cut.
         whole = [k for k in _stretches(inside) if k.start > 0 and k.stop < inside.size]
         whole = [k for k in whole if k.stop - k.start >= SEEN]
         if not whole:
             return None
-        found = [float(off[k].max()) for k in whole]
+        found, between = np.array([_largest(off[k]) for k in whole]).T
         white = self.noise * sqrt(2.0 * log(max(k.stop - k.start for k in whole)))
         spread = float(np.std(found)) / sqrt(len(found))
-        return Found(value=float(np.median(found)), uncertainty=white + spread)
+        unsure = white + spread + float(between.max())
+        return Found(value=float(np.median(found)), uncertainty=unsure)
+
+
+def _largest(piece: Array) -> tuple[float, float]:
+    """The largest deviation, and how much more a parabola through its neighbours may reach."""
+    k = int(np.clip(np.abs(piece).argmax(), 1, piece.size - 2))
+    return float(np.abs(piece).max()), abs(float(piece[k - 1] - 2.0 * piece[k] + piece[k + 1])) / 8
 
 
 def _stretches(inside: NDArray[np.bool_]) -> list[slice]:
