@@ -12,8 +12,8 @@ import pytest
 
 from mtcommission.errors import InputError
 from mtcommission.group.circle import deviate, filter_response
-from mtcommission.group.contours import draw_circle, follow_contours
-from mtcommission.group.corner import NO_ARC, Turning, corner_deviation, speeds_at_once, turn
+from mtcommission.group.contours import draw_circle, follow_contours, turnings
+from mtcommission.group.corner import NO_ARC, Turning, corner_deviation, speeds_at_once
 from mtcommission.group.group import Group, join
 from mtcommission.group.record import build_group_record, load_group
 from mtcommission.group.rules import junction_speed, largest_step
@@ -102,9 +102,7 @@ def test_a_corner_behind_an_average_alone(degrees: float) -> None:
 
 
 def test_what_a_control_is_told_keeps_the_speed_of_every_corner(joined: Group) -> None:
-    first, second = joined.answers
-    axes = turn(first), turn(second)
-    speeds = tuple(speeds_at_once(axes, tolerance=10e-6, feed=joined.task.feed))
+    speeds = tuple(speeds_at_once(turnings(joined), tolerance=10e-6, feed=joined.task.feed))
     step, square = largest_step(speeds), junction_speed(speeds)
     s = cos(pi / 4.0)
     q = square**2 * (1.0 - s) / s
@@ -161,10 +159,9 @@ def test_entries_corners_and_lines_keep_the_tolerance_in_the_second_program(
         )
         assert 0.2 * allowed < off <= allowed
     speed = next(one for one in follow_contours(joined).corners if one.angle == pi / 2)
-    first, second = joined.answers
     nominal = tuple(
         replace(axis, starts=axis.starts[1:2], tool=axis.tool[1:2, :1], lag=axis.lag[:1])
-        for axis in (turn(first), turn(second))
+        for axis in turnings(joined)
     )
     ours = corner_deviation((nominal[0], nominal[1]), speed.angle, speed.speed, speed.arc)
     offs = [

@@ -7,13 +7,13 @@ axes in proportion. Behind the group's filter, in every corner of the machine, b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.poles import LoopPoles
-from mtcommission.loop.respond import TOOL, outputs_at, set_in_motion, swing_times
+from mtcommission.loop.respond import FORCE, TOOL, outputs_at, set_in_motion, swing_times
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
@@ -66,13 +66,17 @@ class AxisAnswers:
 
         The first step comes within the first cycle.
         """
+        found = self._outputs(steps, cycles, TOOL)[..., self._parts]
+        return np.asarray(found.reshape(*found.shape[:2], -1), dtype=np.float64)
+
+    def _outputs(self, steps: JerkSteps, cycles: int, output: int) -> Array:
+        """An output, (n_corners, n_setpoints, n_cycles, velocity cycles)."""
         n = np.arange(cycles) - self.wait
         motions = set_in_motion(self.poles, filter_steps(steps, self.setpoint_filter))
         each = np.tile(np.maximum(n, 0), (len(steps.times), 1))
-        found = outputs_at(motions, each, np.eye(self.poles.outputs)[TOOL])[..., self._parts, 0]
+        found = outputs_at(motions, each, np.eye(self.poles.outputs)[output])[..., 0]
         found[:, :, n < 0] = 0.0
-        found = found.swapaxes(0, 1)
-        return np.asarray(found.reshape(*found.shape[:2], -1), dtype=np.float64)
+        return np.asarray(found.swapaxes(0, 1), dtype=np.float64)
 
     def cycles(self, duration: float) -> int:
         """Return after how many position cycles the answer to so long a setpoint [s] is over."""
@@ -86,9 +90,22 @@ class AxisAnswers:
 
         ``phase``: when within a position cycle it comes [-]; the first instant is that cycle's.
         """
+        return self.tool(self._single_step(phase), self.cycles(0.0))[:, 0]
+
+    def largest_step(self, force_limit: float) -> float:
+        """Return the step of velocity [m/s] that takes all of a force [N], in any corner and phase.
+
+        inf where the motor follows its setpoint: what it can do is then no matter of a force.
+        """
+        if self.poles.loops[0].controller.follows:
+            return inf
+        cycles = self.cycles(0.0)
+        forces = [self._outputs(self._single_step(one), cycles, FORCE) for one in PHASES]
+        return force_limit / float(np.abs(forces).max())
+
+    def _single_step(self, phase: float) -> JerkSteps:
         at = np.full((1, 1), phase * self.poles.dt)
-        single = JerkSteps(times=at, steps=np.ones((1, 1)), order=1)
-        return self.tool(single, self.cycles(0.0))[:, 0]
+        return JerkSteps(times=at, steps=np.ones((1, 1)), order=1)
 
     def entry(self) -> float:
         """Return the largest deviation after a step of acceleration of 1 m/s² [s²].

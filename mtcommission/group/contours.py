@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.group.circle import filter_response, reversal_course
-from mtcommission.group.corner import CornerSpeed, speeds_at_once, speeds_on_arcs, turn
+from mtcommission.group.corner import CornerSpeed, Turning, speeds_at_once, speeds_on_arcs, turn
 from mtcommission.group.group import Group, worst_deviation
 from mtcommission.group.rules import Corner
 from mtcommission.machine.moves import largest_velocity
@@ -153,10 +153,18 @@ def _largest_effect(group: Group, radius: float, feed: float, is_entry: bool) ->
 
 
 def _corner_speeds(group: Group) -> Iterator[CornerSpeed]:
-    first, second = group.answers
-    axes = turn(first), turn(second)
+    axes = turnings(group)
     tolerance, feed = group.allowed, group.task.feed
     if group.rule.kind is Corner.ARC:
         acceleration = group.rule.share * group.acceleration
         return speeds_on_arcs(axes, tolerance=tolerance, feed=feed, acceleration=acceleration)
     return speeds_at_once(axes, tolerance=tolerance, feed=feed)
+
+
+def turnings(group: Group) -> tuple[Turning, Turning]:
+    """Return how the two axes of the plane answer a step of velocity."""
+    first, second = (
+        turn(answers, axis.alone.machine.drive.motion_force)
+        for answers, axis in zip(group.answers, group.drawn, strict=True)
+    )
+    return first, second

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import ceil, cos, pi, sin, sqrt
+from math import ceil, cos, inf, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
 """Changes of direction that are looked at [degrees]."""
 
-DIRECTIONS = 4
+DIRECTIONS = 16
 """Directions in which the corner is entered, over half a turn (design choice)."""
 
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
@@ -46,6 +46,7 @@ class Turning:
     starts: tuple[float, ...]  # when the step comes, within the first position cycle [s]
     tool: Array  # its position, (n_starts, n_corners, n_times) [m per m/s]
     lag: Array  # of slow motion behind the setpoint, (n_corners,) [s]
+    largest_step: float = inf  # that the force allows [m/s]
 
     def leading(self) -> Turning:
         """Return the same in the nominal machine and in the corner that is furthest off alone."""
@@ -56,13 +57,14 @@ class Turning:
         return replace(self, tool=self.tool[:, own], lag=self.lag[own])
 
 
-def turn(axis: AxisAnswers) -> Turning:
-    """Return how an axis behind its filter answers a step of velocity, at every phase."""
+def turn(axis: AxisAnswers, force_limit: float) -> Turning:
+    """Return how an axis of some force [N] answers a step of velocity, at every phase."""
     return Turning(
         step=axis.step,
         starts=tuple(phase * axis.poles.dt for phase in PHASES),
         tool=np.array([axis.to_velocity(phase) for phase in PHASES]),
         lag=axis.lag,
+        largest_step=axis.largest_step(force_limit),
     ).leading()
 
 
@@ -89,9 +91,13 @@ def corner_deviation(axes: tuple[Turning, Turning], angle: float, speed: float, 
     ``angle``: change of direction [rad]; ``speed``: constant, along the path [m/s].
     """
     first, second = axes
+    # An arc turns the velocity a little in every cycle, so that it has no phase of its own.
+    phases = 1 if arc.radius else len(first.starts)
     return max(
         _deviation((a, b), (first.step, start, first.lag[i], second.lag[k]), angle, speed, arc)
-        for start, one, other in zip(first.starts, first.tool, second.tool, strict=True)
+        for start, one, other in zip(
+            first.starts[:phases], first.tool[:phases], second.tool[:phases], strict=True
+        )
         for i, a in enumerate(one)
         for k, b in enumerate(other)
     )
@@ -153,11 +159,15 @@ class CornerSpeed:
 def speeds_at_once(
     axes: tuple[Turning, Turning], *, tolerance: float, feed: float
 ) -> Iterator[CornerSpeed]:
-    """Yield the largest speed over the angle where the velocity turns at once."""
+    """Yield the largest speed over the angle where the velocity turns at once.
+
+    No axis steps its velocity by more than its force allows.
+    """
+    largest_step = min(axis.largest_step for axis in axes)
     for degrees in ANGLES:
         angle = degrees * pi / 180.0
         off = corner_deviation(axes, angle, feed, NO_ARC)
-        speed = min(feed, feed * tolerance / off)
+        speed = min(feed, feed * tolerance / off, largest_step / (2.0 * sin(0.5 * angle)))
         yield CornerSpeed(angle=angle, speed=speed, arc=NO_ARC, deviation=off)
 
 
@@ -176,9 +186,12 @@ def speeds_on_arcs(
     plain = tuple(speeds_at_once(axes, tolerance=tolerance, feed=feed))
     right = next(one for one in plain if one.angle == 0.5 * pi)
 
-    def on_arc(one: CornerSpeed, share: float) -> CornerSpeed:
+    def on_arc(one: CornerSpeed, share: float, *, least: float = 0.0) -> CornerSpeed:
         arc = arc_within(share * tolerance, one.angle)
         low, high = 0.0, min(feed, sqrt(acceleration * arc.radius))
+        is_slower = bool(least) and corner_deviation(axes, one.angle, least, arc) > tolerance
+        if high <= least or is_slower:
+            return replace(one, speed=0.0, arc=arc)
         if corner_deviation(axes, one.angle, high, arc) <= tolerance:
             low = high
         for _ in range(0 if low else HALVINGS):
@@ -187,7 +200,8 @@ def speeds_on_arcs(
             low, high = (middle, high) if off <= tolerance else (low, middle)
         return replace(one, speed=low, arc=arc)
 
-    best = max((on_arc(right, share) for share in SHARES), key=lambda one: one.speed)
+    tried = (on_arc(right, share, least=right.speed) for share in SHARES)
+    best = max(tried, key=lambda one: one.speed)
     if best.speed <= right.speed:
         yield from plain
         return

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from mtcommission.group.answers import filter_lag
 from mtcommission.group.circle import AFTER, ToolResponse, reversal_course
-from mtcommission.group.contours import Contours
-from mtcommission.group.corner import turn
+from mtcommission.group.contours import Contours, turnings
 from mtcommission.group.group import Group, GroupAxis, worst_deviation
 from mtcommission.group.rules import Corner
 from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.record.shape import finite_or_none
 from mtcommission.record.values import rounded
 
 Array = NDArray[np.float64]
@@ -63,6 +63,7 @@ class Drawn:
     starts: list[float]  # of its steps, within the first position cycle [s]
     since: list[float]  # a reversal [s]
     entry: float  # deviation per acceleration where a circle is entered from its tangent [s²]
+    largest_step: float | None  # of the velocity of an axis, by its force [m/s]; None: any
     allowed: float  # what circles and corners may use of the tolerance [m]
     arc_acceleration: float  # on an arc that the control puts into a corner [m/s²]; 0: none is
     axes: list[DrawnAxis]
@@ -70,7 +71,7 @@ class Drawn:
 
 def drawn_part(group: Group, contours: Contours) -> Drawn:
     """Return what circles and corners of a group are drawn from."""
-    turned, on_circles = [turn(one) for one in group.answers], _worst_on_circles(group)
+    turned, on_circles = turnings(group), _worst_on_circles(group)
     axes = []
     for k, (axis, response) in enumerate(zip(group.drawn, group.plane.responses, strict=True)):
         answers = np.round(response.leading[on_circles[k]], DECIMALS)
@@ -93,6 +94,7 @@ def drawn_part(group: Group, contours: Contours) -> Drawn:
         since=SINCE.tolist(),
         allowed=group.allowed,
         entry=group.entry,
+        largest_step=finite_or_none(min(axis.largest_step for axis in turned)),
         arc_acceleration=on_arc if group.rule.kind is Corner.ARC else 0.0,
         axes=axes,
     )

@@ -1,7 +1,7 @@
 // Circles and corners of a group from what its record holds, as drawn.py and corner.py; SI.
 
 const contours = (() => {
-  const PLACES = 720, DIRECTIONS = 4, HALVINGS = 9;
+  const PLACES = 720, DIRECTIONS = 16, HALVINGS = 9;
 
   const times = ([a, b], [c, d]) => [a * c - b * d, a * d + b * c];
   const turn = angle => [Math.cos(angle), Math.sin(angle)];
@@ -125,9 +125,9 @@ const contours = (() => {
   }
 
   function cornerDeviation(model, angle, speed, arc = NO_ARC) {
-    const [first, second] = model.axes.map(axis => axis.lag.length);
+    const [first, second] = model.axes.map(axis => axis.lag.length), phases = arc.radius ? 1 : model.starts.length;
     let worst = 0;
-    for (let phase = 0; phase < model.starts.length; phase++) for (let i = 0; i < first; i++) for (let k = 0; k < second; k++) for (let n = 0; n < DIRECTIONS; n++) {
+    for (let phase = 0; phase < phases; phase++) for (let i = 0; i < first; i++) for (let k = 0; k < second; k++) for (let n = 0; n < DIRECTIONS; n++) {
       const direction = n * Math.PI / DIRECTIONS;
       worst = Math.max(worst, distance(path(model, [phase, i, k], angle, speed, arc, direction), direction, angle));
     }
@@ -137,7 +137,8 @@ const contours = (() => {
   // How fast a corner is passed within the tolerance; on the arc that the control puts in, if it does.
   function cornerSpeed(model, angle, feed, isOnArc = model.arc > 0) {
     const off = cornerDeviation(model, angle, feed), tolerance = model.allowed;
-    if (!isOnArc) return {speed: Math.min(feed, feed * tolerance / off), arc: NO_ARC, off};
+    const byForce = (model.largest_step ?? Infinity) / (2 * Math.sin(0.5 * angle));
+    if (!isOnArc) return {speed: Math.min(feed, feed * tolerance / off, byForce), arc: NO_ARC, off};
     const arc = arcWithin(model.arc, angle), top = Math.min(feed, Math.sqrt(model.arc_acceleration * arc.radius));
     if (cornerDeviation(model, angle, top, arc) <= tolerance) return {speed: top, arc, off};
     let low = 0, high = top;

@@ -105,5 +105,7 @@ example-milling-manipulator = Werkstückmanipulator einer Fräsmaschine
 example-milling-manipulator-source = Christiansen, Maurer, Zirn, Tabelle 1; max_force: Abschn. 5.1
 example-modal-two-modes = Portalachse mit zwei Eigenformen
 example-printer-belt = Kleiner Drucker mit Riemen
+example-mill-x = X-Achse einer kleinen Fräsmaschine
+example-mill-y = Y-Achse einer kleinen Fräsmaschine
 example-rack-gantry = Portal mit Zahnstange und Ritzel
 example-rotary-table = Drehtisch mit Torquemotor

@@ -119,5 +119,7 @@ example-milling-manipulator = Milling machine workpiece manipulator
 example-milling-manipulator-source = Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
 example-modal-two-modes = Gantry axis with two modes
 example-printer-belt = Small printer with belt
+example-mill-x = X axis of a small milling machine
+example-mill-y = Y axis of a small milling machine
 example-rack-gantry = Gantry with rack and pinion
 example-rotary-table = Rotary table with torque motor
