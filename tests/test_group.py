@@ -50,7 +50,7 @@ def joined() -> Group:
     return join(task_of())
 
 
-WITHOUT_CONTOUR = ('contour_deviation = "15 um"\ncontour_feed = "6 m/min"\n', "")
+WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', "")
 
 
 def driven(group: Group, corner: int = 0) -> list[Driven]:
@@ -262,7 +262,7 @@ def test_a_group_comes_back_from_its_file(joined: Group, tmp_path: Path) -> None
     ("change", "words"),
     [
         (('kind = "sinumerik"', 'kind = "fanuc"'), "axes that move together have one control"),
-        (('position_cycle = "2 ms"', 'position_cycle = "4 ms"'), "have one cycle"),
+        (('position_cycle = "1 ms"', 'position_cycle = "4 ms"'), "have one cycle"),
         (('axis = "Y"', 'axis = "X"'), "has the name of that in"),
     ],
 )

@@ -110,7 +110,7 @@ def test_a_profile_with_such_a_misfit_is_never_taken_without_a_word(
     new.write_text(text.replace("[requirements]\n", needs) + more, encoding="utf-8")
     code, printed, said = run("check", str(new))
     assert code == 0, said
-    assert "identified.misfit: misfit 60, at most 10" in " ".join(printed.split())
+    assert "misfit 60, at most 10" in " ".join(printed.split())
 
 
 def test_a_good_fit_says_nothing_of_it(run: Run, tmp_path: Path) -> None:

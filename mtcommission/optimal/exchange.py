@@ -89,7 +89,7 @@ def exchange(
 def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell = radians / problem.vibration_rate
-    if t_f / cell < MOST_CELLS[problem.ramp == inf]:
+    if t_f / cell < MOST_CELLS[bool(problem.ramp == inf)]:
         return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
     ramp = min(problem.ramp, 0.5 * t_f)
     places = np.unique([0.0, ramp, t_f - ramp, t_f])

@@ -112,6 +112,7 @@ def join_arcs(arcs: Sequence[Arc]) -> tuple[Arc, ...]:
 
     Examples
     --------
+    >>> from itertools import pairwise
     >>> times = (0.0, 0.1, 0.3, 0.4)
     >>> arcs = [constant_arc(a, b, control=Interior(), force=a) for a, b in pairwise(times)]
     >>> [(arc.t_start, arc.t_end) for arc in join_arcs(arcs)]
