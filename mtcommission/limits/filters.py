@@ -35,8 +35,9 @@ SHARES = (0.7, 0.8, 1.0, 1.25)
 """Frequencies of a shaper that are tried at first where no ramp quiets anything besides, by that of
 what rings: over a spread a robust one may lie well beside it (empirical) [-]."""
 
-NEIGHBOURS = 2.0
-"""Ratio of two frequencies up to which one shaper between them may quiet both [-]."""
+NEIGHBOURS = 3.0
+"""Ratio of two frequencies up to which one shaper between them may quiet both: the widest, of three
+humps, does so from half to one and a half of its own [-]."""
 
 RINGING = 0.3
 """Damping ratio below which a pole of the closed loop rings [-]."""
