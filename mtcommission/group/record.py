@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from itertools import islice
 from math import pi
 from pathlib import Path
@@ -40,11 +39,10 @@ from mtcommission.record.machine import (
     list_data,
 )
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.record import LIBRARIES, MOST_NAMED, Tool
+from mtcommission.record.record import MOST_NAMED, Tool, this_tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
 from mtcommission.record.values import Positive, SetpointFilterEntry, Words
 from mtcommission.study.loops import LoopChoice
-from mtcommission.version import __version__
 
 SCHEMA = 1
 
@@ -222,11 +220,7 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
     record = GroupRecord(
         schema=SCHEMA,
         checksum="",
-        tool=Tool(
-            name="mtcommission",
-            version=__version__,
-            libraries={name: version(name) for name in LIBRARIES},
-        ),
+        tool=this_tool(),
         created=created,
         axes=[
             _axis_entry(axis, entry_of(Profile, source))

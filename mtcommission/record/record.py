@@ -131,6 +131,12 @@ def record_run(found: Commissioning, *, created: str) -> Record:
     )
 
 
+def this_tool() -> Tool:
+    """Return this program and the libraries that compute, with their versions."""
+    libraries = {name: version(name) for name in LIBRARIES}
+    return Tool(name="mtcommission", version=__version__, libraries=libraries)
+
+
 def build_record(
     found: Commissioning,
     *,
@@ -151,11 +157,7 @@ def build_record(
     record = Record(
         schema=SCHEMA,
         checksum="",
-        tool=Tool(
-            name="mtcommission",
-            version=__version__,
-            libraries={name: version(name) for name in LIBRARIES},
-        ),
+        tool=this_tool(),
         created=created,
         profile=profile,
         machine=entry_of(MachineEntry, machine),
