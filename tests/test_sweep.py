@@ -38,6 +38,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.sweep import solve
 from mtcommission.sweep.case_table import read_cases
+from mtcommission.sweep.columns import columns
 from mtcommission.sweep.engine import run_sweep
 from mtcommission.sweep.lanes import Engine, open_lane
 from mtcommission.sweep.library import sweep
@@ -52,8 +53,7 @@ from mtcommission.sweep.plan import (
     vary_profile,
 )
 from mtcommission.sweep.request import check_plan, read_plan
-from mtcommission.sweep.rows import Answer, Work, columns
-from mtcommission.sweep.solve import solve_case
+from mtcommission.sweep.solve import Answer, Work, solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
 from mtcommission.sweep.table import read_table, summarise, write_table
 from tests.machines import paper_machine
@@ -187,14 +187,6 @@ def test_any_text_of_a_case_arrives_as_it_is(word: str) -> None:
     assert found == expected
 
 
-def test_cases_from_a_table() -> None:
-    axis = read_cases("f_max, plant.slider_mass\n2 kN, 700\n3 kN, 800\n", where="c.csv")
-    assert axis.keys == ("drive.max_force", "plant.slider_mass")
-    assert axis.rows == (("2 kN", "700"), ("3 kN", "800"))
-    with pytest.raises(InputError, match=r"c.csv:3: needs 2 values, got 1"):
-        read_cases("a,b\n1,2\n3\n", where="c.csv")
-
-
 @pytest.mark.parametrize("mark", [",", ";", "\t"])
 def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, mark: str) -> None:
     """Semicolons, tabs, a byte order mark, empty lines at the end, units in the header."""
@@ -215,6 +207,10 @@ def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, mark: str) -> No
         ("f_max [kg]\n2\n", 'c.csv:2: drive.max_force: got "2 kg", which is a mass'),
         ("f_max\n2 kN\n\n-3 kN\n", "c.csv:4: drive.max_force: got -3 kN, must be > 0 N"),
         ("f_max [kN];drive.force_lag\n2,5;1 ms\n", 'f_max: got "2,5" below a heading in kN'),
+        ("f_max,b\n1,2\n3\n", "c.csv:3: needs 2 values, got 1"),
+        # Of numbers with one unit the ends are tried; the odd unit between them, too.
+        ("plant.slider_mass\n7 kg\n.7 t\n7 g/m\n8 kg\n", 'c.csv:4: plant.slider_mass: got "7 g/m"'),
+        (",".join(["f_max"] * 60000) + "\n1\n", "60000 columns"),
         ("f_max\n", "c.csv:1: needs a header of keys and at least one case"),
         ('f_max\n"' + "2" * 200_000 + '"\n', "c.csv:2: is no CSV"),
         (b"f_max\n2 \xb5N\n", "c.csv: is not UTF-8 text"),
@@ -290,14 +286,14 @@ def test_killed_by_force_and_resumed(
     """After kill -9 the rows on disk are kept as they are, and the rest is the same as ever."""
     line = [*command(tmp_path), "--workers", str(1 + finished % 2)]
     running = subprocess.Popen(line, stderr=subprocess.PIPE, text=True)
-    while running.poll() is None and lines_in(tmp_path) <= finished:
+    while running.poll() is None and lines_in(tmp_path) < finished:
         time.sleep(0.002)
     running.kill()
     _, told = running.communicate()
     assert told == "", "Python's own complaints tell the user nothing"
     kept = (tmp_path / NAME).read_bytes()
     sound = kept[: kept.rindex(b"\n") + 1]
-    assert sound.count(b"\n") > finished
+    assert sound.count(b"\n") >= finished
     assert resumed(tmp_path).equals(undisturbed)
     assert (tmp_path / NAME).read_bytes().startswith(sound)
 
@@ -312,7 +308,7 @@ def test_asked_to_end_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame, nam
         line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         preexec_fn=partial(signal.signal, number, signal.SIG_DFL),
     )  # fmt: skip
-    while running.poll() is None and lines_in(tmp_path) <= 1:
+    while running.poll() is None and lines_in(tmp_path) < 1:
         time.sleep(0.002)
     os.killpg(running.pid, number)
     _, told = running.communicate()
@@ -347,7 +343,7 @@ def test_interrupted_by_the_keyboard_and_resumed(tmp_path: Path, undisturbed: pl
         plan, folder=tmp_path, resume=True, progress=lambda done, *_: seen.append(done)
     )
     assert seen[0] == 4
-    assert lines_in(tmp_path) == 7, "finished pieces must not be computed again"
+    assert lines_in(tmp_path) == 6, "finished pieces must not be computed again"
     assert read_table(plan, store).frame.equals(undisturbed)
 
 
@@ -486,17 +482,21 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     assert row["peak_F_set"] == max(response.max_force for response in responses)
 
 
-def test_forces_of_a_sweep_fall_in_time_and_are_certified(tmp_path: Path) -> None:
+def test_forces_of_a_sweep_are_those_of_single_solves(tmp_path: Path) -> None:
     """300 N to 20 kN: every row proved, t_f falls with F_max; case by case it is the same."""
     axis = read_axis("drive.max_force=log:0.3kN:20kN:300", where="--vary")
     frame = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "a")).frame
     assert frame["certified"].all()
     assert frame["t_f"].diff().drop_nulls().max() < 0.0
+    excess = frame["peak_F"].to_numpy() / frame["drive.max_force"].to_numpy() - 1.0
+    assert np.all(excess < 1e-12)
     few = Axis(keys=axis.keys, rows=axis.rows[::150])
     alone = read_table(plan_of(few), run_sweep(plan_of(few), folder=tmp_path / "b")).frame
     together = frame.gather_every(150)
     assert together["t_f"].to_list() == pytest.approx(alone["t_f"].to_list(), rel=1e-12)
     assert together["switches"].equals(alone["switches"])
+    for name in ("peak_v_b", "peak_v_phi", "peak_tcp_vibration", "peak_F"):
+        assert together[name].to_list() == pytest.approx(alone[name].to_list(), rel=1e-8), name
 
 
 def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
@@ -520,6 +520,7 @@ def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
         (["--vary", "moves[0].dwell=1,2"], "moves[0].dwell: unknown key"),
         (["--vary", "plnt.slider_mass=600:900:3"], 'did you mean "plant"?'),
         (["--f-max", "1mm:2mm:3"], "must be a force"),
+        (["--vary", "drive.static_load=0,5kN", "--f-max", "1kN:4kN:3"], "or no force is left"),
         (["--limit", "v_ph=1:2:3"], 'did you mean "v_phi"?'),
         (["--limit", "v_phi=1:2:3", "--quantity", "limits"], "only goes with --quantity optimal"),
     ],
@@ -545,14 +546,6 @@ def run_command(line: list[str]) -> None:
         main()
 
 
-def test_a_wrong_line_among_many_is_found(tmp_path: Path) -> None:
-    """Of numbers with one unit the ends are tried; the odd unit between them, too."""
-    table = tmp_path / "cases.csv"
-    table.write_text("plant.slider_mass\n700 kg\n0.7 t\n710 g/m\n720 kg\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"cases.csv:4: plant.slider_mass: got \"710 g/m\""):
-        read_plan(PAPER, cases=table)
-
-
 @pytest.mark.parametrize(
     ("table", "options"),
     [
@@ -572,11 +565,6 @@ def test_a_value_that_others_make_possible_is_not_refused(
     fits = frame["drive.static_load"] < frame["drive.max_force"]
     assert (frame["outcome"] == "done").to_list() == fits.to_list()
     assert fits.any()
-
-
-def test_a_value_that_no_case_can_use_is_still_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="must be smaller, or no force is left"):
-        read_plan(PAPER, vary=["drive.static_load=0,5kN"], f_max="1kN:4kN:3")
 
 
 def test_elements_of_arrays_count_from_one_in_brackets() -> None:
@@ -615,29 +603,10 @@ def test_a_sweep_that_never_began_is_begun_anew(
         patch.setattr("mtcommission.sweep.engine.solve_piece", fail)
         with pytest.raises(ComputationError):
             run_sweep(masses_plan(), folder=tmp_path)
-    assert lines_in(tmp_path) == 1
     plan = plan_of(read_axis("drive.max_force=1kN,2kN", where=""))
     assert read_table(plan, run_sweep(plan, folder=tmp_path)).frame.height == 2
     with pytest.raises(InputError, match="holds a sweep already"):
         run_sweep(plan, folder=tmp_path)
-
-
-def test_peaks_of_many_forces_are_those_of_single_solves(tmp_path: Path) -> None:
-    """One started from the other must be the row that it is alone."""
-    axis = read_axis("drive.max_force=log:0.3kN:20kN:40", where="--vary")
-    frame = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "a")).frame
-    few = Axis(keys=axis.keys, rows=axis.rows[::20])
-    alone = read_table(plan_of(few), run_sweep(plan_of(few), folder=tmp_path / "b")).frame
-    together = frame.gather_every(20)
-    for name in ("peak_v_b", "peak_v_phi", "peak_tcp_vibration", "peak_F"):
-        assert together[name].to_list() == pytest.approx(alone[name].to_list(), rel=1e-8), name
-    excess = frame["peak_F"].to_numpy() / frame["drive.max_force"].to_numpy() - 1.0
-    assert np.all(excess < 1e-12)
-    machine = paper_machine(max_force=2e3)
-    exact = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
-    assert exact.peaks[build_plant(machine).signals.index("v_phi")] == pytest.approx(
-        0.0224, abs=5e-5
-    )
 
 
 def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> None:
@@ -999,7 +968,7 @@ def flipped(path: Path, at: int) -> None:
     path.write_bytes(bytes(data))
 
 
-@pytest.mark.parametrize("line", [0, 3, 6])
+@pytest.mark.parametrize("line", [0, 3, 5])
 def test_a_damaged_line_costs_its_own_cases_only(
     tmp_path: Path, undisturbed: pl.DataFrame, line: int
 ) -> None:
@@ -1014,7 +983,7 @@ def test_a_damaged_line_costs_its_own_cases_only(
     )
     assert seen[0] == 4
     assert len(seen) == 6, "each piece was counted or computed once"
-    assert lines_in(tmp_path) == (7 if line == 0 else 8), "only the lost piece is computed"
+    assert lines_in(tmp_path) == 7, "only the lost piece is computed"
     assert read_table(plan, store).frame.equals(undisturbed)
 
 
@@ -1064,9 +1033,3 @@ def test_what_is_no_scheduler_is_said_to_be_none(
             run_sweep(plan, folder=tmp_path, engine=Engine(scheduler=f"tcp://127.0.0.1:{port}"))
         for one in held:
             one.close()
-
-
-def test_a_table_of_thousands_of_columns_is_refused_at_once() -> None:
-    head = ",".join(["f_max"] * 60000)
-    with pytest.raises(InputError, match="60000 columns"):
-        read_cases(f"{head}\n{head}\n", where="cases.csv")

@@ -68,6 +68,7 @@ def read_cases(text: str, *, where: str) -> Axis:
         keys=tuple(FORCE_KEY if key == "f_max" else key for key, _ in heads),
         rows=tuple(tuple(map(_join_unit, cells, units)) for _, cells in table[1:]),
         lines=tuple(line for line, _ in table[1:]),
+        where=where,
     )
 
 

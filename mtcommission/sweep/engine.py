@@ -1,4 +1,4 @@
-"""A plan -> rows on disk, by one process, several, or a Dask cluster; always the same rows.
+"""A plan -> answers on disk, by one process, several, or a Dask cluster; always the same rows.
 
 Work is cut into pieces by case number alone, so neither the number of workers nor an interruption
 changes what is computed together.
@@ -24,16 +24,13 @@ from mtcommission.sweep.lanes import (
     open_lane,
 )
 from mtcommission.sweep.plan import Plan, piece_size
-from mtcommission.sweep.rows import DONE, Answer, Row, Work, columns, cut_work, fill_rows
-from mtcommission.sweep.solve import solve_piece
+from mtcommission.sweep.solve import DONE, Answer, Work, cut_work, place_of_record, solve_piece
 from mtcommission.sweep.store import Store, disk_full, hold_folder, open_store
 
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
 RESULTS = ("rows.parquet", "rows.csv", "sweep.html")
 """What a finished sweep leaves in its folder."""
-RECORDS = "records"
-"""Folder of the records of whole runs in it."""
 POLL = 0.5
 """Seconds between looks at the keyboard."""
 
@@ -52,7 +49,7 @@ def run_sweep(
     progress: Progress = lambda done, total, failures: None,
     notice: Notice = lambda _: None,
 ) -> Store:
-    """Return the store with the rows of all cases, computing those that are missing.
+    """Return the store with the answers of all cases, computing those that are missing.
 
     ``engine``: None for this process. ``progress`` is called after each piece, ``notice`` where a
     cluster has no workers to wait for.
@@ -66,105 +63,101 @@ def run_sweep(
         STOPPED by Ctrl-C, kill or a closed terminal.
     """
     with hold_folder(folder), end_as_if_by_keyboard():
+        results = (*RESULTS, str(Path(place_of_record(0)).parent))
         store = open_store(
-            folder,
-            digest=plan.digest,
-            created=plan.created,
-            resume=resume,
-            results=(*RESULTS, RECORDS),
+            folder, digest=plan.digest, created=plan.created, resume=resume, results=results
         )
-        tally = _Tally(total=plan.count, progress=progress)
-        left = set(range(-(-plan.count // piece_size(plan))))
+        run = _Run(
+            plan=replace(plan, created=store.created),
+            store=store,
+            left=set(range(-(-plan.count // piece_size(plan)))),
+            progress=progress,
+            notice=notice,
+        )
         try:
-            for piece, rows in store.pieces():
-                left.discard(piece)
-                tally.add(rows)
-            plan = replace(plan, created=store.created)
-            _complete(plan, store, engine or Engine(), left, tally, notice)
+            for piece, answers in store.pieces():
+                run.count(piece, answers)
+            run.complete(engine or Engine())
         except KeyboardInterrupt as error:
-            kept = Message("sweep-cases-kept", **tally.counts, folder=str(folder))
+            kept = Message("sweep-cases-kept", **run.counts, folder=str(folder))
             raise ComputationError(Outcome.STOPPED, kept) from error
         return store
 
 
-@dataclass
-class _Tally:
-    """Counts for the progress bar."""
+@dataclass(kw_only=True)
+class _Run:
+    """What is left to do, and who is told."""
 
-    total: int
+    plan: Plan
+    store: Store
+    left: set[int]  # pieces
     progress: Progress
+    notice: Notice
     done: int = 0
     failures: int = 0
 
     @property
     def counts(self) -> dict[str, int]:
-        return {"done": self.done, "count": self.total}
+        return {"done": self.done, "count": self.plan.count}
 
-    def add(self, rows: Sequence[Row]) -> None:
-        self.done += len(rows)
-        self.failures += sum(row[-2] != DONE for row in rows)
-        self.progress(self.done, self.total, self.failures)
+    def count(self, piece: int, answers: Sequence[Answer]) -> None:
+        """A piece that an interruption left twice counts once."""
+        if piece in self.left:
+            self.left.discard(piece)
+            self.done += len(answers)
+            self.failures += sum(answer.outcome != DONE for answer in answers)
+            self.progress(self.done, self.plan.count, self.failures)
 
-
-def _complete(
-    plan: Plan, store: Store, engine: Engine, left: set[int], tally: _Tally, notice: Notice
-) -> None:
-    """Compute the pieces that are left, anew where a worker is lost."""
-    losses = 0
-    while left:
-        before = len(left)
-        try:
-            workers = min(engine.workers, len(left))
-            with open_lane(replace(engine, workers=workers)) as lane:
-                _work(plan, store, lane, left, tally, notice)
-        except (BrokenExecutor, CancelledError) as error:
-            losses = losses + 1 if len(left) == before else 1
-            if losses >= LOSSES:
-                detail = Message("sweep-piece-lost", **tally.counts, piece=min(left))
-                raise ComputationError(Outcome.WORKER_LOST, detail) from error
-        except NoSchedulerError as error:
-            address = engine.scheduler
-            if not losses:
-                message = Message("sweep-no-scheduler", address=address, why=error.why)
-                raise InputError([Fault(where="--scheduler", message=message)]) from error
-            detail = Message("sweep-scheduler-gone", **tally.counts, address=address)
-            raise ComputationError(Outcome.SCHEDULER_LOST, detail) from error
-
-
-def _work(
-    plan: Plan, store: Store, lane: Lane, left: set[int], tally: _Tally, notice: Notice
-) -> None:
-    """Keep a few pieces under way and write each one as it comes in."""
-    table = columns(plan)
-    queue, running = cut_work(plan, sorted(left)), dict[Future[Any], Work]()
-    following, had_workers = next(queue, None), True
-    while following or running:
-        width = lane.width()
-        if had_workers and not width:
-            notice(Message("sweep-waits"))
-        had_workers = width > 0
-        while following and len(running) < width:
-            running[lane.executor.submit(solve_piece, following)] = following
-            following = next(queue, None)
-        if not running:
-            time.sleep(POLL)
-        ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
-        for future in ready:
-            work, answers = running.pop(future), future.result()
-            rows = fill_rows(table, work, answers)
-            _write_records(store, work, answers)
-            store.append(work.piece, rows)
-            left.discard(work.piece)
-            tally.add(rows)
-
-
-def _write_records(store: Store, work: Work, answers: Sequence[Answer]) -> None:
-    records = store.path.parent / RECORDS
-    for number, answer in enumerate(answers):
-        if answer.record:
-            path = records / f"case-{work.first + number:06d}.json"
+    def complete(self, engine: Engine) -> None:
+        """Compute the pieces that are left, anew where a worker is lost."""
+        losses = 0
+        while self.left:
+            before = len(self.left)
             try:
-                records.mkdir(exist_ok=True)
-                replace_file(path, answer.record.encode())
-            except OSError as error:
-                raise disk_full(path, error) from error
+                workers = min(engine.workers, before)
+                with open_lane(replace(engine, workers=workers)) as lane:
+                    self.work(lane)
+            except (BrokenExecutor, CancelledError) as error:
+                losses = losses + 1 if len(self.left) == before else 1
+                if losses >= LOSSES:
+                    detail = Message("sweep-piece-lost", **self.counts, piece=min(self.left))
+                    raise ComputationError(Outcome.WORKER_LOST, detail) from error
+            except NoSchedulerError as error:
+                address = engine.scheduler
+                if not losses:
+                    message = Message("sweep-no-scheduler", address=address, why=error.why)
+                    raise InputError([Fault(where="--scheduler", message=message)]) from error
+                detail = Message("sweep-scheduler-gone", **self.counts, address=address)
+                raise ComputationError(Outcome.SCHEDULER_LOST, detail) from error
+
+    def work(self, lane: Lane) -> None:
+        """Keep a few pieces under way and write each one as it comes in."""
+        queue, running = cut_work(self.plan, sorted(self.left)), dict[Future[Any], Work]()
+        following, had_workers = next(queue, None), True
+        while following or running:
+            width = lane.width()
+            if had_workers and not width:
+                self.notice(Message("sweep-waits"))
+            had_workers = width > 0
+            while following and len(running) < width:
+                running[lane.executor.submit(solve_piece, following)] = following
+                following = next(queue, None)
+            if not running:
+                time.sleep(POLL)
+            ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+            for future in ready:
+                work, answers = running.pop(future), future.result()
+                for number, answer in enumerate(answers):
+                    if answer.record:
+                        self.keep(work.first + number, answer.record)
+                self.store.append(work.piece, answers)
+                self.count(work.piece, answers)
+
+    def keep(self, case: int, record: str) -> None:
+        """Write the record of a whole run."""
+        path = self.store.path.parent / place_of_record(case)
+        try:
+            path.parent.mkdir(exist_ok=True)
+            replace_file(path, record.encode())
+        except OSError as error:
+            raise disk_full(path, error) from error

@@ -8,8 +8,8 @@ from typing import Any
 import polars as pl
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.sweep.columns import Column
 from mtcommission.sweep.plan import Plan, vary_profile
-from mtcommission.sweep.rows import Column
 from mtcommission.sweep.table import SweepTable, summarise
 from mtcommission.web import json_for_script, render_page
 

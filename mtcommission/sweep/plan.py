@@ -60,6 +60,7 @@ class Axis:
     keys: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     lines: tuple[int, ...] = ()  # of each row in the table that it came from; none for a range
+    where: str = ""  # the table or option, for messages
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,7 +154,8 @@ def read_axis(text: str, *, where: str) -> Axis:
     key, separator, values = text.partition("=")
     if not separator or not key.strip():
         raise InputError([Fault(where=where, message=Message("sweep-no-axis", got=repr(text)))])
-    return Axis(keys=(key.strip(),), rows=read_range(values, where=f"{where} {key.strip()}"))
+    rows = read_range(values, where=f"{where} {key.strip()}")
+    return Axis(keys=(key.strip(),), rows=rows, where=where)
 
 
 def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:

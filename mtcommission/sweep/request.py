@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from itertools import islice, product
+from itertools import chain, islice, product
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
@@ -61,20 +61,16 @@ def read_plan(
     plant = build_plant(machine)
     varied = [limit for limit in limits if ":" in limit or "," in limit]
     bounds = tuple(options.bound(plant, limit) for limit in limits if limit not in varied)
-    readers: list[tuple[Callable[[], Axis], str]] = []
-    if cases is not None:
-        readers.append((partial(load_cases, cases), str(cases)))
-    keyed = [(item, "--vary") for item in vary]
-    keyed += [(PEAKS_KEY + item, "--limit") for item in varied]
-    readers += [(partial(read_axis, item, where=where), where) for item, where in keyed]
+    readers = [partial(load_cases, cases)] if cases is not None else []
+    readers += [partial(read_axis, item, where="--vary") for item in vary]
+    readers += [partial(read_axis, PEAKS_KEY + item, where="--limit") for item in varied]
     if f_max:
-        bound = ACCELERATION_KEY if machine.drive.follows else FORCE_KEY
-        where = "--f-max"
-        readers.append((lambda: Axis(keys=(bound,), rows=read_range(f_max, where=where)), where))
-    found = []
-    for read, place in readers:
+        key = ACCELERATION_KEY if machine.drive.follows else FORCE_KEY
+        readers.append(partial(_read_force, key, f_max))
+    axes = []
+    for read in readers:
         try:
-            found.append((read(), place))
+            axes.append(read())
         except InputError as error:
             options.faults += error.faults
     options.word("--quantity", quantity, [item.value for item in Quantity])
@@ -88,7 +84,7 @@ def read_plan(
     plan = Plan(
         profile_text=text,
         where=profile.name,
-        axes=tuple(axis for axis, _ in found),
+        axes=tuple(axes),
         is_paired=is_paired,
         quantity=Quantity(quantity),
         move=move,
@@ -96,15 +92,20 @@ def read_plan(
         created=created,
     )
     check_plan(plan)
-    _check_values(plan, [place for _, place in found])
+    faults = [fault for axis in plan.axes for fault in _wrong_values(plan, axis)]
+    if faults:
+        raise InputError(faults)
     return plan
+
+
+def _read_force(key: str, text: str) -> Axis:
+    return Axis(keys=(key,), rows=read_range(text, where="--f-max"), where="--f-max")
 
 
 def check_plan(plan: Plan) -> None:
     """Raise InputError where axes share a key, or are paired and of different length."""
-    faults = []
     twice = sorted({key for key in plan.keys if plan.keys.count(key) > 1})
-    faults += [
+    faults = [
         Fault(where="--vary", key=key, message=Message("sweep-varies-twice")) for key in twice
     ]
     if plan.is_paired and len({len(axis.rows) for axis in plan.axes}) > 1:
@@ -115,25 +116,20 @@ def check_plan(plan: Plan) -> None:
     vary_profile(plan.profile_text, plan.settings(0), where=plan.where)
 
 
-def _check_values(plan: Plan, places: Sequence[str]) -> None:
-    """Raise InputError for keys and values that the profile's reader refuses.
+def _wrong_values(plan: Plan, axis: Axis) -> Iterator[Fault]:
+    """Faults of keys and values that the profile's reader refuses.
 
     Of numbers with the same unit the ends speak for all between, since what a profile allows of
     one key is an interval. A value that is only wrong together with others, e.g. a static load
     above the least of the forces that vary, is a row of its own.
     """
-    faults: list[Fault] = []
-    for axis, where in zip(plan.axes, places, strict=True):
-        for column, key in enumerate(axis.keys):
-            for rows in _ends([row[column] for row in axis.rows]):
-                refusals = ((row, _refusals(plan, axis, row, key)) for row in rows)
-                row, refused = next((item for item in refusals if item[1]), (0, []))
-                line = axis.lines[row] if axis.lines else 0
-                faults += [
-                    Fault(where=where, line=line, key=key, message=item.message) for item in refused
-                ]
-    if faults:
-        raise InputError(faults)
+    for column, key in enumerate(axis.keys):
+        for rows in _ends([row[column] for row in axis.rows]):
+            refusals = ((row, _refusals(plan, axis, row, key)) for row in rows)
+            row, refused = next((item for item in refusals if item[1]), (0, []))
+            line = axis.lines[row] if axis.lines else 0
+            for fault in refused:
+                yield Fault(where=axis.where, line=line, key=key, message=fault.message)
 
 
 def _ends(texts: Sequence[str]) -> list[list[int]]:
@@ -151,36 +147,38 @@ def _ends(texts: Sequence[str]) -> list[list[int]]:
 
 
 def _refusals(plan: Plan, axis: Axis, row: int, key: str) -> list[Fault]:
-    """What the profile's reader says against a value of a key, whatever the other keys are."""
+    """What the profile's reader says against a value of a key, whatever the other keys are.
+
+    Tried are nothing else that varies, and the ends of the other axes.
+    """
     text = dict(zip(axis.keys, axis.rows[row], strict=True))[key]
-    first = _faults_of(plan, plan.settings(0), key, text)
-    companies = _companies(plan, axis, row)
-    return first if first and all(_faults_of(plan, one, key, text) for one in companies) else []
-
-
-def _faults_of(plan: Plan, settings: Settings, key: str, text: str) -> list[Fault]:
-    changed = (*((k, value) for k, value in settings if k != key), (key, text))
-    try:
-        parse_profile(vary_profile(plan.profile_text, changed, where=plan.where), where=plan.where)
-    except InputError as error:
-        path = f"{plain_key(key)}."
-        return [fault for fault in error.faults if fault.key and path.startswith(f"{fault.key}.")]
-    return []
+    path = f"{plain_key(key)}."
+    refused: list[Fault] = []
+    for others in _companies(plan, axis, row):
+        settings = (*((one, value) for one, value in others if one != key), (key, text))
+        try:
+            varied = vary_profile(plan.profile_text, settings, where=plan.where)
+            parse_profile(varied, where=plan.where)
+            return []
+        except InputError as error:
+            of_key = [one for one in error.faults if one.key and path.startswith(f"{one.key}.")]
+        if not of_key:
+            return []
+        refused = refused or of_key
+    return refused
 
 
 def _companies(plan: Plan, axis: Axis, row: int) -> Iterator[Settings]:
-    """What a row of an axis may meet: nothing else that varies, and the ends of the other axes."""
     yield ()
     if plan.is_paired:
         yield plan.settings(row)
         return
     rows = [axis.rows[row : row + 1] if other is axis else _outermost(other) for other in plan.axes]
     for met in islice(product(*rows), MOST_COMPANIES):
-        yield tuple(
-            pair
-            for other, texts in zip(plan.axes, met, strict=True)
-            for pair in zip(other.keys, texts, strict=True)
+        pairs = (
+            zip(other.keys, texts, strict=True) for other, texts in zip(plan.axes, met, strict=True)
         )
+        yield tuple(chain.from_iterable(pairs))
 
 
 def _outermost(axis: Axis) -> list[tuple[str, ...]]:

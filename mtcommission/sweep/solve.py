@@ -1,15 +1,18 @@
 """A piece of work -> its answers, whatever happens to its cases.
 
-A case that fails is an answer with its named outcome; nothing here stops a sweep.
+A case that fails is an answer with its named outcome; nothing here stops a sweep. What a quantity
+needs is loaded where it is computed, since it takes up to seconds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import ComputationError, InputError, MtcommissionError
@@ -20,22 +23,61 @@ from mtcommission.optimal.free.time_optimal import solve_forces
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.profile.read import parse_profile
+from mtcommission.sweep.columns import Cell, Chosen, Optimum, result_columns
 from mtcommission.sweep.plan import (
     FEWEST,
     FORCE_KEY,
     PEAKS_KEY,
+    Plan,
     Quantity,
     Settings,
+    piece_size,
     si_number,
     unit_of,
     vary_profile,
 )
-from mtcommission.sweep.rows import Answer, Row, Work, peak_signals, proof_cells, switch_cells
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from mtcommission.limits.choose import Choice
+    from mtcommission.limits.optima import Optima
 
+DONE = "done"
 WRONG_INPUT = "wrong_input"
 INTERNAL = "internal_error"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Work:
+    """Cases that are computed together, with all that this needs; goes to another process."""
+
+    piece: int
+    first: int  # number of the first case
+    settings: tuple[Settings, ...]  # of each case
+    base: Plan  # without its axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What was computed for a case: the result columns, or why there are none."""
+
+    cells: tuple[Cell, ...] = ()
+    outcome: str = DONE
+    message: str = ""
+    record: str = ""  # ``record.json`` of a run, as text
+
+
+def cut_work(plan: Plan, numbers: Iterable[int]) -> Iterator[Work]:
+    """Yield pieces of a plan, by number from 0, with all that they need."""
+    base, size = replace(plan, axes=()), piece_size(plan)
+    for piece in numbers:
+        cases = range(piece * size, min((piece + 1) * size, plan.count))
+        settings = tuple(plan.settings(index) for index in cases)
+        yield Work(piece=piece, first=cases.start, settings=settings, base=base)
+
+
+def place_of_record(case: int) -> str:
+    """Return where the record of a whole run stands in the folder of a sweep."""
+    return f"records/case-{case:06d}.json"
 
 
 def solve_piece(work: Work) -> tuple[Answer, ...]:
@@ -66,8 +108,20 @@ def _without_force(settings: Settings) -> Settings:
 
 def solve_case(work: Work, number: int) -> Answer:
     """Return the answer of one case of a piece, whatever happens to it."""
+    base, record = work.base, ""
     try:
-        return _compute(work, number)
+        text = vary_profile(base.profile_text, work.settings[number], where=base.where)
+        machine = parse_profile(text, where=base.where)
+        require_force(machine)
+        plant = build_plant(machine)
+        found: Optimum
+        if base.quantity is Quantity.OPTIMAL:
+            found = _solve_optimal(work, machine, plant, work.settings[number])
+        elif base.quantity is Quantity.LIMITS:
+            found = _choose(machine, plant)
+        else:
+            found, record = _run(machine, text, base, place_of_record(work.first + number))
+        return Answer(cells=_cells(base, machine, plant, found), record=record)
     except InputError as error:
         return Answer(outcome=WRONG_INPUT, message=str(error))
     except ComputationError as error:
@@ -76,26 +130,11 @@ def solve_case(work: Work, number: int) -> Answer:
         return Answer(outcome=INTERNAL, message=f"please report it with the profile: {error!r}")
 
 
-def _compute(work: Work, number: int) -> Answer:
-    # What each of them needs takes up to seconds to load.
-    base, settings = work.base, work.settings[number]
-    text = vary_profile(base.profile_text, settings, where=base.where)
-    machine = parse_profile(text, where=base.where)
-    require_force(machine)
-    if base.quantity is Quantity.OPTIMAL:
-        return Answer(cells=_solve_optimal(work, machine, settings))
-    if base.quantity is Quantity.LIMITS:
-        from mtcommission.sweep.chain import choose_case
-
-        return Answer(cells=choose_case(machine))
-    from mtcommission.sweep.chain import run_case
-
-    cells, record = run_case(machine, text=text, name=base.where, created=base.created)
-    place = f"records/case-{work.first + number:06d}.json"
-    return Answer(cells=(*cells, place), record=record)
+def _cells(base: Plan, machine: Machine, plant: Plant, found: Optimum) -> tuple[Cell, ...]:
+    return tuple(one.of(found) for one in result_columns(base.quantity, machine, plant) if one.of)
 
 
-def _solve_optimal(work: Work, machine: Machine, settings: Settings) -> Row:
+def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Settings) -> Optimum:
     """One time-optimal control; bounds on peaks that vary are kept, too."""
     from mtcommission.limits.optima import find_time_optimum
 
@@ -103,24 +142,62 @@ def _solve_optimal(work: Work, machine: Machine, settings: Settings) -> Row:
         raise IndexError(f"move {work.base.move} of {len(machine.moves)}")
     varied = {key.removeprefix(PEAKS_KEY) for key, _ in settings if key.startswith(PEAKS_KEY)}
     peaks = [peak for peak in machine.requirements.peaks if peak.name in varied]
-    plant = build_plant(machine)
     optimum = find_time_optimum(
         plant,
         machine.moves[work.base.move - 1],
         force_limit=machine.drive.motion_force,
         bounds=(*work.base.bounds, *(Bound(name=item.name, value=item.bound) for item in peaks)),
     )
-    return _optimal_cells(
-        plant,
-        optimum.peaks,
-        proof_cells(optimum.t_f, optimum.certificate.t_f_lower_bound),
-        optimum.switching_times,
+    return Optimum(
+        t_f=optimum.t_f,
+        lower_bound=optimum.certificate.t_f_lower_bound,
+        peaks=optimum.peaks,
+        switching_times=optimum.switching_times,
     )
 
 
-def _optimal_cells(plant: Plant, peaks: Array, proof: Row, switching_times: Sequence[float]) -> Row:
-    found = dict(zip(plant.signals, peaks.tolist(), strict=True))
-    return (*proof, *switch_cells(switching_times), *(found[name] for name in peak_signals(plant)))
+def _choose(machine: Machine, plant: Plant) -> Chosen:
+    """The steps of ``commission`` up to the choice of limits."""
+    from mtcommission.limits.choose import choose_limits
+    from mtcommission.limits.optima import find_optima
+    from mtcommission.study.loops import settle_on_loop
+
+    optima = [find_optima(machine, plant, move) for move in machine.moves]
+    loop = settle_on_loop(machine)
+    return _chosen(optima, loop.choice or choose_limits(machine, plant, loop.tuned))
+
+
+def _run(machine: Machine, text: str, base: Plan, place: str) -> tuple[Chosen, str]:
+    """A whole commissioning, and its ``record.json`` as text."""
+    from mtcommission.commission import commission
+    from mtcommission.machine.plausibility import check_plausibility
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.identified import read_evidence
+    from mtcommission.record.machine import Profile
+    from mtcommission.record.record import build_record
+
+    found = commission(machine)
+    record = build_record(
+        found,
+        profile=Profile(name=base.where, sha256=sha256(text.encode()).hexdigest(), text=text),
+        created=base.created,
+        warnings=check_plausibility(machine),
+        identified=read_evidence(machine, None),
+    )
+    return replace(_chosen(found.optima, found.choice), record=place), dump_json(record)
+
+
+def _chosen(optima: Sequence[Optima], choice: Choice) -> Chosen:
+    slowest = max((item.time for item in optima), key=lambda time: time.t_f)
+    responses = [response for move in choice.moves for response in move.responses]
+    return Chosen(
+        t_f=slowest.t_f,
+        lower_bound=slowest.certificate.t_f_lower_bound,
+        peaks=np.max([response.peaks for response in responses], axis=0),
+        judged=choice.candidate,
+        bound_by=choice.bound_by,
+        max_force=max(response.max_force for response in responses),
+    )
 
 
 def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
@@ -141,10 +218,10 @@ def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         plant = build_plant(machine)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case
-    moved = driven_at_once(plant)
     left = forces - (machine.drive.max_force - machine.drive.motion_force)
     found: dict[int, Answer] = {}
     order = np.argsort(left)
+    moved = driven_at_once(plant)
     for place, solved in zip(order.tolist(), solve_forces(moved, move, left[order]), strict=True):
         if solved is None:
             continue
@@ -152,9 +229,13 @@ def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         peaks = motion.peaks
         if plant.follows:
             peaks = np.insert(peaks, plant.force, left[place])
-        proof = proof_cells(motion.t_f, lower_bound)
-        cells = _optimal_cells(plant, peaks, proof, motion.switching_times.tolist())
-        found[members[place]] = Answer(cells=cells)
+        optimum = Optimum(
+            t_f=motion.t_f,
+            lower_bound=lower_bound,
+            peaks=peaks,
+            switching_times=motion.switching_times.tolist(),
+        )
+        found[members[place]] = Answer(cells=_cells(work.base, machine, plant, optimum))
     return found
 
 

@@ -1,6 +1,6 @@
 """Finished cases on disk: a log that is only appended to, usable after any interruption.
 
-Each line holds the rows of one piece of work behind a checksum, says whose sweep it is, and is
+Each line holds the answers of one piece of work behind a checksum, says whose sweep it is, and is
 synchronised to disk before the next. A line that is torn or damaged counts as not there: its cases
 are computed again. One sweep at a time works in a folder: a lock that the system holds on an open
 file, so that nothing is left to clean up after kill -9. Where a file system has no locks (some
@@ -12,8 +12,9 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from filelock import FileLock, Timeout
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import no_folder
 from mtcommission.messages.message import Message
-from mtcommission.sweep.rows import Row
+from mtcommission.sweep.solve import Answer
 
 NAME = "mtcommission-sweep.log"
 LOCK = ".mtcommission-sweep.lock"
@@ -33,33 +34,38 @@ NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP}
 """How file systems say that they have no locks."""
 
 
+OURS = re.compile(rb"^[0-9a-f]{8} \[", re.MULTILINE)
+"""How a line of ours begins."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Store:
     """The log of one sweep."""
 
     path: Path
-    plan: str  # hash of what is computed; each line bears it
+    plan: str  # hash of what is computed
     created: str  # when the sweep was begun
 
-    def append(self, piece: int, rows: Sequence[Row]) -> None:
-        """Write the rows of one piece and wait until they are on the disk.
+    def append(self, piece: int, answers: Sequence[Answer]) -> None:
+        """Write the answers of one piece, without records, and wait until they are on the disk.
 
         Raises
         ------
         InputError
             The disk is full or gone; the file is as long as before.
         """
-        entry = {"plan": self.plan, "created": self.created, "piece": piece, "rows": rows}
+        kept = [(one.cells, one.outcome, one.message) for one in answers]
+        text = json.dumps([self.plan, self.created, piece, kept], separators=(",", ":")).encode()
         try:
-            _append_line(self.path, entry)
+            _append_line(self.path, _checksum(text) + text + b"\n")
         except OSError as error:
             raise disk_full(self.path, error) from error
 
-    def pieces(self) -> Iterator[tuple[int, tuple[Row, ...]]]:
-        """Yield number and rows of the finished pieces, in the order in which they came in."""
-        for entry in _entries(self.path):
-            if "piece" in entry:
-                yield int(entry["piece"]), tuple(tuple(row) for row in entry["rows"])
+    def pieces(self) -> Iterator[tuple[int, tuple[Answer, ...]]]:
+        """Yield number and answers of the finished pieces, in the order in which they came in."""
+        for _, _, piece, answers in _entries(self.path):
+            kept = (Answer(cells=tuple(cells), outcome=o, message=m) for cells, o, m in answers)
+            yield piece, tuple(kept)
 
 
 def open_store(
@@ -80,47 +86,41 @@ def open_store(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         names = (NAME,) if os.path.lexists(path) else results
-        is_ours = path.is_file() and not path.is_symlink() and _is_log(path)
-        foreign = [name for name in names if os.path.lexists(folder / name) and not is_ours]
+        foreign = [name for name in names if os.path.lexists(folder / name) and not _is_log(path)]
         if foreign:
             raise _refused(folder, Message("sweep-folder-holds-foreign", names=", ".join(foreign)))
-        entries = _entries(path) if is_ours else ()
-        begun = [(entry["plan"], entry["created"]) for entry in entries if "piece" in entry]
+        begun = [(plan, date) for plan, date, *_ in _entries(path)]
         if begun and not resume:
             raise _refused(folder, Message("sweep-folder-holds-one"))
         if any(plan != digest for plan, _ in begun):
             raise _refused(folder, Message("sweep-folder-holds-another"))
-        if begun:
-            return Store(path=path, plan=digest, created=str(begun[0][1]))
-        path.unlink(missing_ok=True)
-        _append_line(path, {"plan": digest, "created": created})
+        if not begun:
+            path.unlink(missing_ok=True)
     except OSError as error:
         raise no_folder(folder, error) from error
-    return Store(path=path, plan=digest, created=created)
+    return Store(path=path, plan=digest, created=begun[0][1] if begun else created)
 
 
 def _is_log(path: Path) -> bool:
-    """Whether a sound line is there, or nothing but the torn first one."""
-    with closing(_entries(path)) as entries:
-        is_sound = next(entries, None) is not None
-    return is_sound or b"\n" not in path.read_bytes()
+    """Whether a line of ours is there, or nothing but the torn first one."""
+    if not path.is_file() or path.is_symlink():
+        return False
+    data = path.read_bytes()
+    return b"\n" not in data or OURS.search(data) is not None
 
 
-def _entries(path: Path) -> Generator[dict[str, Any]]:
-    """What the sound lines of a log hold."""
-    with path.open("rb") as file:
-        for line in file:
-            text = line[9:-1]
-            if line.endswith(b"\n") and line[:9] == _checksum(text):
-                entry = json.loads(text)
-                if isinstance(entry, dict):
-                    yield entry
+def _entries(path: Path) -> Iterator[Any]:
+    """Plan, date, piece and answers of the sound lines of a log, if there is one."""
+    if path.exists():
+        with path.open("rb") as file:
+            for line in file:
+                text = line[9:-1]
+                if line.endswith(b"\n") and line[:9] == _checksum(text):
+                    yield json.loads(text)
 
 
-def _append_line(path: Path, entry: dict[str, Any]) -> None:
-    """Append one line with its checksum; on failure the file is as long as before."""
-    text = json.dumps(entry, separators=(",", ":")).encode()
-    line = _checksum(text) + text + b"\n"
+def _append_line(path: Path, line: bytes) -> None:
+    """Append one line; on failure the file is as long as before."""
     with path.open("a+b", buffering=0) as file:
         before = file.seek(0, os.SEEK_END)
         if before:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,8 +16,9 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
-from mtcommission.sweep.plan import Plan, Quantity
-from mtcommission.sweep.rows import DONE, Column, columns
+from mtcommission.sweep.columns import Column, columns
+from mtcommission.sweep.plan import Plan, Quantity, piece_size, si_number
+from mtcommission.sweep.solve import DONE
 from mtcommission.sweep.store import Store, disk_full
 
 TYPES = {"float": pl.Float64(), "int": pl.Int64(), "bool": pl.Boolean(), "str": pl.String()}
@@ -48,30 +50,30 @@ class SweepTable:
 
 
 def read_table(plan: Plan, store: Store) -> SweepTable:
-    """Return the rows of a plan's store as columns.
+    """Return the rows of a plan's store: case, hash of its inputs, what varies, results, outcome.
 
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.sweep.engine import run_sweep
-    >>> from mtcommission.sweep.plan import read_axis
-    >>> forces = read_axis("drive.max_force=1kN:4kN:4", where="example")
-    >>> text = read_shipped("milling-manipulator").text
-    >>> plan = Plan(profile_text=text, where="machine.toml", axes=(forces,))
-    >>> with TemporaryDirectory() as folder:
-    ...     frame = read_table(plan, run_sweep(plan, folder=Path(folder))).frame
-    >>> [round(t_f, 6) for t_f in frame["t_f"].to_list()], frame["certified"].all()
-    ([0.082396, 0.04352, 0.036119, 0.026324], True)
+    A piece that an interruption left twice appears once.
     """
-    named = columns(plan)
-    schema = {column.name: TYPES[column.kind] for column in named}
-    # A piece that an interruption left twice appears once.
-    frames = {
-        piece: pl.DataFrame(rows, schema=schema, orient="row") for piece, rows in store.pieces()
+    named, size = columns(plan), piece_size(plan)
+    answers = {
+        piece * size + place: answer
+        for piece, found in store.pieces()
+        for place, answer in enumerate(found)
     }
-    parts = [frames[piece] for piece in sorted(frames)]
-    frame = pl.concat(parts) if parts else pl.DataFrame(schema=schema)
+    digest, kinds = plan.base_digest, [column.kind for column in named[2:]]
+    nothing = (None,) * sum(column.of is not None for column in named)
+    rows = []
+    for case in sorted(answers):
+        settings, answer = plan.settings(case), answers[case]
+        inputs = sha256(json.dumps([digest, settings]).encode()).hexdigest()
+        varied = (
+            text if kind == "str" else si_number(text)
+            for (_, text), kind in zip(settings, kinds, strict=False)
+        )
+        cells = answer.cells or nothing
+        rows.append((case, inputs, *varied, *cells, answer.outcome, answer.message))
+    schema = {column.name: TYPES[column.kind] for column in named}
+    frame = pl.DataFrame(rows, schema=schema, orient="row")
     return SweepTable(columns=named, frame=frame, asked=_describe_request(plan))
 
 
