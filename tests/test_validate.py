@@ -24,6 +24,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, KnownPeaks, constant_arc, propagate
+from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
@@ -35,8 +36,9 @@ from mtcommission.validate.adjoint import (
 from mtcommission.validate.bounded import bounded_rows, coasting_cost, damping_rows
 from mtcommission.validate.free import printed_control_error, scan_forces, time_rows
 from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.paper import ADJOINT, SWITCHING_TIMES, T_F, WEIGHTS, paper_machine
+from mtcommission.validate.printed import ADJOINT, SWITCHING_TIMES, T_F
 from mtcommission.validate.row import Row, Verdict, claim, number, tell
+from tests.machines import paper_machine
 
 Array = NDArray[np.float64]
 
@@ -53,6 +55,12 @@ def found() -> Validation:
 @pytest.fixture(scope="module")
 def plant() -> Plant:
     return build_plant(paper_machine())
+
+
+def printed_matrix() -> Array:
+    mechanics = paper_machine().mechanics
+    assert isinstance(mechanics, Manipulator)
+    return printed_adjoint_matrix(mechanics, force_lag=T)
 
 
 def rate(x: Array, force: float) -> list[float]:
@@ -110,9 +118,17 @@ def test_rows_read_in_the_language_that_is_asked_for(found: Validation) -> None:
         assert not re.search(r" the | of | with |\d\.\d+ (ms|µs|m/s)", other.ours + other.reason)
 
 
+def test_shipped_machine_is_that_of_table_1(found: Validation) -> None:
+    """The rows are of the shipped profile: a digit changed there would be one of the paper."""
+    machine = found.cases.machine
+    assert (machine.mechanics, machine.drive) == (paper_machine().mechanics, paper_machine().drive)
+    weights = {weight.state: weight.value for weight in machine.damping_optimal.weights}
+    assert weights == {"x_b": 1.8858e15, "phi": 1.0961e15, "v_b": 8.6070e10, "v_phi": 2.8505e10}
+
+
 def test_numbers_are_judged_by_their_tolerance() -> None:
     def verdict(printed: float, ours: float, **values: float) -> Verdict:
-        return number("p", "q", printed, ours, tolerance=0.1, **values).verdict
+        return number("increase", printed, ours, 0.1, **values).verdict
 
     assert verdict(1.0, 1.09) is Verdict.AGREES
     assert verdict(1.0, 1.11) is Verdict.OUT
@@ -124,14 +140,11 @@ def test_numbers_are_judged_by_their_tolerance() -> None:
 
 
 def test_claims_need_confirmation_or_proof() -> None:
-    def verdict(*, holds: bool, **more: object) -> Verdict:
-        return claim("p", "q", "a", holds=holds, **more).verdict
-
-    assert verdict(holds=True, refuted=True) is Verdict.AGREES
-    assert verdict(holds=False, refuted=True) is Verdict.DIFFERS
-    assert verdict(holds=False) is Verdict.OUT
-    assert verdict(holds=True, corrected="d") is Verdict.CORRECTED
-    assert verdict(holds=False, corrected="d") is Verdict.OUT
+    assert claim("order", holds=True, refuted=True).verdict is Verdict.AGREES
+    assert claim("order", holds=False, refuted=True).verdict is Verdict.DIFFERS
+    assert claim("order", holds=False).verdict is Verdict.OUT
+    assert claim("functional", holds=True).verdict is Verdict.CORRECTED
+    assert claim("functional", holds=False).verdict is Verdict.OUT
 
 
 def test_a_wrong_solver_is_caught(found: Validation) -> None:
@@ -162,7 +175,7 @@ def test_printed_control_integrated_by_a_general_solver(plant: Plant) -> None:
 
 def test_adjoint_of_the_printed_times_by_a_general_solver(plant: Plant) -> None:
     """λ(0) from the switching times must make λ_F vanish there, under the printed eq. (8)."""
-    M = printed_adjoint_matrix()
+    M = printed_matrix()
     initial = adjoint_from_switches(plant, np.array(SWITCHING_TIMES))
     solved = solve_ivp(
         lambda _, y: M @ y,
@@ -209,7 +222,7 @@ def test_multiplier_keeps_the_switching_function_at_zero(seed: int) -> None:
     random = np.random.default_rng(seed)
     adjoint = random.normal(size=7) * [50.0, 0.0, 200.0, 0.1, 0.3, 0.1, 0.0]
     adjoint[5] = J / R * (adjoint[3] / M_B - adjoint[4] / M_S)
-    M = printed_adjoint_matrix()
+    M = printed_matrix()
     toward = np.zeros(7)
     toward[5] = -1.0
     curvature = (M @ M @ adjoint)[6]
@@ -247,13 +260,12 @@ def test_both_controls_with_five_switches_are_slower_at_1275_newton(plant: Plant
 
 
 def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
-    ((lowest, highest, optima),), gap = scan_forces(
-        plant, STEP, lowest=1200.0, highest=1350.0, count=6
-    )
-    assert gap < 1e-9
+    scan = scan_forces(plant, STEP, lowest=1200.0, highest=1350.0, count=6)
+    ((lowest, highest, optima),) = scan.ranges
+    assert scan.gap < 1e-9
     assert {len(optimum.switching_times) for optimum in optima} == {7}
     assert (lowest, highest) == pytest.approx((1252.65, 1294.6), rel=2e-4)
-    ((lowest, *_),), _ = scan_forces(plant, STEP, lowest=1270.0, highest=1350.0, count=3)
+    ((lowest, *_),) = scan_forces(plant, STEP, lowest=1270.0, highest=1350.0, count=3).ranges
     assert lowest == pytest.approx(1270.0)
 
 
@@ -316,8 +328,8 @@ def test_claims_on_vibration_by_a_general_solver(found: Validation, plant: Plant
 def test_cost_of_coasting_by_quadrature(found: Validation, plant: Plant) -> None:
     """J of the time-optimal control, piece by piece with an adaptive rule."""
     x, total = np.zeros(7), 0.0
-    columns = [plant.states.index(weight.state) for weight in WEIGHTS]
-    values = np.array([weight.value for weight in WEIGHTS])
+    columns = [plant.states.index(name) for name in ("x_b", "phi", "v_b", "v_phi")]
+    values = np.array([1.8858e15, 1.0961e15, 8.6070e10, 2.8505e10])
     for arc in found.cases.time.arcs:
         force, length = float(arc.output[0]), arc.t_end - arc.t_start
         solved = solve_ivp(
@@ -417,7 +429,7 @@ def test_command(
     tmp_path: object,
 ) -> None:
     """argv -> JSON alone on standard output, the page in its folder, exit code by verdict."""
-    row = number("p", "increase", 1.0, 1.0 if is_met else 2.0, tolerance=0.0)
+    row = number("increase", 1.0, 1.0 if is_met else 2.0, 0.0)
     shown = replace(found, parts=found.parts | {"more": [row]})
     monkeypatch.setattr(page, "validate", lambda progress: shown)
     monkeypatch.setattr(

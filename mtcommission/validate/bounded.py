@@ -7,20 +7,29 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import expm
 
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.damping import balanced_weights
-from mtcommission.optimal.solution import Boundary, TimeOptimum, control_text, sample_trajectory
-from mtcommission.validate import paper
+from mtcommission.optimal.exponential import powers_of
+from mtcommission.optimal.solution import (
+    AnyOptimum,
+    Boundary,
+    TimeOptimum,
+    control_text,
+    sample_trajectory,
+)
+from mtcommission.plant.plant import Plant
 from mtcommission.validate.adjoint import law_residual
+from mtcommission.validate.cases import Array, Cases
 from mtcommission.validate.free import SURE_GAP
-from mtcommission.validate.paper import (
+from mtcommission.validate.printed import (
     BANG_ARCS,
+    BOUNDED_T_F,
     FORCE_LIMIT,
+    INCREASE,
+    PEAKS,
     RATE_BOUND,
     T_F,
     TIME_ACCURACY,
-    Array,
-    Cases,
 )
 from mtcommission.validate.row import Row, claim, number
 
@@ -34,37 +43,17 @@ LAW_TOLERANCE = 1e-6
 
 def bounded_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the bounded control, beside ours."""
-    return [*_times(cases), *_structure(cases.bounded), *_formulas(cases), *_multiplier(cases)]
-
-
-def _times(cases: Cases) -> list[Row]:
-    bounded, free = cases.bounded, cases.time
+    bounded, printed = cases.bounded, BOUNDED_T_F
+    least, rate = {"least": bounded.certificate.t_f_lower_bound}, cases.peak(bounded, "v_phi")
+    longer, own = bounded.t_f / cases.time.t_f - 1.0, printed / T_F - 1.0
+    room = 1e-9 * RATE_BOUND
     return [
-        number(
-            "5.2",
-            "bounded-time",
-            paper.BOUNDED_T_F,
-            bounded.t_f,
-            unit="s",
-            tolerance=TIME_ACCURACY,
-            least=bounded.certificate.t_f_lower_bound,
-        ),
-        number(
-            "5.2",
-            "increase",
-            paper.INCREASE,
-            bounded.t_f / free.t_f - 1.0,
-            corrected=paper.BOUNDED_T_F / T_F - 1.0,
-            tolerance=2.0 * TIME_ACCURACY / T_F,
-        ),
-        number(
-            "5.2, (13)",
-            "largest-rate",
-            RATE_BOUND,
-            cases.peak(bounded, "v_phi"),
-            unit="rad/s",
-            tolerance=1e-9 * RATE_BOUND,
-        ),
+        number("bounded-time", printed, bounded.t_f, TIME_ACCURACY, least, unit="s"),
+        number("increase", INCREASE, longer, 2.0 * TIME_ACCURACY / T_F, corrected=own),
+        number("largest-rate", RATE_BOUND, rate, room, unit="rad/s"),
+        *_structure(bounded),
+        *_formulas(cases),
+        *_multiplier(cases),
     ]
 
 
@@ -76,209 +65,158 @@ def _structure(optimum: TimeOptimum) -> list[Row]:
     arcs, certificate = optimum.arcs, optimum.certificate
     proved = certificate.relative_gap < SURE_GAP and certificate.switching_law_holds
     at = [i for i, arc in enumerate(arcs) if isinstance(arc.control, Boundary)]
+    held = [arc.control.side for arc in arcs if isinstance(arc.control, Boundary)]
     groups = tuple(after - before - 1 for before, after in pairwise([-1, *at, len(arcs)]))
     bangs = [arc for arc in arcs if not isinstance(arc.control, Boundary)]
-    shortest = min(bangs, key=lambda arc: arc.t_end - arc.t_start)
-    length = shortest.t_end - shortest.t_start
-    sides = {1: "v_phi = +c", -1: "v_phi = -c"}
+    shortest = min(bangs, key=lambda arc: arc.length)
+    sides, gap = {1: "v_phi = +c", -1: "v_phi = -c"}, {"gap": certificate.relative_gap}
     touches = tuple(
         Message("paper-touch", side=sides[each.side], t=each.t) for each in optimum.touch_points
     )
-    held = [arc.control.side for arc in arcs if isinstance(arc.control, Boundary)]
+    short: dict[str, Value] = {"control": control_text(shortest.control), "start": shortest.t_start}
+    length = {"length": shortest.length, "steps": 1e4 * shortest.length / optimum.t_f}
+    seen: dict[str, Value] = {"arcs": _sum(groups), "count": len(touches), "touches": touches}
     return [
         claim(
-            "5.2",
             "boundary-arcs",
-            "one with v_phi = +c, then one with v_phi = -c",
+            {"held": ", ".join(sides[side] for side in held), **gap},
             holds=held == [1, -1],
             refuted=proved,
-            held=", ".join(sides[side] for side in held),
-            gap=certificate.relative_gap,
         ),
         claim(
-            "5.2",
             "bang-arcs",
-            _sum(BANG_ARCS),
+            {**seen, **gap, **short, **length},
             holds=groups == BANG_ARCS,
             refuted=proved,
-            arcs=_sum(groups),
-            count=len(touches),
-            touches=touches,
-            gap=certificate.relative_gap,
-            control=control_text(shortest.control),
-            length=length,
-            start=shortest.t_start,
-            steps=1e4 * length / optimum.t_f,
         ),
     ]
 
 
+def _row(plant: Plant, **terms: float) -> Array:
+    """Return what a formula has before the states that it names, shape (n,)."""
+    row = np.zeros(plant.order)
+    for name, factor in terms.items():
+        row[plant.states.index(name)] = factor
+    return row
+
+
 def _formulas(cases: Cases) -> list[Row]:
     """Measure both formulas: on the free time optimum v_phi moves most, the other at the bound."""
-    plant, m, T = cases.plant, paper.MECHANICS, paper.FORCE_LAG
+    plant, m, T = cases.plant, cases.mechanics, cases.plant.force_lag
     k, d, J, r = m.rotary_stiffness, m.rotary_damping, m.rotary_inertia, m.lever_arm
-    at = [plant.states.index(name) for name in ("phi", "v_phi", "F")]
     free, bounded = (
         sample_trajectory(plant, best.arcs, step=best.t_f / FORMULA_SAMPLES)
         for best in (cases.time, cases.bounded)
     )
-    row = plant.row("v_phi") @ plant.A
-    truth = free.states @ (row @ plant.A) + free.force * float(row @ plant.B)
-    phi, v_phi, F = free.states[:, at].T
-    drive = -(r / (J * T) + r * d / J**2) * F + r / (J * T) * free.force
-    printed = (d**2 - k) / J * v_phi + d * k / J * phi + drive
-    corrected = (d**2 / J - k) / J * v_phi + d * k / J**2 * phi + drive
+    slope = plant.row("v_phi") @ plant.A
+    truth = free.states @ (slope @ plant.A) + free.force * float(slope @ plant.B)
+    own = -(r / (J * T) + r * d / J**2)
+    push = r / (J * T) * free.force
+    printed = _row(plant, v_phi=(d**2 - k) / J, phi=d * k / J, F=own)
+    corrected = _row(plant, v_phi=(d**2 / J - k) / J, phi=d * k / J**2, F=own)
     off, off_corrected = (
-        float(np.abs(x - truth).max() / np.abs(truth).max()) for x in (printed, corrected)
+        float(np.abs(free.states @ row + push - truth).max() / np.abs(truth).max())
+        for row in (printed, corrected)
     )
-    inside = np.zeros(bounded.t.size, dtype=bool)
-    for arc in cases.bounded.arcs:
-        if isinstance(arc.control, Boundary):
-            inside |= (bounded.t >= arc.t_start) & (bounded.t < arc.t_end)
-    force = bounded.force[inside]
-    phi, v_phi, F = bounded.states[inside][:, at].T
-    own = (1.0 + T * d / J) * F
-    printed = T * (k - d**2) / r * v_phi - T * d * k / r * phi + own
-    corrected = T * (k - d**2 / J) / r * v_phi - T * d * k / (r * J) * phi + own
+    held = [arc for arc in cases.bounded.arcs if isinstance(arc.control, Boundary)]
+    inside = np.any([(bounded.t >= a.t_start) & (bounded.t < a.t_end) for a in held], axis=0)
+    states, force = bounded.states[inside], bounded.force[inside]
+    own = 1.0 + T * d / J
+    printed = _row(plant, v_phi=T * (k - d**2) / r, phi=-T * d * k / r, F=own)
+    corrected = _row(plant, v_phi=T * (k - d**2 / J) / r, phi=-T * d * k / (r * J), F=own)
     gap, gap_corrected = (
-        float(np.abs(x - force).max() / FORCE_LIMIT) for x in (printed, corrected)
+        float(np.abs(states @ row - force).max() / FORCE_LIMIT) for row in (printed, corrected)
     )
     largest = float(np.abs(force).max())
     return [
         claim(
-            "5.2",
             "second-derivative",
-            "(d^2 - k)/J v_phi + d k/J phi - ...",
-            corrected="(d^2/J - k)/J v_phi + d k/J^2 phi - ...",
+            {"off": off, "off_corrected": off_corrected},
             holds=off_corrected <= FORMULA_TOLERANCE < off,
-            off=off,
-            off_corrected=off_corrected,
         ),
         claim(
-            "5.2",
             "boundary-control",
-            "T (k - d^2)/r v_phi - T d k/r phi + (1 + T d/J) F",
-            corrected="T (k - d^2/J)/r v_phi - T d k/(r J) phi + (1 + T d/J) F",
+            {"off": gap, "off_corrected": gap_corrected},
             holds=gap_corrected <= FORMULA_TOLERANCE < gap,
-            off=gap,
-            off_corrected=gap_corrected,
         ),
-        claim(
-            "5.2",
-            "inside",
-            "assumed",
-            holds=largest < FORCE_LIMIT,
-            largest=largest,
-            limit=FORCE_LIMIT,
-        ),
+        claim("inside", {"largest": largest, "limit": FORCE_LIMIT}, holds=largest < FORCE_LIMIT),
     ]
 
 
 def _multiplier(cases: Cases) -> list[Row]:
     """Follow the adjoint along the first boundary arc under both forms of (15)."""
-    plant, m = cases.plant, paper.MECHANICS
-    J, r, m_b = m.rotary_inertia, m.lever_arm, m.base_mass
+    plant, m = cases.plant, cases.mechanics
+    J, m_b, at = m.rotary_inertia, m.base_mass, plant.states.index("v_phi")
     arc = next(arc for arc in cases.bounded.arcs if isinstance(arc.control, Boundary))
     before = cases.bounded.certificate.adjoint_initial @ expm(-plant.A * arc.t_start)
-    entry = before.copy()
-    entry[5] = J / r * (before[3] / m_b - before[4] / m.slider_mass)
-    printed = np.array(
-        [J / (r * m_b), 0.0, -1.0, -J * m.base_damping / (r * m_b**2), 0.0, 0.0, 0.0]
-    )
-    corrected = printed.copy()
-    corrected[5] = m.rotary_damping / J
-    scale = plant.force_lag / FORCE_LIMIT
-    paths = [_follow(plant.A, entry, mu, arc.t_end - arc.t_start) for mu in (printed, corrected)]
-    drift, held = (float(np.abs(path[:, plant.force]).max()) / scale for path in paths)
-    least = float((paths[1] @ corrected).min())
-    at_entry = abs(float(entry[plant.force])) / scale
-    return [
-        claim(
-            "5.2, (14)",
-            "switching-function",
-            "lambda_I(t) / T = H_U(t) = 0",
-            corrected="lambda_F(t) / T = H_{F_set}(t) = 0",
-            holds=at_entry < FORMULA_TOLERANCE,
-            at_entry=at_entry,
-        ),
-        claim(
-            "5.2, (15)",
-            "multiplier",
-            "J/(r m_b) lambda_xb - lambda_phi - J d_b/(r m_b^2) lambda_vb",
-            corrected=Message("paper-multiplier.correct"),
-            holds=held <= FORMULA_TOLERANCE < drift and least > 0.0,
-            drift=drift,
-            held=held,
-            least=least,
-        ),
-        claim(
-            "5.2",
-            "jumps",
-            "lambda_vphi may have jumps at entry and exit",
-            holds=bool(entry[5] < before[5]),
-            before=float(before[5]),
-            after=float(entry[5]),
-        ),
+    entry, lever = before.copy(), J / m.lever_arm
+    entry[at] = lever * (before[3] / m_b - before[4] / m.slider_mass)
+    printed = _row(plant, x_b=lever / m_b, phi=-1.0, v_b=-lever * m.base_damping / m_b**2)
+    corrected = printed + _row(plant, v_phi=m.rotary_damping / J)
+    step = arc.length / FORMULA_SAMPLES
+    # λ' = -λ A - μ(λ) e_vφ along the arc.
+    paths = [
+        powers_of(
+            expm(-(plant.A.T + np.outer(plant.row("v_phi"), mu)) * step), entry, FORMULA_SAMPLES
+        )
+        for mu in (printed, corrected)
     ]
-
-
-def _follow(A: Array, entry: Array, multiplier: Array, length: float) -> Array:
-    """Return λ along a boundary arc, shape (n_samples, n): λ' = -λA - μ(λ) e_vφ."""
-    system = -A
-    system[:, 5] -= multiplier
-    transition = expm(system * (length / FORMULA_SAMPLES))
-    path = [entry]
-    for _ in range(FORMULA_SAMPLES):
-        path.append(path[-1] @ transition)
-    return np.array(path)
+    scale = plant.force_lag / FORCE_LIMIT
+    drift, held = (float(np.abs(path[:, plant.force]).max()) / scale for path in paths)
+    least, at_entry = float((paths[1] @ corrected).min()), abs(float(entry[plant.force])) / scale
+    jump = {"before": float(before[at]), "after": float(entry[at])}
+    return [
+        claim("switching-function", {"at_entry": at_entry}, holds=at_entry < FORMULA_TOLERANCE),
+        claim(
+            "multiplier",
+            {"drift": drift, "held": held, "least": least},
+            holds=held <= FORMULA_TOLERANCE < drift and least > 0.0,
+        ),
+        claim("jumps", jump, holds=jump["after"] < jump["before"]),
+    ]
 
 
 def damping_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the damping-optimal control, beside ours."""
-    return [*_peaks(cases), *_weights(cases), *_cost(cases), *_law(cases), _least_time(cases)]
+    best, is_refused = cases.damping, cases.time.certificate.t_f_lower_bound > T_F
+    terms, weights = best.cost_terms, best.weights
+    shares = dict(zip((w.state for w in weights), (terms[1:] / terms[0]).tolist(), strict=True))
+    share = best.cost / coasting_cost(cases)
+    said = {"longer": BOUNDED_T_F, "least": T_F, "refused": "yes" if is_refused else "no"}
+    return [
+        *_peaks(cases),
+        *_weights(cases),
+        claim(
+            "terms", {"cost": best.cost, **shares}, holds=float(terms.max() / terms.min()) < 10.0
+        ),
+        claim("cost", {"cost": best.cost, "share": share}, holds=share < 1.0),
+        *_law(cases),
+        claim("least-time", said, holds=is_refused),
+    ]
 
 
 def _peaks(cases: Cases) -> list[Row]:
-    rows = []
-    for name, printed, solution in (
-        ("damping", paper.PEAKS[0], cases.damping),
-        ("bounded", paper.PEAKS[1], cases.bounded),
-        ("free", paper.PEAKS[2], cases.time),
-    ):
-        angle = cases.peak(solution, "phi")
+    rows = list[Row]()
+    solutions: tuple[AnyOptimum, ...] = (cases.damping, cases.bounded, cases.time)
+    for name, printed, best in zip(("damping", "bounded", "free"), PEAKS, solutions, strict=True):
+        angle, rate = (cases.peak(best, state) for state in ("phi", "v_phi"))
+        said: dict[str, Value] = {"control": name, "angle": angle}
         rows.append(
-            number(
-                "6",
-                "peak-rate",
-                printed,
-                cases.peak(solution, "v_phi"),
-                literal=angle,
-                unit="rad/s",
-                tolerance=2e-3 * printed,
-                correction=Message("paper-peak-rate.correct"),
-                control=name,
-                angle=angle,
-            )
+            number("peak-rate", printed, rate, 2e-3 * printed, said, unit="rad/s", literal=angle)
         )
     return rows
 
 
 def _weights(cases: Cases) -> list[Row]:
-    pairs = list(zip(paper.WEIGHTS, balanced_weights(cases.plant, cases.time), strict=True))
+    rows, balanced = list[Row](), balanced_weights(cases.plant, cases.time)
+    pairs = list(zip(cases.damping.weights, balanced, strict=True))
     off = max(abs(ours.value / printed.value - 1.0) for printed, ours in pairs)
-    return [
-        number(
-            "6, (17)",
-            "weight",
-            printed.value,
-            ours.value,
-            tolerance=0.02 * printed.value,
-            state=printed.state,
-            off=off,
-            is_first="yes" if printed is paper.WEIGHTS[0] else "no",
-        )
-        for printed, ours in pairs
-    ]
+    for printed, ours in pairs:
+        is_first = "no" if rows else "yes"
+        said: dict[str, Value] = {"state": printed.state, "off": off, "is_first": is_first}
+        room = 0.02 * printed.value
+        rows.append(number("weight", printed.value, ours.value, room, said))
+    return rows
 
 
 def coasting_cost(cases: Cases) -> float:
@@ -287,114 +225,56 @@ def coasting_cost(cases: Cases) -> float:
     With balanced weights each term would be the first, ∫ F_set² dt.
     """
     balanced = balanced_weights(cases.plant, cases.time)
-    shares = [mine.value / one.value for mine, one in zip(paper.WEIGHTS, balanced, strict=True)]
+    pairs = zip(cases.damping.weights, balanced, strict=True)
+    shares = [mine.value / one.value for mine, one in pairs]
     return FORCE_LIMIT**2 * cases.time.t_f * (1.0 + sum(shares))
-
-
-def _cost(cases: Cases) -> list[Row]:
-    terms, cost = cases.damping.cost_terms, cases.damping.cost
-    shares = (terms[1:] / terms[0]).tolist()
-    share = cost / coasting_cost(cases)
-    return [
-        claim(
-            "6",
-            "terms",
-            "all of the same magnitude",
-            holds=float(terms.max() / terms.min()) < 10.0,
-            cost=cost,
-            **dict(zip((weight.state for weight in paper.WEIGHTS), shares, strict=True)),
-        ),
-        claim(
-            "6, (5)",
-            "cost",
-            "no value printed",
-            holds=share < 1.0,
-            cost=cost,
-            share=share,
-        ),
-    ]
 
 
 def _law(cases: Cases) -> list[Row]:
     damping, plant = cases.damping, cases.plant
     motion = sample_trajectory(plant, damping.arcs, step=damping.t_f / 4000)
-    followed = law_residual(plant, damping, samples=40_000)
-    jump = 0.0
+    followed, jump = law_residual(plant, damping, samples=40_000), 0.0
     for before, after in pairwise(damping.arcs):
-        length = before.t_end - before.t_start
-        last = before.output @ expm(before.generator * length) @ before.initial
+        last = before.output @ expm(before.generator * before.length) @ before.initial
         jump = max(jump, abs(float(last - after.output @ after.initial)))
-    labels = {control_text(arc.control) for arc in damping.arcs}
+    labels, largest = (
+        {control_text(arc.control) for arc in damping.arcs},
+        np.abs(motion.force).max(),
+    )
     return [
-        number(
-            "6, (16)",
-            "control-law",
-            0.0,
-            followed,
-            tolerance=LAW_TOLERANCE,
-        ),
+        number("control-law", 0.0, followed, LAW_TOLERANCE),
         claim(
-            "6",
             "continuous",
-            "any optimal control is continuous",
+            {"jump": jump / FORCE_LIMIT, "arcs": len(damping.arcs)},
             holds=jump < LAW_TOLERANCE * FORCE_LIMIT,
-            jump=jump / FORCE_LIMIT,
-            arcs=len(damping.arcs),
         ),
         claim(
-            "7",
             "saturated",
-            "linear-quadratic with control constraints (saturated control)",
+            {"arcs": ", ".join(sorted(labels)), "largest": float(largest)},
             holds={"+F_max", "interior"} <= labels,
-            arcs=", ".join(sorted(labels)),
-            largest=float(np.abs(motion.force).max()),
         ),
         claim(
-            "6",
             "functional",
-            "lambda = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4)",
-            corrected="d lambda/dt = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4, 0)",
+            {"states": plant.order},
             holds=plant.order == 7 and followed < LAW_TOLERANCE,
-            states=plant.order,
         ),
     ]
-
-
-def _least_time(cases: Cases) -> Row:
-    is_refused = cases.time.certificate.t_f_lower_bound > T_F
-    return claim(
-        "4",
-        "least-time",
-        "t_f > t_f,min",
-        holds=is_refused,
-        longer=paper.BOUNDED_T_F,
-        least=T_F,
-        refused="yes" if is_refused else "no",
-    )
 
 
 def peak_rows(cases: Cases) -> list[Row]:
     """Return what bound and damping do to the vibration."""
     free, bounded = (cases.peak(best, "phi") for best in (cases.time, cases.bounded))
     damped, fast = (cases.peak(best, "v_phi") for best in (cases.damping, cases.time))
+    shares = {"over": damped / RATE_BOUND, "share": damped / fast}
     return [
         claim(
-            "5.2",
             "bound-helps",
-            "significant reduction",
+            {"free": free, "bounded": bounded, "less": 1.0 - bounded / free},
             holds=bounded < 0.9 * free,
-            free=free,
-            bounded=bounded,
-            less=1.0 - bounded / free,
         ),
         claim(
-            "6",
             "rate-between",
-            "notably higher than the bound, significantly smaller than time-optimal",
+            {"rate": damped, "limit": FORCE_LIMIT, **shares},
             holds=1.25 * RATE_BOUND < damped < 0.5 * fast,
-            rate=damped,
-            over=damped / RATE_BOUND,
-            share=damped / fast,
-            limit=FORCE_LIMIT,
         ),
     ]

@@ -1,14 +1,15 @@
-"""Rows of secs. 2, 5 and 5.1: the plant, its time-optimal control, its switches over the force."""
+"""Rows of secs. 2, 4, 5 and 5.1: the plant, its time-optimal control, its switches over force."""
 
 from __future__ import annotations
 
-from itertools import groupby, pairwise
+from dataclasses import dataclass
+from itertools import count, pairwise
 from math import exp, inf, pi, sqrt
 
 import numpy as np
 
 from mtcommission.machine.moves import Move
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Bang,
@@ -19,18 +20,32 @@ from mtcommission.optimal.solution import (
     sample_trajectory,
 )
 from mtcommission.plant.plant import Plant, kalman_rank
-from mtcommission.validate import paper
 from mtcommission.validate.adjoint import (
     adjoint_from_switches,
     adjoint_uncertainty,
+    largest_distance,
     printed_adjoint_matrix,
     zeros,
 )
-from mtcommission.validate.paper import FORCE_LIMIT, SWITCHES, SWITCHING_TIMES, Array, Cases
+from mtcommission.validate.cases import Array, Cases
+from mtcommission.validate.printed import (
+    ADJOINT,
+    FORCE_LIMIT,
+    JACOBIAN_RANK,
+    KALMAN_RANK,
+    LARGEST_FORCE,
+    SWITCHES,
+    SWITCHING_TIMES,
+    T_F,
+    TIME_ACCURACY,
+    VELOCITY_STEP,
+)
 from mtcommission.validate.row import Row, claim, number
 
 THREE_DIGITS = 1e-3
 """Accuracy of λ(0) as printed [-]."""
+THREE_DECIMALS = 5e-3
+"""What three decimals of (12) are of a state's peak: 0.2 to 1 %."""
 SURE_GAP = 1e-9
 """Relative gap below which an optimum counts as proved [-]."""
 LOWEST, HIGHEST, COUNT = 20.0, 2e4, 241
@@ -43,333 +58,211 @@ WEAK = 60.0
 
 def plant_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the plant, beside ours."""
-    plant = cases.plant
+    plant, row = cases.plant, cases.plant.row("v_phi")
     kalman = np.array([np.linalg.matrix_power(plant.A, i) @ plant.B for i in range(plant.order)])
-    entries = np.abs(kalman[kalman != 0.0])
-    order, derivative = 1, plant.row("v_phi")
-    while float(derivative @ plant.B) == 0.0:
-        order, derivative = order + 1, derivative @ plant.A
+    rank, entries = kalman_rank(plant), np.abs(kalman[kalman != 0.0])
+    decades = float(np.log10(entries.max() / entries.min()))
+    looks = {"decades": decades, "unscaled": int(np.linalg.matrix_rank(kalman))}
+    error = printed_adjoint_matrix(cases.mechanics, force_lag=plant.force_lag) + plant.A.T
+    off = float(np.abs(error).max() / np.abs(plant.A).max())
+    order = next(k for k in count(1) if row @ np.linalg.matrix_power(plant.A, k - 1) @ plant.B)
     return [
-        number(
-            "5, (10)",
-            "kalman-rank",
-            paper.KALMAN_RANK,
-            kalman_rank(plant),
-            tolerance=0.0,
-            decades=float(np.log10(entries.max() / entries.min())),
-            unscaled=int(np.linalg.matrix_rank(kalman)),
-        ),
-        number(
-            "5, (8)",
-            "adjoint-equations",
-            0.0,
-            float(np.abs(printed_adjoint_matrix() + plant.A.T).max() / np.abs(plant.A).max()),
-            tolerance=1e-14,
-        ),
-        claim(
-            "5.2",
-            "order",
-            "order 2: F_set first appears in the second derivative",
-            holds=order == 2,
-            order=order,
-        ),
+        number("kalman-rank", KALMAN_RANK, rank, 0.0, looks),
+        number("adjoint-equations", 0.0, off, 1e-14),
+        claim("order", {"order": order}, holds=order == 2),
     ]
 
 
 def printed_control_error(plant: Plant) -> Array:
     """Return the state at t_f under the control (12), less the target; exact integration."""
-    force, arcs = FORCE_LIMIT, []
-    for start, end in pairwise((0.0, *SWITCHING_TIMES, paper.T_F)):
-        arcs.append(constant_arc(start, end, control=Bang(1 if force > 0.0 else -1), force=force))
-        force = -force
+    ends = pairwise((0.0, *SWITCHING_TIMES, T_F))
+    arcs = [
+        constant_arc(start, end, control=Bang(side), force=side * FORCE_LIMIT)
+        for side, (start, end) in zip((1, -1) * 3, ends, strict=True)
+    ]
     error = propagate(plant, tuple(arcs))
-    error[plant.velocity] -= paper.VELOCITY_STEP
+    error[plant.velocity] -= VELOCITY_STEP
     error[plant.position] = 0.0
     return error
 
 
 def time_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the time-optimal control, beside ours."""
-    proof = cases.time.certificate
+    plant, best, off = cases.plant, cases.time, TIME_ACCURACY
+    proof, error, share = best.certificate, printed_control_error(plant), THREE_DECIMALS
+    rows = [
+        number("switching-time", printed, ours, off, {"number": i}, unit="s")
+        for i, printed, ours in zip(range(1, 6), SWITCHING_TIMES, best.switching_times, strict=True)
+    ]
+    least = {"least": proof.t_f_lower_bound}
+    rows.append(number("final-time", T_F, best.t_f, off, least, unit="s"))
+    for i, name in enumerate(plant.states):
+        if i != plant.position:
+            aim = VELOCITY_STEP if i == plant.velocity else 0.0
+            reached, room = aim + float(error[i]), share * float(best.peaks[i])
+            said: dict[str, Value] = {"state": name, "share": share}
+            unit = plant.signal_units[i]
+            rows.append(number("terminal-error", aim, reached, room, said, unit=unit))
+    hamiltonian = 1.0 + ADJOINT[-1] / plant.force_lag * FORCE_LIMIT
+    rank, gap = proof.terminal_jacobian_rank, {"gap": proof.relative_gap}
     return [
-        *_times(cases.time),
-        *_terminal_errors(cases),
+        *rows,
         *_adjoint(cases),
-        number(
-            "5, (7)",
-            "hamiltonian",
-            0.0,
-            1.0 + paper.ADJOINT[-1] / paper.FORCE_LAG * FORCE_LIMIT,
-            tolerance=THREE_DIGITS,
-        ),
+        number("hamiltonian", 0.0, hamiltonian, THREE_DIGITS),
         *_switching_law(cases),
-        number(
-            "5.1",
-            "jacobian-rank",
-            paper.JACOBIAN_RANK,
-            proof.terminal_jacobian_rank,
-            tolerance=0.0,
-            gap=proof.relative_gap,
-        ),
-    ]
-
-
-def _times(best: TimeOptimum) -> list[Row]:
-    final = number(
-        "5.1, (12)",
-        "final-time",
-        paper.T_F,
-        best.t_f,
-        unit="s",
-        tolerance=paper.TIME_ACCURACY,
-        least=best.certificate.t_f_lower_bound,
-    )
-    switches = [
-        number(
-            "5.1, (12)",
-            "switching-time",
-            printed,
-            ours,
-            unit="s",
-            tolerance=paper.TIME_ACCURACY,
-            number=i,
-        )
-        for i, (printed, ours) in enumerate(
-            zip(SWITCHING_TIMES, best.switching_times, strict=True), start=1
-        )
-    ]
-    return [*switches, final]
-
-
-def _terminal_errors(cases: Cases) -> list[Row]:
-    """Compare in shares of a state's peak: three decimals of (12) are 0.2 to 1 % of it."""
-    plant, share = cases.plant, 5e-3
-    error, target = printed_control_error(plant), np.zeros(plant.order)
-    target[plant.velocity] = paper.VELOCITY_STEP
-    return [
-        number(
-            "5.1, (12)",
-            "terminal-error",
-            float(target[i]),
-            float(error[i] + target[i]),
-            unit=unit,
-            tolerance=share * float(cases.time.peaks[i]),
-            state=name,
-            share=share,
-        )
-        for i, (name, unit) in enumerate(zip(plant.states, plant.signal_units, strict=False))
-        if i != plant.position
+        number("jacobian-rank", JACOBIAN_RANK, rank, 0.0, gap),
     ]
 
 
 def _adjoint(cases: Cases) -> list[Row]:
     plant, switches = cases.plant, np.array(SWITCHING_TIMES)
-    printed, ours = np.array(paper.ADJOINT), cases.time.certificate.adjoint_initial
-    allowed = adjoint_uncertainty(plant, switches, accuracy=paper.TIME_ACCURACY)
-    given = printed != 0.0
-    off = np.zeros(printed.size)
-    off[given] = np.abs(ours[given] / printed[given] - 1.0)
-    rows = [
-        number(
-            "5.1",
-            "adjoint",
-            float(printed[i]),
-            float(ours[i]) + 0.0,
-            tolerance=float(allowed[i] + THREE_DIGITS * abs(printed[i])),
-            state=name,
-            off=float(off[i]),
-            is_off="yes" if off[i] >= THREE_DIGITS else "no",
-        )
-        for i, name in enumerate(plant.states)
-    ]
-    implied = adjoint_from_switches(plant, switches)
-    deviation = float(np.abs(implied[given] / printed[given] - 1.0).max())
+    allowed = adjoint_uncertainty(plant, switches, accuracy=TIME_ACCURACY)
     rounding = adjoint_uncertainty(plant, switches, accuracy=0.5e-6)  # half the last decimal
-    explained = float((rounding[given] / np.abs(printed[given])).max())
-    consistent = number(
-        "5.1",
-        "adjoint-implied",
-        0.0,
-        deviation,
-        tolerance=0.02,
-        deviation=deviation,
-        rounding=explained,
-        arc=float(switches[1] - switches[0]),
-    )
-    return [*rows, consistent]
+    implied = adjoint_from_switches(plant, switches)
+    rows, deviation, explained = list[Row](), 0.0, 0.0
+    for i, (name, printed) in enumerate(zip(plant.states, ADJOINT, strict=True)):
+        ours, off = float(cases.time.certificate.adjoint_initial[i]) + 0.0, 0.0
+        if printed:
+            off = abs(ours / printed - 1.0)
+            deviation = max(deviation, abs(float(implied[i]) / printed - 1.0))
+            explained = max(explained, float(rounding[i]) / abs(printed))
+        said: dict[str, Value] = {
+            "state": name,
+            "off": off,
+            "is_off": "yes" if off >= THREE_DIGITS else "no",
+        }
+        room = float(allowed[i]) + THREE_DIGITS * abs(printed)
+        rows.append(number("adjoint", printed, ours, room, said))
+    arc = float(switches[1] - switches[0])
+    fit = {"deviation": deviation, "rounding": explained, "arc": arc}
+    return [*rows, number("adjoint-implied", 0.0, deviation, 0.02, fit)]
 
 
 def _switching_law(cases: Cases) -> list[Row]:
-    plant, time, printed = cases.plant, cases.time, np.array(paper.ADJOINT)
-    own = zeros(plant, time.certificate.adjoint_initial, t_f=time.t_f, way="back")
-    forward = zeros(plant, printed, t_f=paper.T_F, way="on")
-    backward = zeros(plant, printed, t_f=paper.T_F, way="back")
+    plant, best, printed = cases.plant, cases.time, np.array(ADJOINT)
+    own = zeros(plant, best.certificate.adjoint_initial, t_f=best.t_f, way="back")
+    on, back = (zeros(plant, printed, t_f=T_F, way=way) for way in ("on", "back"))
+    off, growth = largest_distance(back, SWITCHING_TIMES), exp(T_F / plant.force_lag)
+    said = {"forward": on.size, "last": float(on[-1]), "backward": back.size}
     # A zero interpolated linearly on 10 µs is right to less than 1 µs.
-    fits = _distance(own, time.switching_times) < 1e-6
+    fits = largest_distance(own, best.switching_times) < 1e-6
     return [
         claim(
-            "5, (9)",
             "switching-law",
-            "F_set = -sign(lambda_F) F_max",
-            holds=time.certificate.switching_law_holds and fits,
-            zeros=own.size,
+            {"zeros": own.size},
+            holds=best.certificate.switching_law_holds and fits,
         ),
         claim(
-            "5.1",
             "law-as-printed",
-            "(9) holds with high accuracy",
-            holds=_distance(forward, SWITCHING_TIMES) < paper.TIME_ACCURACY,
-            refuted=forward.size != len(SWITCHING_TIMES),
-            forward=forward.size,
-            last=float(forward[-1]),
-            backward=backward.size,
-            off=_distance(backward, SWITCHING_TIMES),
-            growth=exp(paper.T_F / plant.force_lag),
+            {**said, "off": off, "growth": growth},
+            holds=largest_distance(on, SWITCHING_TIMES) < TIME_ACCURACY,
+            refuted=on.size != SWITCHES,
         ),
     ]
 
 
-def _distance(found: Array, times: tuple[float, ...]) -> float:
-    """Return the largest distance of a zero from its switch [s]; inf if the numbers differ."""
-    return float(np.abs(found - times).max()) if found.size == len(times) else inf
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scan:
+    """Certified optima over the force."""
+
+    # Ranges of forces [N] whose optima do not have 5 switches.
+    ranges: list[tuple[float, float, list[TimeOptimum]]]
+    gap: float  # The worst of all [-]
 
 
-def scan_forces(
-    plant: Plant, move: Move, *, lowest: float, highest: float, count: int
-) -> tuple[list[tuple[float, float, list[TimeOptimum]]], float]:
-    """Return ranges of forces [N] whose optima do not have 5 switches, and the worst gap [-]."""
+def scan_forces(plant: Plant, move: Move, *, lowest: float, highest: float, count: int) -> Scan:
+    """Return the optima of forces evenly spaced by ratio, and where their switches change."""
+
+    def solve(force: float) -> TimeOptimum:
+        return solve_time_optimal(plant, move, force_limit=force)
+
+    def edge(low: float, high: float, switches: int) -> float:
+        """Return where the number of switches changes, to 1e-4."""
+        while high / low - 1.0 > 1e-4:
+            middle = sqrt(low * high)
+            is_low = len(solve(middle).switching_times) == switches
+            low, high = (middle, high) if is_low else (low, middle)
+        return sqrt(low * high)
+
     forces: list[float] = np.geomspace(lowest, highest, count).tolist()
-    optima = [solve_time_optimal(plant, move, force_limit=force) for force in forces]
-
-    def edge(inside: int, outside: int) -> float:
-        """Return where the number of switches changes, to 1e-4; an end of the scan as it is."""
-        if not 0 <= outside < count:
-            return forces[inside]
-        known, other = forces[inside], forces[outside]
-        while abs(other / known - 1.0) > 1e-4:
-            middle = sqrt(known * other)
-            best = solve_time_optimal(plant, move, force_limit=middle)
-            is_inside = len(best.arcs) == len(optima[inside].arcs)
-            known, other = (middle, other) if is_inside else (known, middle)
-        return sqrt(known * other)
-
-    found = []
-    for arcs, run in groupby(range(count), key=lambda i: len(optima[i].arcs)):
-        inside = list(run)
-        if arcs != SWITCHES + 1:
-            ends = edge(inside[0], inside[0] - 1), edge(inside[-1], inside[-1] + 1)
-            found.append((*ends, [optima[i] for i in inside]))
-    return found, max(item.certificate.relative_gap for item in optima)
+    optima = [solve(force) for force in forces]
+    switches = [len(optimum.switching_times) for optimum in optima]
+    starts = [i for i in range(1, count) if switches[i] != switches[i - 1]]
+    between = [edge(forces[i - 1], forces[i], switches[i - 1]) for i in starts]
+    ends, parts = pairwise([forces[0], *between, forces[-1]]), pairwise([0, *starts, count])
+    ranges = [
+        (low, high, optima[start:stop])
+        for (low, high), (start, stop) in zip(ends, parts, strict=True)
+        if switches[start] != SWITCHES
+    ]
+    return Scan(ranges=ranges, gap=max(each.certificate.relative_gap for each in optima))
 
 
 def structure_rows(cases: Cases) -> list[Row]:
     """Return the claim of five switches, beside certified optima over the range of forces."""
     plant, move, best = cases.plant, cases.machine.moves[0], cases.time
-    first = best.arcs[0].control
-    found, gap = scan_forces(plant, move, lowest=LOWEST, highest=HIGHEST, count=COUNT)
+    first, switches, usual = best.arcs[0].control, len(best.switching_times), {"usual": SWITCHES}
+    near = scan_forces(plant, move, lowest=LOWEST, highest=HIGHEST, count=COUNT)
+    between = [(low, high, len(each[0].switching_times)) for low, high, each in near.ranges]
     exceptions = tuple(
-        Message(
-            "paper-switches-between",
-            switches=len(inside[0].arcs) - 1,
-            lowest=low,
-            highest=high,
-        )
-        for low, high, inside in found
+        Message("paper-switches-between", switches=number, lowest=low, highest=high)
+        for low, high, number in between
     )
-    shortest = [
-        min(arc.t_end - arc.t_start for arc in each.arcs)
-        for _, _, inside in found
-        for each in inside
-    ]
-    printed = f"{SWITCHES} for all values of F_max > 0"
-    far, far_gap = scan_forces(plant, move, lowest=HIGHEST, highest=FARTHEST, count=FAR_COUNT)
-    farthest = solve_time_optimal(plant, move, force_limit=FARTHEST).t_f
-    half = pi / max(abs(pole.imag) for pole in np.linalg.eigvals(plant.A))
-    weak, weakest = (solve_time_optimal(plant, move, force_limit=F) for F in (WEAK, LOWEST))
-    moved = inf
+    inside = [each for *_, optima in near.ranges for each in optima]
+    arc = max((min(arc.length for arc in each.arcs) for each in inside), default=0.0)
+    looked = {"count": COUNT, "lowest": LOWEST, "highest": HIGHEST, "gap": near.gap}
+    seen: dict[str, Value] = {"found": len(near.ranges), "exceptions": exceptions, "arc": arc}
+    beyond = scan_forces(plant, move, lowest=HIGHEST, highest=FARTHEST, count=FAR_COUNT)
+    farthest, weak, weakest = (
+        solve_time_optimal(plant, move, force_limit=F) for F in (FARTHEST, WEAK, LOWEST)
+    )
+    half, moved = pi / max(abs(pole.imag) for pole in np.linalg.eigvals(plant.A)), inf
     if len(weak.arcs) == len(weakest.arcs) == SWITCHES + 1:
         remaining = [each.t_f - np.array(each.switching_times) for each in (weak, weakest)]
         moved = float(np.abs(remaining[0] - remaining[1]).max())
+    far = {"highest": HIGHEST, "farthest": FARTHEST, "t_f": farthest.t_f, "count": FAR_COUNT}
+    is_sure, is_surely_far = near.gap < SURE_GAP, beyond.gap < SURE_GAP and not beyond.ranges
     return [
         claim(
-            "5.1, (11)",
             "switches",
-            f"{SWITCHES}, +F_max first",
-            holds=len(best.arcs) == SWITCHES + 1 and first == Bang(1),
+            {"switches": switches, "control": control_text(first)},
+            holds=switches == SWITCHES and first == Bang(1),
             refuted=best.certificate.relative_gap < SURE_GAP,
-            switches=len(best.arcs) - 1,
-            control=control_text(first),
         ),
         claim(
-            "5, (11)",
             "switches-everywhere",
-            printed,
-            holds=gap < SURE_GAP and not found,
-            refuted=gap < SURE_GAP and bool(found),
-            usual=SWITCHES,
-            found=len(found),
-            exceptions=exceptions,
-            count=COUNT,
-            lowest=LOWEST,
-            highest=HIGHEST,
-            gap=gap,
-            range=paper.LARGEST_FORCE,
-            arc=max(shortest, default=0.0),
+            {**usual, **looked, **seen, "range": LARGEST_FORCE},
+            holds=is_sure and not near.ranges,
+            refuted=is_sure and bool(near.ranges),
         ),
         claim(
-            "5, (11)",
             "switches-beyond",
-            printed,
-            holds=not far and far_gap < SURE_GAP and farthest < half and moved < 1e-6,
-            usual=SWITCHES,
-            highest=HIGHEST,
-            farthest=FARTHEST,
-            t_f=farthest,
-            weak=WEAK,
-            moved=moved,
-            count=FAR_COUNT,
-            half=half,
+            {**usual, **far, "weak": WEAK, "moved": moved, "half": half},
+            holds=is_surely_far and farthest.t_f < half and moved < 1e-6,
         ),
     ]
 
 
 def vibration_rows(cases: Cases) -> list[Row]:
     """Return how the time-optimal controls vibrate, and how that grows with the force."""
-    plant, best = cases.plant, cases.time
+    plant, best, move = cases.plant, cases.time, cases.machine.moves[0]
     motion = sample_trajectory(plant, best.arcs, step=best.t_f / 2000)
     rate = motion.states[:, plant.states.index("v_phi")]
-    inner = rate[np.abs(rate) > 1e-6 * np.abs(rate).max()]
+    inner, swing = rate[np.abs(rate) > 1e-6 * np.abs(rate).max()], float(np.abs(rate).max())
     changes = int(np.count_nonzero(np.diff(np.sign(inner))))
-    forces = np.geomspace(500.0, paper.LARGEST_FORCE, 13)
-    optima = [
-        solve_time_optimal(plant, cases.machine.moves[0], force_limit=force)
-        for force in forces.tolist()
-    ]
+    forces: list[float] = np.geomspace(500.0, LARGEST_FORCE, 13).tolist()
+    optima = [solve_time_optimal(plant, move, force_limit=force) for force in forces]
     rates, angles = ([cases.peak(each, name) for each in optima] for name in ("v_phi", "phi"))
     falls = int(np.count_nonzero(np.diff(rates) < 0.0))
+    force = {"least": forces[0], "most": forces[-1], "count": len(forces)}
+    grown = {"rate": rates[0], "highest_rate": rates[-1], "falls": falls, "steps": len(rates) - 1}
     return [
         claim(
-            "4",
-            "oscillation",
-            "some of the time-optimal state trajectories are highly oscillatory",
-            holds=changes >= 4,  # two whole swings
-            changes=changes,
-            t_f=best.t_f,
-            rate=float(np.abs(rate).max()),
+            "oscillation", {"changes": changes, "t_f": best.t_f, "rate": swing}, holds=changes >= 4
         ),
         claim(
-            "5.2",
             "more-force",
-            "higher values of F_max lead to higher vibrations",
+            {**force, **grown, "angle": angles[0], "largest_angle": angles[-1]},
             holds=rates[-1] > 2.0 * rates[0] and angles[-1] > angles[0],
-            least=float(forces[0]),
-            most=float(forces[-1]),
-            rate=rates[0],
-            highest_rate=rates[-1],
-            angle=angles[0],
-            largest_angle=angles[-1],
-            count=forces.size,
-            falls=falls,
-            steps=forces.size - 1,
         ),
     ]

@@ -7,21 +7,14 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
-import numpy as np
-from scipy.linalg import expm
-
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
-from mtcommission.plant.plant import Plant
+from mtcommission.optimal.solution import sample_trajectory
 from mtcommission.sheet.document import (
-    Border,
     Bullets,
     Column,
     Headline,
-    Line,
     LinePlot,
-    Panel,
     Section,
     Table,
     Tone,
@@ -29,10 +22,13 @@ from mtcommission.sheet.document import (
     note,
 )
 from mtcommission.sheet.html import set_html
+from mtcommission.sheet.plots import MOST_POINTS, Curve, Signals, line_plot
+from mtcommission.validate.adjoint import follow_adjoint
 from mtcommission.validate.bounded import bounded_rows, damping_rows, peak_rows
+from mtcommission.validate.cases import Cases, solve_cases
 from mtcommission.validate.free import plant_rows, structure_rows, time_rows, vibration_rows
 from mtcommission.validate.loops import loop_rows
-from mtcommission.validate.paper import FORCE_LIMIT, RATE_BOUND, VELOCITY_STEP, Cases, solve_cases
+from mtcommission.validate.printed import FORCE_LIMIT, RATE_BOUND, VELOCITY_STEP
 from mtcommission.validate.row import Row, Told, Verdict, tell
 
 SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool Manipulators"
@@ -49,18 +45,8 @@ WIDTHS = {"quantity": 2.0, "printed": 1.5, "correct": 1.5, "ours": 2.5}
 """Of columns wider than the others [-]."""
 FIGURES = ("printed_value", "ours_value", "difference", "tolerance")
 """Of a row, for machines."""
-SAMPLES = 800
-"""Points of a curve; more are not seen."""
-SOLID = 4
-"""Line style of the sheet."""
-STATES = (
-    ("x_b", "x_b in µm", 1e6),
-    ("v_s", "v_s in mm/s", 1e3),
-    ("phi", "φ in µrad", 1e6),
-    ("v_phi", "v_φ in mrad/s", 1e3),
-    ("F", "F in kN", 1e-3),
-)
-"""Panels: state, label, factor from SI."""
+DRAWN = ("x_b", "v_s", "phi", "v_phi", "F")
+"""States that the paper draws, too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -149,10 +135,12 @@ def head_of(column: str, words: Catalogue) -> str:
 def print_validation(validation: Validation, words: Catalogue, *, created: str) -> str:
     """Return the comparison as one page that works offline; what the paper prints stays English."""
     machine, say = validation.cases.machine, words.text
-    parts = enumerate(validation.parts.items(), start=1)
-    figures = Section(
-        key="figures", heading=say("validate-figures"), blocks=_figures(validation.cases, words)
-    )
+    parts = [
+        _section(f"part-{number}", heading_of(part, words), rows, words)
+        for number, (part, rows) in enumerate(validation.parts.items(), start=1)
+    ]
+    figures = _figures(validation.cases, words)
+    drawn = Section(key="figures", heading=say("validate-figures"), blocks=figures)
     page = document(
         words,
         script_note="identify-script-note",
@@ -162,14 +150,7 @@ def print_validation(validation: Validation, words: Catalogue, *, created: str) 
         identity=SOURCE,
         created=created,
         disclaimer=say("validate-disclaimer"),
-        sections=(
-            _verdict(validation, words),
-            *(
-                _section(f"part-{number}", heading_of(part, words), rows, words)
-                for number, (part, rows) in parts
-            ),
-            figures,
-        ),
+        sections=(_verdict(validation, words), *parts, drawn),
     )
     return set_html(page, decimal_mark=words.format.decimal_mark)
 
@@ -204,15 +185,13 @@ def _verdict(validation: Validation, words: Catalogue) -> Section:
 
 def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> Section:
     """Return a part, what matters most on the left: a telephone shows four columns."""
-    told = [tell(row, words) for row in rows]
+    told, plain = [tell(row, words) for row in rows], words.format.plain
     columns = {
         "quantity": [name_of(one) for one in told],
         "printed": [one.printed for one in told],
         "correct": [one.corrected for one in told],
         "ours": [one.ours for one in told],
-        "tolerance": [
-            "" if row.is_claim else words.format.plain(row.tolerance, 2, "g") for row in rows
-        ],
+        "tolerance": ["" if row.is_claim else plain(row.tolerance, 2, "g") for row in rows],
         "verdict": [words.text(f"validate-is-{key_of(row)}") for row in rows],
         "place": [one.place for one in told],
     }
@@ -227,16 +206,10 @@ def _section(key: str, heading: str, rows: Sequence[Row], words: Catalogue) -> S
             i for i, row in enumerate(rows) if row.verdict in (Verdict.OUT, Verdict.DIFFERS)
         ),
     )
-    bases: dict[str, list[str]] = {}
-    for one in told:
-        bases.setdefault(one.basis, []).append(one.quantity)
-    remarks = (
-        *(f"{one.quantity}: {one.reason}" for one in told if one.reason),
-        *(
-            words.text("validate-tested-by", names="; ".join(names), basis=basis)
-            for basis, names in bases.items()
-        ),
-    )
+    remarks = [f"{one.quantity}: {one.reason}" for one in told if one.reason]
+    for basis in dict.fromkeys(one.basis for one in told):
+        names = "; ".join(one.quantity for one in told if one.basis == basis)
+        remarks.append(words.text("validate-tested-by", names=names, basis=basis))
     notes = Bullets(items=tuple(map(_typeset, remarks)), tone=Tone.NOTE)
     return Section(key=key, heading=heading, blocks=(table, notes))
 
@@ -256,77 +229,31 @@ def _typeset(text: str) -> str:
 
 def _figures(cases: Cases, words: Catalogue) -> tuple[LinePlot, ...]:
     """Return Figs. 4 and 5: the two time-optimal controls, free and under the bound."""
-    free, bounded = (words.text("paper-figure", number=number) for number in (4, 5))
-    return (
-        _plot(
-            cases.plant, cases.time, words, key="figure-4", caption=free, more=(_switching(cases),)
-        ),
-        _plot(
-            cases.plant,
-            cases.bounded,
+    plant, best = cases.plant, cases.time
+    limits = {"v_s": (VELOCITY_STEP,), "v_phi": (RATE_BOUND, -RATE_BOUND)}
+    plots = []
+    for number, solution in ((4, best), (5, cases.bounded)):
+        motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOST_POINTS)
+        force = Curve("F_set", motion.t, motion.force, stepped=True)
+        panels = [Signals("F_set", plant.force_unit, (force,), (FORCE_LIMIT, -FORCE_LIMIT))]
+        for name in DRAWN:
+            at = plant.states.index(name)
+            course = (Curve(name, motion.t, motion.states[:, at]),)
+            panels.append(Signals(name, plant.signal_units[at], course, limits.get(name, ())))
+        if solution is best:
+            initial = best.certificate.adjoint_initial
+            t, switching = follow_adjoint(plant, initial, t_f=best.t_f, way="back")
+            switching = switching / abs(float(initial[plant.force]))
+            panels.append(Signals("λ_F / |λ_F(0)|", "", (Curve("λ_F", t, switching),), (0.0,)))
+        plot = line_plot(
             words,
-            key="figure-5",
-            caption=f"{bounded}, |v_φ| ≤ 0.005 rad/s",
-        ),
-    )
-
-
-def _plot(
-    plant: Plant,
-    solution: TimeOptimum,
-    words: Catalogue,
-    *,
-    key: str,
-    caption: str,
-    more: tuple[Panel, ...] = (),
-) -> LinePlot:
-    motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / SAMPLES)
-    rate, force = 1e3 * RATE_BOUND, FORCE_LIMIT / 1e3
-    borders = {
-        "v_s": (Border(label=words.text("paper-target"), y=1e3 * VELOCITY_STEP),),
-        "v_phi": (Border(label="c", y=rate), Border(label="c", y=-rate)),
-    }
-    set_force = Panel(
-        y_label="F_set in kN",
-        lines=(_line(motion.t, motion.force / 1e3, is_stepped=True),),
-        borders=(Border(label="F_max", y=force), Border(label="F_max", y=-force)),
-    )
-    states = (
-        Panel(
-            y_label=label,
-            lines=(_line(motion.t, factor * motion.states[:, plant.states.index(name)]),),
-            borders=borders.get(name, ()),
+            f"figure-{number}",
+            panels,
+            x=("t", "s"),
+            text="paper-figure",
+            number=number,
+            t_f=solution.t_f,
+            arcs=len(solution.arcs),
         )
-        for name, label, factor in STATES
-    )
-    return LinePlot(
-        key=key,
-        caption=caption,
-        alt=words.text("paper-figure-alt", t_f=solution.t_f, arcs=len(solution.arcs)),
-        x_label="t in ms",
-        x_is_log=False,
-        link=key,
-        panels=(set_force, *states, *more),
-    )
-
-
-def _line(t: np.ndarray, y: np.ndarray, *, is_stepped: bool = False) -> Line:
-    return Line(label="optimal", x=1e3 * t, y=y, style=SOLID, is_stepped=is_stepped)
-
-
-def _switching(cases: Cases) -> Panel:
-    """Return λ_F over its magnitude at t = 0, the switching function of Fig. 4 (d).
-
-    Followed backwards from t_f, where errors decay, with H = 0 there.
-    """
-    plant, solution = cases.plant, cases.time
-    initial = solution.certificate.adjoint_initial
-    row = initial @ expm(-plant.A * solution.t_f)
-    row[plant.force] = -plant.force_lag / float(solution.arcs[-1].output[0])
-    transition, values = expm(plant.A * (solution.t_f / SAMPLES)), []
-    for _ in range(SAMPLES + 1):
-        values.append(row[plant.force] / abs(float(initial[plant.force])))
-        row = row @ transition
-    t = np.linspace(0.0, solution.t_f, SAMPLES + 1)
-    lines = (_line(t, np.array(values[::-1])),)
-    return Panel(y_label="λ_F / |λ_F(0)|", lines=lines, borders=(Border(label="0", y=0.0),))
+        plots.append(plot)
+    return tuple(plots)

@@ -6,9 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import isnan, nan
+from types import MappingProxyType
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, Value
+from mtcommission.validate.printed import CLAIMS, NUMBERS
+
+NOTHING: Mapping[str, Value] = MappingProxyType({})
+"""What most rows have to say beside their numbers."""
 
 
 class Verdict(Enum):
@@ -87,42 +92,43 @@ def tell(row: Row, words: Catalogue) -> Told:
 
 
 def number(
-    place: str,
     key: str,
     printed: float,
     ours: float,
-    *,
     tolerance: float,
+    values: Mapping[str, Value] = NOTHING,
+    *,
     unit: str = "",
     corrected: float = nan,
     literal: float = nan,
-    correction: Message | str = "",
-    **values: Value,
 ) -> Row:
     """Return a comparison of two numbers; ``literal`` is ours where the print is taken literally.
 
+    What then is right is a text of the row, "correct".
+
     Examples
     --------
-    >>> number("1", "increase", 2.0, 1.01, corrected=1.0, tolerance=0.1).verdict.value
+    >>> number("increase", 2.0, 1.01, 0.1, corrected=1.0).verdict.value
     'agrees with the correction'
     """
-    as_printed = ours if isnan(literal) else literal
     wanted = printed if isnan(corrected) else corrected
-    verdict, difference = Verdict.AGREES, as_printed - printed
-    repaired: Message | str = ""
+    difference, verdict = (ours if isnan(literal) else literal) - printed, Verdict.AGREES
+    told: Message | str = ""
     if not abs(difference) <= tolerance:
-        is_repaired = not (isnan(corrected) and isnan(literal))
         difference = ours - wanted
-        close = abs(difference) <= tolerance
-        verdict = Verdict.CORRECTED if is_repaired and close else Verdict.OUT
-        repaired = correction or ("" if isnan(corrected) else f"{corrected:.7g}")
+        is_repaired = not (isnan(corrected) and isnan(literal)) and abs(difference) <= tolerance
+        verdict = Verdict.CORRECTED if is_repaired else Verdict.OUT
+        if not isnan(corrected):
+            told = f"{corrected:.7g}"
+        elif not isnan(literal):
+            told = Message(f"paper-{key}.correct")
     return Row(
-        place=place,
+        place=NUMBERS[key],
         key=key,
         values=values,
         unit=unit,
         printed=f"{printed:.7g}",
-        corrected=repaired,
+        corrected=told,
         # Two digits where the printed number is 0: the rest is rounding.
         ours=f"{ours:.7g}" if wanted != 0.0 else f"{ours:.2g}",
         printed_value=printed,
@@ -134,30 +140,24 @@ def number(
 
 
 def claim(
-    place: str,
-    key: str,
-    printed: str,
-    *,
-    holds: bool,
-    refuted: bool = False,
-    corrected: Message | str = "",
-    **values: Value,
+    key: str, values: Mapping[str, Value] = NOTHING, *, holds: bool, refuted: bool = False
 ) -> Row:
-    """Return a statement that ``holds`` (as ``corrected``, where that is given) or is ``refuted``.
+    """Return a statement that ``holds`` (as corrected, where that is printed) or is ``refuted``.
 
     Examples
     --------
-    >>> claim("1", "order", "order 2", holds=False, order=3).verdict.value
+    >>> claim("order", {"order": 3}, holds=False).verdict.value
     'OUT OF TOLERANCE'
     """
+    printed = CLAIMS[key]
     verdict = Verdict.DIFFERS if refuted else Verdict.OUT
     if holds:
-        verdict = Verdict.CORRECTED if corrected else Verdict.AGREES
+        verdict = Verdict.CORRECTED if printed.corrected else Verdict.AGREES
     return Row(
-        place=place,
+        place=printed.place,
         key=key,
         values=values,
-        printed=printed,
-        corrected=corrected,
+        printed=printed.text,
+        corrected=printed.corrected,
         verdict=verdict,
     )

@@ -4,9 +4,11 @@ paper-certified = bewiesenes Optimum
 paper-certified-to = bewiesenes Optimum, relative Lücke { PLAIN($gap, digits: 1) }
 paper-entry = lambda(0) aus unserem Beweis bis zum Eintritt
 paper-limits = a = { PLAIN($acceleration, digits: 3) } m/s², j = { PLAIN($jerk, digits: 3) } m/s³
-paper-figure = Bild { $number }: zeitoptimale Lösung, F_max = 2 kN
+paper-figure-caption = Bild { $number }: zeitoptimale Lösung, F_max = 2 kN{ $number ->
+        [5] , |v_φ| ≤ 0,005 rad/s
+       *[other] { "" }
+    }
 paper-figure-alt = Sollkraft und Zustände über der Zeit bis t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } Bögen.
-paper-target = Ziel
 paper-kalman-rank = Rang der Kalman-Matrix
     .basis = { json-whole-number }
     .reason = Bestimmt nach Skalierung der Zustände. In SI-Einheiten überspannen die Einträge von C { PLAIN($decades, digits: 0, style: "f") } Dekaden, und durch Rundung sieht der Rang wie { $unscaled } aus.

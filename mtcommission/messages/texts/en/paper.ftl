@@ -6,9 +6,11 @@ paper-certified = certified optimum
 paper-certified-to = certified optimum, relative gap { PLAIN($gap, digits: 1) }
 paper-entry = lambda(0) of our certificate up to the entry
 paper-limits = a = { PLAIN($acceleration, digits: 3) } m/s², j = { PLAIN($jerk, digits: 3) } m/s³
-paper-figure = Fig. { $number }: time-optimal solution, F_max = 2 kN
+paper-figure-caption = Fig. { $number }: time-optimal solution, F_max = 2 kN{ $number ->
+        [5] , |v_φ| ≤ 0.005 rad/s
+       *[other] { "" }
+    }
 paper-figure-alt = Set force and states over time up to t_f = { PLAIN($t_f, digits: 3, style: "f", unit: "ms") } ms; { $arcs } arcs.
-paper-target = target
 paper-kalman-rank = rank of the Kalman matrix
     .basis = { json-whole-number }
     .reason = Decided after scaling the states. In SI units the entries of C span { PLAIN($decades, digits: 0, style: "f") } decades, and rounding makes its rank look like { $unscaled }.
