@@ -90,7 +90,7 @@ def test_a_command_loads_what_it_computes_with(
     )
     loaded = set(done.stdout.splitlines())
     heavy = {
-        "casadi", "contourpy", "control", "highspy", "matplotlib", "polars", "scipy.integrate",
+        "casadi", "control", "highspy", "matplotlib", "polars", "scipy.integrate",
         "scipy.interpolate", "scipy.optimize", "scipy.signal", "typst",
         "mtcommission.commission", "mtcommission.optimal.solution", "mtcommission.sheet.content",
     }  # fmt: skip

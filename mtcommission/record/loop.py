@@ -9,7 +9,7 @@ from typing import Annotated, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.loop.analysis import BODE, draw_bode, find_mixed_modes
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
@@ -135,17 +135,6 @@ class LoopCornerEntry(Margins):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FeatureEntry:
-    """Whether the kind of control has something, and where that was read."""
-
-    name: Annotated[str, one_of(*FEATURES)]
-    has: bool
-    parameters: str  # its names in the control
-    source: str
-    verified: bool  # else printed with "(?)"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopPart:
     """The controller and how good its loop is; margins with the loop cut at F_set.
 
@@ -157,7 +146,6 @@ class LoopPart:
     kind: Annotated[str, one_of(*KINDS)]
     jerk: Jerk = of("kind.jerk")
     position_loop: Annotated[str, one_of(*(place.value for place in PositionLoop))]
-    features: list[FeatureEntry]
     Kv: float | None = of("position_gain")
     Kp: float | None = of("velocity_gain")
     Tn: float | None = of("integral_time")
@@ -244,7 +232,6 @@ def loop_part(found: LoopFound) -> LoopPart:
         control,
         machine.drive,
         position_loop=control.position_loop,
-        features=feature_entries(control.kind),
         encoder_noise=worst_noise(tuned.loops, resolution) if resolution else None,
         state_feedback={state: gain for state, gain in gains if gain},
         feedforward=controller,
@@ -296,20 +283,6 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         "bode": entry_of(Series, t=response.frequency_hz, signals=_lists(drawn, drawn.values())),
         "remarks": [*tuned.remarks, *(item.remark for item in mixed)],
     }
-
-
-def feature_entries(kind: ControlKind) -> list[FeatureEntry]:
-    """Return what a kind of control has, by its own names, with the sources."""
-    return [
-        entry_of(
-            FeatureEntry,
-            feature,
-            name=name,
-            # What is evidence only, such as a gain, every kind has.
-            has=kind.has_jerk_limit if name == "jerk" else bool(getattr(kind, name, True)),
-        )
-        for name, feature in kind.features.items()
-    ]
 
 
 def _worst_corner(tuned: TunedLoop) -> Margins:

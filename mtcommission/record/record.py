@@ -55,7 +55,7 @@ from mtcommission.version import __version__
 if TYPE_CHECKING:
     from mtcommission.commission import Commissioning
 
-SCHEMA = 7
+SCHEMA = 8
 
 FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
 """Key of the datum that bounds F_set, of an axis with a drive and of a motor that follows."""

@@ -20,7 +20,7 @@ from mtcommission.sheet.appendix import (
 from mtcommission.sheet.differences import differences
 from mtcommission.sheet.document import HASH_DIGITS, Block, Document, Section, document
 from mtcommission.sheet.identified import identified
-from mtcommission.sheet.limits import landscape, limits_by_mode, rule, rules
+from mtcommission.sheet.limits import limits_by_mode, rule, rules
 from mtcommission.sheet.loop import loop_details, third_page
 from mtcommission.sheet.measurements import fourth_page
 from mtcommission.sheet.responses import motions, move_sizes, second_page
@@ -42,7 +42,6 @@ APPENDIX: tuple[tuple[str, str, Callable[[Record, Catalogue], Iterable[Block]]],
     ("loop-details", "loop-details", loop_details),
     ("rules", "rules", rules),
     ("rule", "rule", rule),
-    ("landscape", "landscape", landscape),
     ("comparisons", "comparison", comparisons),
     ("certificates", "evidence", certificates),
     ("versions", "versions", versions),

@@ -164,41 +164,6 @@ class LinePlot:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mark:
-    """A named point."""
-
-    label: str
-    x: float
-    y: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Contour:
-    """Where a requirement or limit is just kept: paths of shape (n, 2) in the map's axes."""
-
-    label: str
-    style: int
-    paths: tuple[Array, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeatMap:
-    """A value over two axes, shape (n_y, n_x), nan where there is none, and the chosen point."""
-
-    key: str
-    caption: str
-    alt: str
-    x_label: str
-    y_label: str
-    value_label: str
-    x: Array
-    y: Array
-    values: Array
-    chosen: Mark
-    contours: tuple[Contour, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Diagram:
     """A drawing as SVG."""
 
@@ -208,7 +173,6 @@ class Diagram:
     svg: str
 
 
-Plot = LinePlot | HeatMap
 Block: TypeAlias = (
     Paragraph
     | Bullets
@@ -219,7 +183,7 @@ Block: TypeAlias = (
     | Preformatted
     | Form
     | Diagram
-    | Plot
+    | LinePlot
 )
 
 

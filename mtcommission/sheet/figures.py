@@ -1,4 +1,4 @@
-"""Plots of the document as SVG for print: axes, legends, curves and maps on a canvas."""
+"""Plots of the document as SVG for print: axes, legends and curves on a canvas."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
-from math import ceil, floor, log10, pi
+from math import ceil, floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.quantities import tick_text
-from mtcommission.sheet.document import HeatMap, Line, LinePlot, Panel, Plot
+from mtcommission.sheet.document import Line, LinePlot, Panel
 
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]
@@ -62,14 +62,10 @@ class Canvas:
             f' stroke-linejoin="round"{dash}/>'
         )
 
-    def area(self, points: Array, *, color: str, edge: str = "none") -> None:
-        """Fill the polygon through points, shape (n, 2)."""
-        self._parts.append(f'<path d="{_path(points)}Z" fill="{color}" stroke="{edge}"/>')
-
-    def box(self, box: Box, *, color: str = "none", edge: str = INK) -> None:
-        """Draw the edge of a box, or fill it."""
+    def box(self, box: Box) -> None:
+        """Draw the edge of a box."""
         self._parts.append(
-            f'<rect {_rectangle(box)} fill="{color}" stroke="{edge}" stroke-width="0.6"/>'
+            f'<rect {_rectangle(box)} fill="none" stroke="{INK}" stroke-width="0.6"/>'
         )
 
     def text(self, x: float, y: float, words: str, *, anchor: str = "start") -> None:
@@ -77,14 +73,6 @@ class Canvas:
         self._parts.append(
             f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}">{escape(words)}</text>'
         )
-
-    def hatch(self, box: Box) -> None:
-        """Fill a box with slanted lines."""
-        self._parts.append(
-            '<pattern id="hatch" width="4" height="4" patternUnits="userSpaceOnUse">'
-            '<path d="M0 4L4 0" stroke="#888888" stroke-width="0.5"/></pattern>'
-        )
-        self.box(box, color="url(#hatch)", edge="none")
 
     def clip(self, box: Box) -> None:
         """Cut off what is drawn from here on outside a box, until ``unclip``."""
@@ -124,13 +112,6 @@ def _rectangle(box: Box) -> str:
 def text_width(words: str) -> float:
     """Return about how wide words are [pt]; short ones may be a few per cent wider."""
     return CHARACTER * SIZE * len(words)
-
-
-def corner_points(sides: int, radius: float, *, inner: float = 1.0) -> Array:
-    """Return the corners of a star, shape (2 sides, 2), the first on top; inner 1: a polygon."""
-    angle = np.arange(2 * sides) * pi / sides
-    far = np.where(np.arange(2 * sides) % 2 == 0, radius, radius * inner)
-    return np.column_stack([far * np.sin(angle), -far * np.cos(angle)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,20 +171,14 @@ WIDTH, LEFT, RIGHT = 493.2, 46.0, 8.0
 """Width of a plot on the A4 page (174 mm, so that letters keep their size), and the room beside its
 axes [pt]."""
 
-PANEL, TITLE, SQUARE, FOOT = 50.0, 13.0, 128.0, 26.0
-"""Heights of a panel, its title, a map and the x labels [pt]."""
+PANEL, TITLE, FOOT = 50.0, 13.0, 26.0
+"""Heights of a panel, its title and the x labels [pt]."""
 
 ROW, SAMPLE, SPACE = 11.0, 24.0, 14.0
 """Of a legend: height of a row, length of a line, space behind an entry [pt]."""
 
-SCALE_ROOM = 66.0
-"""Room for the grey scale to the right of a map [pt]."""
-
 ALONG = 12
 """Steps along a plot, at most."""
-
-LIGHTEST, DARKEST, SHADES = 0.04, 0.94, 48
-"""Share of black at the least and the largest value of a map, and steps of its scale."""
 
 LIMIT = ("#000000", (2.0, 2.0), 0.7)
 LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
@@ -217,37 +192,9 @@ LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
 """Colour, dashes and width of a limit, and of a curve by its style; dashes tell the lines apart in
 a black-and-white print."""
 
-STAR = corner_points(5, 6.5, inner=0.4)
-CHOSEN = "#d00000"
 
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """An entry of a legend: a curve of this style, the chosen point, or (neither) a limit."""
-
-    label: str
-    line: int = -1
-    is_chosen: bool = False
-
-    @property
-    def sample(self) -> float:
-        """Width of what stands before the words [pt]."""
-        return SAMPLE / 2 if self.is_chosen else SAMPLE
-
-    @property
-    def width(self) -> float:
-        """Width with the words and the space behind them [pt]."""
-        return self.sample + 4.0 + text_width(self.label) + SPACE
-
-
-def draw_svg(plot: Plot, *, decimal_mark: str = ".", panel_height: float = PANEL) -> str:
+def draw_svg(plot: LinePlot, *, decimal_mark: str = ".", panel_height: float = PANEL) -> str:
     """Return a plot as SVG; the same plot always gives the same text."""
-    if isinstance(plot, LinePlot):
-        return _line_plot(plot, decimal_mark, panel_height)
-    return _heat_map(plot, decimal_mark)
-
-
-def _line_plot(plot: LinePlot, decimal_mark: str, panel_height: float) -> str:
     lines = [line for panel in plot.panels for line in panel.lines]
     common, *own = legends_of(plot)
     rows = legend_rows(common)
@@ -296,73 +243,6 @@ def _course(line: Line, x: Axis, y: Axis) -> Array:
     return np.column_stack([px, py])
 
 
-def _heat_map(plot: HeatMap, decimal_mark: str) -> str:
-    entries = [Entry(item.label, item.style) for item in plot.contours]
-    rows = legend_rows([*entries, Entry(plot.chosen.label, is_chosen=True)])
-    top = len(rows) * ROW + TITLE
-    bottom = top + SQUARE
-    canvas = Canvas(WIDTH, bottom + FOOT)
-    _draw_legend(canvas, rows)
-    columns, lines = edges(plot.x), edges(plot.y)
-    x = Axis(low=columns[0], high=columns[-1], begin=LEFT, end=WIDTH - SCALE_ROOM)
-    y = Axis(low=lines[0], high=lines[-1], begin=bottom, end=top)
-    box = (x.begin, y.end, x.end, y.begin)
-    canvas.text(LEFT, top - 4.0, plot.y_label)
-    canvas.text(WIDTH - RIGHT, top - 4.0, plot.value_label, anchor="end")
-    canvas.hatch(box)
-    known = plot.values[np.isfinite(plot.values)]
-    if known.size:
-        low, high = float(known.min()), max(float(known.max()), 1.001 * float(known.min()))
-        across, down = x.at(columns), y.at(lines)
-        for row, column in np.argwhere(np.isfinite(plot.values)):
-            share = np.log(plot.values[row, column] / low) / np.log(high / low)
-            cell = (across[column], down[row + 1], across[column + 1], down[row])
-            canvas.box(cell, color=_grey(share), edge=_grey(share))
-        _draw_scale(canvas, low, high, y, decimal_mark)
-    canvas.clip(box)
-    for contour in plot.contours:
-        color, dashes, width = LINES[contour.style]
-        for path in contour.paths:
-            points = np.column_stack([x.at(path[:, 0]), y.at(path[:, 1])])
-            # A white edge, so that the line is seen on every shade.
-            canvas.line(points, color="white", width=width + 1.6)
-            canvas.line(points, color=color, dashes=dashes, width=width)
-    star = np.array([float(x.at(plot.chosen.x)), float(y.at(plot.chosen.y))])
-    canvas.area(STAR + star, color=CHOSEN, edge=INK)
-    canvas.unclip()
-    canvas.box(box)
-    _label_ticks(canvas, x, y, decimal_mark)
-    _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
-    return canvas.finish()
-
-
-def _grey(share: float) -> str:
-    level = round(255 * (1.0 - LIGHTEST - (DARKEST - LIGHTEST) * share))
-    return f"#{level:02x}{level:02x}{level:02x}"
-
-
-def edges(values: Array) -> Array:
-    """Return the edges of the cells about some values, shape (n + 1,)."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middle = (values[:-1] + values[1:]) / 2
-    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
-
-
-def _draw_scale(canvas: Canvas, low: float, high: float, y: Axis, decimal_mark: str) -> None:
-    left, height = WIDTH - SCALE_ROOM + 12.0, y.begin - y.end
-    for k in range(SHADES):
-        ends = (y.begin - height * (k + 1) / SHADES, y.begin - height * k / SHADES)
-        shade = _grey((k + 0.5) / SHADES)
-        canvas.box((left, ends[0], left + 11.0, ends[1]), color=shade, edge=shade)
-    canvas.box((left, y.end, left + 11.0, y.begin))
-    for share in np.linspace(0.0, 1.0, 6):
-        words = tick_text(float(f"{low * (high / low) ** share:.3g}"), decimal_mark)
-        # The uppermost number keeps away from the title above it.
-        place = max(y.begin - share * height + 0.36 * SIZE, y.end + 0.9 * SIZE)
-        canvas.text(left + 15.0, place, words)
-
-
 def _draw_grid(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
     for tick in x.ticks(most=ALONG):
         place = float(x.at(tick))
@@ -370,13 +250,8 @@ def _draw_grid(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
     for tick in y.ticks():
         place = float(y.at(tick))
         canvas.line(np.array([[x.begin, place], [x.end, place]]), color=GRID, width=0.4)
-    _label_ticks(canvas, x, y, decimal_mark)
-
-
-def _label_ticks(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
-    for tick in y.ticks():
         words = tick_text(tick, decimal_mark)
-        canvas.text(x.begin - 3.0, float(y.at(tick)) + 0.36 * SIZE, words, anchor="end")
+        canvas.text(x.begin - 3.0, place + 0.36 * SIZE, words, anchor="end")
 
 
 def _label_x(canvas: Canvas, x: Axis, bottom: float, label: str, decimal_mark: str) -> None:
@@ -391,40 +266,42 @@ def _draw_limit(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
     canvas.line(ends, color=color, dashes=dashes, width=width)
 
 
-def legends_of(plot: LinePlot) -> list[list[Entry]]:
+def legends_of(plot: LinePlot) -> list[list[Line]]:
     """Return what stands above all panels, then what each panel alone has, beside its name."""
-    panels = [{line.label: Entry(line.label, line.style) for line in p.lines} for p in plot.panels]
-    counts = Counter(label for panel in panels for label in panel)
-    common = {label: e for panel in panels for label, e in panel.items() if counts[label] > 1}
+    panels = [{line.label: line for line in panel.lines} for panel in plot.panels]
     if len(panels) == 1:
         return [list(panels[0].values()), []]
+    counts = Counter(label for panel in panels for label in panel)
+    common = {label: e for panel in panels for label, e in panel.items() if counts[label] > 1}
     own = ([e for label, e in panel.items() if label not in common] for panel in panels)
     return [list(common.values()), *own]
 
 
-def legend_rows(entries: list[Entry], *, less: float = 0.0) -> list[list[Entry]]:
+def entry_width(line: Line) -> float:
+    """Return the width of a curve's entry in a legend, with the space behind it [pt]."""
+    return SAMPLE + 4.0 + text_width(line.label) + SPACE
+
+
+def legend_rows(entries: list[Line], *, less: float = 0.0) -> list[list[Line]]:
     """Return the rows of a legend, each with as many entries as fit beside something [pt]."""
     room = WIDTH - LEFT - RIGHT + SPACE - less
-    rows: list[list[Entry]] = []
+    rows: list[list[Line]] = []
     for entry in entries:
-        if not rows or sum(one.width for one in rows[-1]) + entry.width > room:
+        if not rows or sum(map(entry_width, rows[-1])) + entry_width(entry) > room:
             rows.append([])
         rows[-1].append(entry)
     return rows
 
 
-def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, top: float = 0.0) -> None:
+def _draw_legend(canvas: Canvas, rows: list[list[Line]], *, top: float = 0.0) -> None:
     """Draw the rows of a legend below a height, flush right."""
     for k, row in enumerate(rows):
-        left = WIDTH - RIGHT - sum(entry.width for entry in row) + SPACE
+        left = WIDTH - RIGHT - sum(map(entry_width, row)) + SPACE
         base = top + (k + 1) * ROW - 3.0
         for entry in row:
-            middle, right = base - 0.36 * SIZE, left + entry.sample
-            if entry.is_chosen:
-                canvas.area(STAR + np.array([(left + right) / 2, middle]), color=CHOSEN, edge=INK)
-            else:
-                color, dashes, width = LIMIT if entry.line < 0 else LINES[entry.line]
-                sample = np.array([[left, middle], [right, middle]])
-                canvas.line(sample, color=color, dashes=dashes, width=width)
+            color, dashes, width = LINES[entry.style]
+            middle, right = base - 0.36 * SIZE, left + SAMPLE
+            sample = np.array([[left, middle], [right, middle]])
+            canvas.line(sample, color=color, dashes=dashes, width=width)
             canvas.text(right + 4.0, base, entry.label)
-            left += entry.width
+            left += entry_width(entry)

@@ -1,16 +1,12 @@
-"""Other limits: today's, by machining mode, by rules of thumb, by hand, and the map of all."""
+"""Other limits: today's, by machining mode, by rules of thumb, and by hand."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.limits import Alternative, ModeLimitsEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import ModeEntry
@@ -19,16 +15,12 @@ from mtcommission.record.values import Words
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
-    Contour,
     Formula,
-    HeatMap,
-    Mark,
     Paragraph,
     Table,
     Tone,
     note,
 )
-from mtcommission.sheet.plots import MAIN, OTHER, label
 from mtcommission.sheet.tables import (
     ACCELERATION,
     JERK_TIME,
@@ -36,17 +28,13 @@ from mtcommission.sheet.tables import (
     RESIDUAL,
     SETTLING,
     Quantity,
-    capitalised,
     show,
     table,
     wide,
 )
-from mtcommission.sheet.verdict import say_limiting
 
 if TYPE_CHECKING:
     from mtcommission.record.record import Record
-
-Array = NDArray[np.float64]
 
 ROUNDED = 1.001
 """A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
@@ -65,9 +53,6 @@ MEETS = Quantity(
 
 UNSEEN = 0.1
 """Share of a velocity cycle below which a ramp is a step to the drive."""
-
-SMALLEST = 1e-12
-"""Stands for zero in a logarithm; far below any share of a limit that matters."""
 
 
 def shown_jerk(
@@ -142,26 +127,7 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield the limits by machining mode, and what could be met instead."""
-    yield _machining_modes(record, words)
-    if record.limits.attainable:
-        yield _attainable(record, words)
-
-
-def _attainable(record: Record, words: Catalogue) -> Table:
-    """What could be met where a requirement stands in the way."""
-    columns = (
-        Quantity("check", lambda it: capitalised(say_limiting(it, words)), width=1.6),
-        Quantity("permitted", "limit", lambda it: it.unit),
-        Quantity("attainable", "value", lambda it: it.unit),
-        ACCELERATION,
-        jerk_column(record, words, width=1.0),
-    )
-    return table(words, "attainable-caption", columns, record.limits.attainable)
-
-
-def _machining_modes(record: Record, words: Catalogue) -> Table:
-    """The limits after the usual machining modes."""
+    """Yield the limits after the usual machining modes."""
 
     def bound(mode: ModeLimitsEntry) -> Words:
         """What bounds it, or why it has no values and what band it could have."""
@@ -188,7 +154,7 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
         Quantity("bound-by-column", bound, width=1.9),
         Quantity("meets", "meets_requirements", width=0.8),
     )
-    return table(words, "machining-caption", columns, record.limits.modes)
+    yield table(words, "machining-caption", columns, record.limits.modes)
 
 
 def rules(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -201,77 +167,6 @@ def rules(record: Record, words: Catalogue) -> Iterator[Block]:
     every = [*record.limits.alternatives, *record.limits.rules]
     if every:
         yield table(words, "rules-caption", columns, every)
-
-
-def landscape(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield the map of settling times with the chosen point."""
-    text, f, part = words.text, words.format, record.limits.landscape
-    chosen, values = record.limits.recommended, _grid(part.settling_time)
-    known = values[np.isfinite(values)]
-    least, most = (float(known.min()), float(known.max())) if known.size else (None, None)
-    a, t = np.array(part.acceleration), np.array(part.jerk_time)
-    a_scale = f.scale_for([a], motion_unit("m/s^2", rotary=words.rotary))
-    t_scale, value_scale = f.scale_for([t], "s"), f.scale_for([known], "s")
-    caption = text("landscape-caption")
-    yield HeatMap(
-        key="landscape",
-        caption=caption if known.size == values.size else text("hatched", caption=caption),
-        alt=text(
-            "landscape-alt",
-            rows=a.size,
-            columns=t.size,
-            least=show(least, words, "s", "not-settled"),
-            most=show(most, words, "s", "not-settled"),
-            acceleration=ACCELERATION.show(chosen, words),
-            jerk_time=JERK_TIME.show(chosen, words),
-        ),
-        x_label=label(words, text("jerk-time"), t_scale.unit),
-        y_label=label(words, text("acceleration"), a_scale.unit),
-        value_label=label(words, text("settling-time"), value_scale.unit),
-        x=t / t_scale.size,
-        y=a / a_scale.size,
-        values=values.reshape(a.size, t.size) / value_scale.size,
-        chosen=Mark(
-            label=text("chosen"),
-            x=chosen.jerk_time / t_scale.size,
-            y=chosen.acceleration / a_scale.size,
-        ),
-        contours=_borders(record, t_scale.size, a_scale.size, words),
-    )
-
-
-def _grid(rows: list[list[float | None]]) -> Array:
-    return np.array(rows, dtype=np.float64)
-
-
-def _borders(record: Record, t_size: float, a_size: float, words: Catalogue) -> tuple[Contour, ...]:
-    """The curves on which the residual fills the band, and the drive its limits."""
-    text, part, permitted = words.text, record.limits.landscape, find_band(record)
-    borders = [(text("usage-border"), MAIN, part.usage, 1.0)]
-    if permitted is not None:
-        named = text("residual-border", band=show(permitted, words, "m"))
-        borders.insert(0, (named, OTHER, part.residual_deviation, permitted))
-    x, y = np.array(part.jerk_time) / t_size, np.array(part.acceleration) / a_size
-    contours = []
-    for name, style, grid, level in borders:
-        if paths := trace(x, y, _grid(grid), level=level):
-            contours.append(Contour(label=name, style=style, paths=paths))
-    return tuple(contours)
-
-
-def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ...]:
-    """Return where values on a grid, shape (n_y, n_x), reach a level, as curves of shape (n, 2).
-
-    Between the points of the grid the logarithm of the value is taken as linear: residuals span
-    decades. Values are not negative, nan where unknown.
-    """
-    from contourpy import contour_generator  # only where a map is drawn
-
-    if min(values.shape) < 2:
-        return ()
-    logarithm = np.log(np.maximum(values / level, SMALLEST))
-    lines = contour_generator(x, y, np.ma.masked_invalid(logarithm)).lines(0.0)
-    return tuple(np.asarray(line, dtype=np.float64) for line in lines)
 
 
 def rule(record: Record, words: Catalogue) -> Iterator[Block]:

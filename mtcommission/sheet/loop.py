@@ -1,7 +1,6 @@
 """Page 3: how far the loop is from unstable, how stiff it is, and why it is this one.
 
-The appendix has its structure, the loops that were tried, corners, delays, and what the control
-has.
+The appendix has its structure, the loops that were tried, corners and delays.
 """
 
 from __future__ import annotations
@@ -12,13 +11,11 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.basis import name_control
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import symbol
 from mtcommission.record.loop import (
     CandidateEntry,
-    FeatureEntry,
     LoopPart,
     Margins,
     VariantEntry,
@@ -80,12 +77,6 @@ CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
 JUMP = 0.5
 """Share of all that a curve spans by which it changes from point to point only where it wraps."""
 
-FUNCTIONS = (
-    *("jerk", "modes", "setpoint_filters", "velocity_feedforward", "acceleration_feedforward"),
-    *("jerk_feedforward", "reference_delay", "force_filters", "state_feedback"),
-)
-"""What one control has and another lacks; the rest differs by name only."""
-
 
 def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the frequency response with margins, filters and measured points, and stiffness.
@@ -108,7 +99,7 @@ def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield structure, loops that were tried, corners, delays, and what the control has."""
+    """Yield structure, loops that were tried, corners, delays, and by which rules."""
     text, loop = words.text, record.loop
     if loop.worst_corner is not None:
         yield structure(record, words)
@@ -120,7 +111,6 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
     if loop.remarks:
         yield Subheading(text=text("remarks"))
         yield _said(loop.remarks, words)
-    yield from _control_has(record, words)
 
 
 def _said(lines: Sequence[Message | str], words: Catalogue) -> Bullets:
@@ -419,44 +409,3 @@ def _delays(record: Record, words: Catalogue) -> Table:
     times = (Quantity(key.replace("_", "-"), known(key), "s") for key in keys)
     path = Quantity("path", "path", width=1.6)
     return table(words, "delays-caption", (path, *times), record.loop.delays)
-
-
-def _control_has(record: Record, words: Catalogue) -> Iterator[Block]:
-    """What the control has, its names for it, and sources with numbers.
-
-    A kind that is no product has no names: then it is one sentence.
-    """
-    text, features = words.text, record.loop.features
-
-    def name(item: FeatureEntry) -> str:
-        """The feature's name, with "(?)" where it was not read."""
-        said = text(f"has-{item.name.replace('_', '-')}")
-        return said if item.verified else f"{said} (?)"
-
-    def sources_of(item: FeatureEntry) -> list[str]:
-        return [source for source in item.source.split("; ") if source]
-
-    functions = [item for item in features if item.name in FUNCTIONS]
-    has, lacks = (
-        ", ".join(name(item) for item in functions if item.has is wanted)
-        for wanted in (True, False)
-    )
-    said = text("control-functions", has=has)
-    if lacks:
-        said = text("control-functions-and-lacks", has=has, lacks=lacks)
-    yield Subheading(text=text("control-heading"))
-    yield Paragraph(text=said)
-    named = [item for item in features if item.parameters]
-    sources = list(dict.fromkeys(source for item in named for source in sources_of(item)))
-    cited = {source: f"[{number}]" for number, source in enumerate(sources, start=1)}
-    columns = (
-        Quantity("quantity", name, width=1.2),
-        Quantity("control-parameters", "parameters", width=2.6),
-        Quantity("source", lambda it: " ".join(cited[one] for one in sources_of(it)), width=0.6),
-    )
-    if named:
-        control = name_control(record.loop.kind, words)
-        yield table(words, "control-caption", columns, named, control=control)
-    if cited:
-        listed = "; ".join(f"{number} {source}" for source, number in cited.items())
-        yield note(listed)

@@ -19,7 +19,6 @@ from mtcommission.sheet.document import (
     Block,
     Diagram,
     Document,
-    HeatMap,
     LinePlot,
     Section,
 )
@@ -86,17 +85,15 @@ def _data(
 
     On a page a plot is drawn in each of the heights among which the template chooses.
     """
-    if isinstance(block, LinePlot | HeatMap | Diagram):
+    if isinstance(block, LinePlot | Diagram):
         if isinstance(block, Diagram):
             pictures[block.key] = [block.svg]
-        elif isinstance(block, LinePlot):
+        else:
             heights = (PANEL,) if section.is_appendix else HEIGHTS
             pictures[block.key] = [
                 draw_svg(block, decimal_mark=decimal_mark, panel_height=height)
                 for height in heights
             ]
-        else:
-            pictures[block.key] = [draw_svg(block, decimal_mark=decimal_mark)]
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
     values = asdict(
         block,

@@ -167,8 +167,6 @@ machining-accuracy = Genauigkeit
 machining-speed = Geschwindigkeit (Schruppen)
 permitted-band = Band
 bound-by-column = Begrenzt durch
-attainable = Erreichbar
-attainable-caption = Was stattdessen erreichbar wäre, allein oder mit den genannten, alle anderen eingehalten
 attainable-band = { $reason }; erreichbar wäre ein Band von { $band }
 alternatives-caption = Grenzwerte nebeneinander, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
 listed-short = Nur für die angegebenen Größen
@@ -210,13 +208,6 @@ rules-heading = Vergleich mit Faustregeln
 rules-caption = Grenzen aus den Optima und Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
 rule = Regel
 meets = Alles erfüllt
-landscape-heading = Kennfeld der Einschwingzeit
-landscape-caption = Größte Einschwingzeit über Beschleunigung und Ruckzeit
-landscape-alt = Kennfeld über { $rows } Beschleunigungen und { $columns } Ruckzeiten; Einschwingzeiten von { $least } bis { $most }; der gewählte Punkt liegt bei { $acceleration } und { $jerk_time }.
-chosen = gewählt
-residual-border = Restabweichung = Band { $band }
-usage-border = { word-force }, Effektiv{ word-force-behind } oder ein Höchstwert gerade erreicht
-hatched = { $caption } (schraffiert: nicht eingeschwungen)
 
 ## Compared with another record
 
@@ -373,12 +364,6 @@ max-force = { $axis ->
 }
 saturated = Gesättigt
 
-control-heading = Was diese Steuerung hat
-control-caption = { $control }: Namen in der Steuerung („(?)“: in keiner Herstellerschrift gelesen, prüfen)
-control-parameters = In der Steuerung
-control-functions = Hat { $has }.
-control-functions-and-lacks = Hat { $has }. Es fehlt: { $lacks }; weder eingestellt noch simuliert noch exportiert.
-has-acceleration = Beschleunigungsgrenze
 has-jerk = Ruckgrenze
 has-modes = Grenzwerte je Bearbeitungsart
 has-setpoint-filters = Sollwertfilter
@@ -386,11 +371,6 @@ has-velocity-feedforward = Geschwindigkeitsvorsteuerung
 has-acceleration-feedforward = { word-force-before }vorsteuerung
 has-jerk-feedforward = Ruckvorsteuerung
 has-reference-delay = Symmetrierung des Sollwerts
-has-position-loops = Ort des Lagereglers
-has-position-cycle = Lagereglertakt
-has-velocity-cycle = Geschwindigkeitsreglertakt
-has-position-gain = Lagereglerverstärkung Kv
-has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
 has-force-filters = Filter im { word-force-before }sollwert
 has-state-feedback = Zustandsrückführung
 

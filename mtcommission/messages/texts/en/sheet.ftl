@@ -161,8 +161,6 @@ machining-accuracy = Accuracy
 machining-speed = Speed (roughing)
 permitted-band = Band
 bound-by-column = Bound by
-attainable = Could be met
-attainable-caption = What could be met instead, each by itself or with those it names, all others kept
 attainable-band = { $reason }; a band of { $band } could be met
 alternatives-caption = Limits beside each other, in the same simulation (worst move, worst corner)
 listed-short = For the listed sizes only
@@ -198,13 +196,6 @@ rules-heading = Comparison with rules of thumb
 rules-caption = Limits from the optima, and rules of makers and textbooks, in the same simulation (worst move, worst corner)
 rule = Rule
 meets = All met
-landscape-heading = Landscape of the settling time
-landscape-caption = Worst settling time over acceleration and jerk time
-landscape-alt = Map of { $rows } accelerations by { $columns } jerk times; settling times from { $least } to { $most }; the chosen point is at { $acceleration } and { $jerk_time }.
-chosen = chosen
-residual-border = residual deviation = band { $band }
-usage-border = { word-force }, RMS { word-force } or a bounded peak just reached
-hatched = { $caption } (hatched: not settled)
 
 ## Compared with another record
 
@@ -343,12 +334,6 @@ dampings = Damping
 max-force = Largest set { word-force }
 saturated = Saturated
 
-control-heading = What this control has
-control-caption = { $control }: names in the control ("(?)": not read in a maker's text, verify)
-control-parameters = In the control
-control-functions = Has { $has }.
-control-functions-and-lacks = Has { $has }. Lacks { $lacks }: neither tuned nor simulated nor exported.
-has-acceleration = acceleration limit
 has-jerk = jerk limit
 has-modes = limits by machining mode
 has-setpoint-filters = setpoint filter
@@ -356,11 +341,6 @@ has-velocity-feedforward = velocity feed-forward
 has-acceleration-feedforward = { word-force } feed-forward
 has-jerk-feedforward = jerk feed-forward
 has-reference-delay = balancing of the setpoint
-has-position-loops = place of the position loop
-has-position-cycle = position cycle
-has-velocity-cycle = velocity cycle
-has-position-gain = position gain Kv
-has-velocity-gain = velocity gain Kp, integral time Tn
 has-force-filters = filters in the { word-force } setpoint
 has-state-feedback = state feedback
 
