@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Iterator, Mapping
-from copy import deepcopy
-from typing import Any
 
 import numpy as np
 
 from mtcommission.profile.shipped import read_shipped, shipped_names
-from mtcommission.record.files import find_checksum
 
 JUNK = "\"'#[]{}=,.\n\\\t \0é€µΩ\ufeff\u202e😀-+eE0123456789abcxyz_%/^*()"
 NUMBERS = (
@@ -23,17 +18,6 @@ NUMBERS = (
 UNITS = ("kg", "t", "N", "kN", "um", "mm", "m", "rad", "deg", "rev/min", "s", "ms", "Hz", "N m",
          "%",
          "furlong", "N/um", "kg m^2", "m/s")  # fmt: skip
-
-RECORD_FORMS: Mapping[type, tuple[Any, ...]] = {
-    float: (0.0, -1.0, 1e308, -1e308, 5e-324, 1e-30, None, 10**400, 0, 1),
-    int: (0, -1, 1, 2, 10**9, 10**30, 0.5),
-    str: ("", "x", "x_b", "tcp", "{ $a }", "9" * 300, "1e999 m", "µ" * 5000, "none", "机床"),
-    list: ([], [0.0], [[]], [None], [1.0, 2.0], ["x"]),
-    dict: ({}, {"x": 1.0}, {"message": "force", "values": {}}),
-    bool: (True, False),
-    type(None): (None, 0.0, "", [], {}),
-}
-RECORD_VALUES = tuple(value for values in RECORD_FORMS.values() for value in values)
 
 TABLE_CELLS = (
     "", " ", '"', '"5 um"', "5;2", "=1+1", "5,0 um", "nan", "\ufeff", "\0", "5 µm", "1e400", "-",
@@ -202,57 +186,3 @@ def mutated_table(text: str, dice: np.random.Generator) -> str:
                 continue
         text = "\n".join(",".join(row) for row in rows) or text
     return text
-
-
-def resealed(record: Mapping[str, Any], dice: np.random.Generator) -> str:
-    """Change a record in a place or two as other programs and people do, and seal it again.
-
-    Places are drawn by their keys, so that series of a thousand numbers are not all that is hit.
-    """
-    changed = deepcopy(dict(record))
-    for _ in range(int(dice.integers(1, 3))):
-        kinds: dict[tuple[str, ...], list[tuple[Any, Any]]] = {}
-        for keys, holder, place in _places(changed):
-            kinds.setdefault(keys, []).append((holder, place))
-        found = list(kinds.values())[int(dice.integers(len(kinds)))]
-        holder, place = found[int(dice.integers(len(found)))]
-        _change(holder, place, dice)
-    changed["checksum"] = find_checksum(changed)
-    return json.dumps(changed)
-
-
-def _places(value: Any, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
-    """Every place in JSON: its keys, all places of an array being one, what holds it and where."""
-    inner = value.items() if isinstance(value, dict) else enumerate(value)
-    for place, item in inner:
-        below = (*keys, str(place) if isinstance(value, dict) else "")
-        if below not in (("schema",), ("checksum",)):
-            yield below, value, place
-        if isinstance(item, dict | list):
-            yield from _places(item, below)
-
-
-def _change(holder: Any, place: Any, dice: np.random.Generator) -> None:
-    """Change one value of JSON to another, mostly of its own form: others are refused at once."""
-    value = holder[place]
-    others = RECORD_VALUES if dice.random() < 0.1 else RECORD_FORMS[type(value)]
-    is_number = type(value) in (int, float)
-    match int(dice.integers(4)):
-        case 0 if isinstance(value, list) and value:
-            del value[int(dice.integers(len(value)))]
-        case 1 if isinstance(value, list) and value:
-            value.append(deepcopy(value[0]))
-        case 0 if isinstance(value, dict) and value and dice.random() < 0.3:
-            del value[list(value)[int(dice.integers(len(value)))]]
-        case 0 | 1 if is_number:
-            holder[place] = value * type(value)(10.0 ** float(dice.integers(-3, 7)))
-        case 2 if is_number:
-            holder[place] = -value
-        case 0 if isinstance(value, str) and value:
-            holder[place] = value[: int(dice.integers(len(value)))]
-        case 1 if isinstance(holder, dict):
-            alike = [other for other in holder if type(holder[other]) is type(value)]
-            other = alike[int(dice.integers(len(alike)))]
-            holder[place], holder[other] = holder[other], value
-        case _:
-            holder[place] = deepcopy(others[int(dice.integers(len(others)))])

@@ -34,7 +34,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.files import dump_json, find_checksum
-from mtcommission.record.loop import ClosedLoop, feature_entries
+from mtcommission.record.loop import ClosedLoop
 from mtcommission.record.machine import list_data
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
@@ -207,8 +207,6 @@ def unsettled_record() -> Json:
     limits = record["limits"]
     for item in (limits["recommended"], *limits["alternatives"], *limits["rules"]):
         item["settling_time"] = item["residual_deviation"] = None
-    shape = limits["landscape"]
-    shape["settling_time"] = [[None for _ in row] for row in shape["settling_time"]]
     loop = record["loop"]
     loop["gain_margin_db"] = loop["phase_margin_deg"] = loop["bandwidth_hz"] = None
     loop["worst_corner"] |= dict.fromkeys(("gain_margin_db", "phase_margin_deg", "bandwidth_hz"))
@@ -511,7 +509,6 @@ def shipped_record(name: str) -> Json:
         "kind": kind.key,
         "jerk": kind.jerk.value,
         "position_loop": machine.control.position_loop.value,
-        "features": to_plain(feature_entries(kind)),
         "mode_damping": damping,
         "worst_mode_damping": damping,
         "state_feedback": dict.fromkeys(plant.states, 1236.4) if kind.state_feedback else {},

@@ -12,7 +12,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.sheet.document import Border, HeatMap, Line, LinePlot, Mark, Panel
+from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 from mtcommission.sheet.figures import ALONG, SIZE, Axis, draw_svg, span, text_width
 
 ENDS = st.tuples(st.floats(min_value=-1e6, max_value=1e6), st.floats(min_value=1e-6, max_value=1e6))
@@ -83,25 +83,6 @@ def test_a_curve_lies_where_its_numbers_are():
     assert "a &amp; b" in svg
 
 
-def test_the_chosen_point_of_a_map_is_explained():
-    plot = HeatMap(
-        key="k",
-        caption="c",
-        alt="a",
-        x_label="x",
-        y_label="y",
-        value_label="v",
-        x=np.array([1.0, 2.0, 4.0]),
-        y=np.array([1.0, 2.0]),
-        values=np.array([[1.0, 2.0, np.nan], [2.0, 4.0, 8.0]]),
-        chosen=Mark(label="chosen", x=2.0, y=1.5),
-    )
-    svg = draw_svg(plot, decimal_mark=",")
-    assert ">chosen</text>" in svg
-    assert svg.count("#d00000") == 2
-    assert {"1", "8"} <= set(re.findall(r">([^<>]+)</text>", svg))
-
-
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_names_of_curves_keep_to_their_room_in_the_legend(language):
     """The room is estimated from the number of letters; the drawn word is the truth."""
@@ -114,12 +95,9 @@ def test_names_of_curves_keep_to_their_room_in_the_legend(language):
         "control-damping-optimal",
         "open-loop",
         "closed-velocity",
-        "usage-border",
-        "residual-border",
-        "chosen",
         "recommended",
         "machines",
     ):
-        words = Catalogue(language).text(key, band="5 µm")
+        words = Catalogue(language).text(key)
         drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width
         assert drawn < text_width(words) + 8.0, words

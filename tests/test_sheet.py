@@ -8,9 +8,7 @@ from base64 import b64encode
 from dataclasses import asdict, fields, replace
 from hashlib import sha256
 from html.parser import HTMLParser
-from math import pi
 from pathlib import Path
-from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import matplotlib as mpl
@@ -25,8 +23,6 @@ from matplotlib.textpath import TextPath
 from typer.testing import CliRunner
 
 from mtcommission.cli import app
-from mtcommission.cli.limits_view import describe_simulation
-from mtcommission.cli.terminal import fold
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule import (
     RuleFormula,
@@ -37,11 +33,10 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.moves import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, join_by_and
-from mtcommission.messages.quantities import THIN_SPACE, Formatter, motion_unit
+from mtcommission.messages.quantities import THIN_SPACE, Formatter
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.machine import list_assumptions, list_data
-from mtcommission.record.moves import AssessmentPart, Check
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
@@ -53,7 +48,6 @@ from mtcommission.sheet.document import (
     Diagram,
     Form,
     Formula,
-    HeatMap,
     LinePlot,
     Paragraph,
     Preformatted,
@@ -147,8 +141,7 @@ def squeeze(text: str) -> str:
 
 
 def plots(document):
-    kinds = (LinePlot, HeatMap)
-    return [b for section in document.sections for b in section.blocks if isinstance(b, kinds)]
+    return [b for section in document.sections for b in section.blocks if isinstance(b, LinePlot)]
 
 
 def tables(document):
@@ -186,13 +179,6 @@ def test_a_printed_quantity_read_back_is_the_number(value, sign, unit, rotary):
     )
 
 
-def test_a_rotary_axis_is_told_in_degrees():
-    assert ROTARY.quantity(pi / 2, motion_unit("m", rotary=True)) == "90°"
-    assert ROTARY.quantity(pi, motion_unit("m/s^3", rotary=True)) == "180°/s³"
-    assert ROTARY.quantity(2.5e-5, "rad") == "5.157″"
-    assert LINEAR.quantity(2.5e-5, "rad") == f"25{THIN_SPACE}µrad"
-
-
 @pytest.mark.parametrize("name", RECORDS)
 def test_the_records_of_these_tests_are_records(name):
     """Printed from another form than a run writes, a sheet would prove nothing."""
@@ -214,9 +200,6 @@ def block_text(block) -> str:
             for panel in block.panels
         ]
         return "\n  ".join([block.caption, block.alt, block.x_label, *panels])
-    if isinstance(block, HeatMap):
-        chosen = f"{block.chosen.x:.4g}, {block.chosen.y:.4g}"
-        return "\n  ".join([block.caption, block.alt, block.x_label, block.y_label, chosen])
     if isinstance(block, Form):
         return "; ".join(block.fields)
     if isinstance(block, Formula):
@@ -229,8 +212,6 @@ def block_text(block) -> str:
 
 def test_the_plots_show_the_numbers_of_the_record():
     record = example_record()
-    settling = record["limits"]["landscape"]["settling_time"]
-    settling[-1] = [None] * len(settling[-1])
     found = {plot.key: plot for plot in plots(compose(record))}
     series = record["moves"][0]["series"]
     force = found["drive-1"].panels[0]
@@ -246,9 +227,6 @@ def test_the_plots_show_the_numbers_of_the_record():
     np.testing.assert_allclose(
         acceleration[-1].y, np.array(series["signals"]["F"]) / record["plant"]["moving_mass"]
     )
-    landscape = found["landscape"]
-    np.testing.assert_allclose(landscape.values, np.array(settling, dtype=float) * 1e3)
-    assert (landscape.chosen.x, landscape.chosen.y) == (pytest.approx(58.5), 2.41)
 
 
 def test_a_loop_does_not_lead_at_low_frequencies():
@@ -263,29 +241,6 @@ def test_a_loop_does_not_lead_at_low_frequencies():
     assert curve.y[0] == pytest.approx(signals["open_loop_deg"][first] - 360.0)
 
 
-def test_the_borders_of_the_map_lie_where_the_limit_is_just_kept():
-    record = example_record()
-    a, t = np.geomspace(0.5, 4.0, 40), np.linspace(0.01, 0.1, 50)
-    # residual a / t and force a: borders a straight line and a level one
-    part = record["limits"]["landscape"]
-    part |= {"acceleration": a.tolist(), "jerk_time": t.tolist()}
-    part["settling_time"] = np.full((40, 50), 0.1).tolist()
-    part["residual_deviation"] = (1e-7 * a[:, None] / t[None, :]).tolist()
-    part["usage"] = np.tile((a / 3.0)[:, None], (1, 50)).tolist()
-    part["residual_deviation"][0][0] = None
-    document = compose(record)
-    found = next(plot for plot in plots(document) if plot.key == "landscape")
-    residual, usage = found.contours
-    assert residual.label == f"residual deviation = band 5.1{THIN_SPACE}µm"
-    for path in residual.paths:
-        np.testing.assert_allclose(path[:, 1], 5.1e-6 * path[:, 0] * 1e-3 / 1e-7, rtol=5e-3)
-    np.testing.assert_allclose(usage.paths[0][:, 1], 3.0, rtol=2e-3)
-    assert np.ptp(usage.paths[0][:, 0]) == pytest.approx(90.0)
-    svg = draw_svg(found)
-    assert residual.label in svg
-    assert usage.label in svg
-
-
 def test_what_did_not_settle_is_said_and_never_a_number():
     record = unsettled_record()
     document = compose(record)
@@ -296,7 +251,6 @@ def test_what_did_not_settle_is_said_and_never_a_number():
     assert "settling time" in headline.detail
     result = table_of(record, "responses", which=1)
     assert result.rows[0][3:5] == ("not settled", "not settled")
-    assert not [plot for plot in plots(document) if plot.key == "comparison"]
     everything = "\n".join(text_cells(document))
     assert not re.search(r"\b(None|nan)\b", everything)
 
@@ -351,31 +305,6 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia():
         assert not re.findall(f".*(?:{forces[language]}).*", shown)
         linear = block_text(table_of(example_record(), "measurements", language))
         assert re.search(forces[language], linear), "the words that are looked for"
-
-
-def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
-    """Its table said kg·m² and N·m, the verdict below "set force" and "payload 0.2 kg"."""
-    parts = Message("place-payload", payload=0.2), Message("place-frequencies", factor=0.97)
-    where = Message("place", parts=parts)
-    check = Check(
-        name="set force", value=21.7, limit=800.0, reserve=0.95, unit="N m", met=True, where=where
-    )
-    part = SimpleNamespace(
-        moves=[],
-        assessment=AssessmentPart(met=True, checks=[check], obstacle=""),
-        warnings=[Message("why-controls-take-limits", band=1.0, spread=0.1)],
-    )
-    shown = {}
-    for name in ("rotary-table", "milling-manipulator"):
-        machine = read_shipped(name).machine
-        words = Catalogue(rotary=name == "rotary-table")
-        shown[name] = "\n".join(fold(describe_simulation(machine, part, words)))
-    assert "set torque             21.7\u202fN·m" in shown["rotary-table"]
-    assert "payload 0.2\u202fkg·m², frequencies × 0.97" in shown["rotary-table"]
-    assert "not a torque every velocity cycle" in shown["rotary-table"]
-    assert "set force" in shown["milling-manipulator"]
-    assert "payload 0.2\u202fkg, frequencies × 0.97" in shown["milling-manipulator"]
-    assert "not a force every velocity cycle" in shown["milling-manipulator"]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
@@ -831,9 +760,7 @@ def test_the_german_sheet_has_no_english_and_no_decimal_point():
     document = compose(record, "de", before=retuned(record))
     own = {"versions", "machine", "requirements"}  # the user's names, keys and sources
     for section in document.sections:
-        # Points of plots have coordinates, which no one reads as text.
-        shown = [b for b in section.blocks if not isinstance(b, HeatMap)]
-        text = " ".join(block_text(block) for block in shown)
+        text = " ".join(map(block_text, section.blocks))
         if section.key != "versions":
             assert not re.search(r"\d\.\d", text), section.key
         if section.key not in own:

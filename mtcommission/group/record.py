@@ -41,7 +41,7 @@ from mtcommission.record.machine import (
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.record import MOST_NAMED, Tool, this_tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
-from mtcommission.record.values import Positive, SetpointFilterEntry, Words
+from mtcommission.record.values import SetpointFilterEntry, Words
 from mtcommission.study.loops import LoopChoice
 
 SCHEMA = 1
@@ -84,7 +84,7 @@ class PathEntry:
     """Limits along the path."""
 
     acceleration: float
-    jerk: Positive
+    jerk: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,8 +99,8 @@ class FeedforwardTogether:
 class CircleEntry:
     """A circle, worst over every corner of both axes."""
 
-    radius: Positive
-    feed: Positive
+    radius: float
+    feed: float
     radius_deviation: float
     form_deviation: float
     quadrant_peak: dict[str, float]
@@ -111,7 +111,7 @@ class CircleEntry:
 class FeedEntry:
     """The largest feed of circles of some radius, and what forbids more."""
 
-    radius: Positive
+    radius: float
     feed: float
     bound_by: Message
     axis: str
@@ -121,7 +121,7 @@ class FeedEntry:
 class AngleEntry:
     """How fast a corner is passed within the tolerance."""
 
-    angle_deg: Positive
+    angle_deg: float
     speed: float
     arc_radius: float = of("arc.radius")
     deviation_without_slowing: float = of("deviation")
@@ -189,8 +189,8 @@ class GroupRecord:
     speed_over_angle: list[AngleEntry]
     corner_rule: RuleEntry
     filters: list[TrialEntry]  # that were compared, the one in use first
-    tolerance: Positive
-    feed: Positive
+    tolerance: float
+    feed: float
     assessment: GroupAssessment
     assumptions: list[Words]
     warnings: list[Words]

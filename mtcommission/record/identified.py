@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from mtcommission.errors import InputError
 from mtcommission.machine.identified import (
@@ -18,7 +18,6 @@ from mtcommission.machine.identified import (
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
-from mtcommission.record.rules import above_zero
 from mtcommission.record.shape import WRONG, entry_of, to_entry
 
 APART = ("files", "sensor", "profile")
@@ -53,13 +52,13 @@ class MeasuredResponseEntry:
     name: str
     unit: str  # of magnitude and error
     misfit: float | None
-    frequency_hz: Annotated[list[float], above_zero]
+    frequency_hz: list[float]
     magnitude: list[float]
     error: list[float] | None  # standard error of real and imaginary part
     phase_deg: list[float] | None
     coherence: list[float] | None
     missed: list[float] | None  # distance of point and curve in that error
-    curve_hz: Annotated[list[float], above_zero]
+    curve_hz: list[float]
     curve_magnitude: list[float]
     curve_phase_deg: list[float] | None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule import (
@@ -18,15 +18,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.recommend import Recommendation
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.rules import above_zero, filled, found_in, long, one_of
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     Array,
-    MoveKeys,
-    NotNegative,
-    Positive,
-    PositiveOrNone,
-    Positives,
     SetpointFilterEntry,
     Words,
     describe_move,
@@ -42,15 +36,9 @@ from mtcommission.study.rules import TodaysValues
 if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
     from mtcommission.commission import Commissioning
 
-Plane = Annotated[list[list[float | None]], long("acceleration", "jerk_time")]
-PerSize = Annotated[list[float | None], long("size")]
 
 REACHED = ("settling_time", "residual_deviation", "peak_deviation")
 """What is None where nothing was judged."""
-
-
-def _checked(record: Any) -> list[str]:
-    return [check.name for check in record.assessment.checks]
 
 
 def _plotted(values: Array) -> Array:
@@ -79,7 +67,7 @@ class SizesEntry:
 class WorstSizeEntry:
     """The worst of all sizes of move for one requirement."""
 
-    requirement: Annotated[str, found_in(_checked)]
+    requirement: str
     value: float  # worst of the sizes that were looked at
     bound: float | None  # what no size between them exceeds either; None: not proved
     move: int  # its number, from 1
@@ -90,12 +78,12 @@ class WorstSizeEntry:
 class JudgedLimits:
     """Limits and what they reach, worst over moves and corners."""
 
-    acceleration: Positive = of("limits.acceleration")
-    jerk: Positive = of("limits.jerk")
-    jerk_time: Positive = of("limits.jerk_time")
+    acceleration: float = of("limits.acceleration")
+    jerk: float = of("limits.jerk")
+    jerk_time: float = of("limits.jerk_time")
     setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
-    settling_time: PositiveOrNone
-    residual_deviation: NotNegative
+    settling_time: float | None
+    residual_deviation: float | None
     peak_deviation: float
     meets_requirements: bool = of("assessment.is_met")
     keeps_reserve: bool = of("assessment.keeps_reserve")
@@ -106,7 +94,7 @@ class RecommendedEntry(JudgedLimits):
     """Limits for the control, what binds them, and where they were judged."""
 
     bound_by: Words
-    valid_for: Annotated[list[SizesEntry], long("/moves")]
+    valid_for: list[SizesEntry]
     worst_sizes: list[WorstSizeEntry] = of("sizes")  # empty where the listed sizes alone count
 
 
@@ -146,9 +134,9 @@ class RuleResult(Alternative):
 class TodayEntry:
     """The values now in the control, judged; all None where ``failure`` says why they cannot be."""
 
-    acceleration: Positive = of("today.acceleration")
+    acceleration: float = of("today.acceleration")
     jerk: float | None = of("today.jerk")  # None: the control has no limit of the jerk
-    jerk_time: Positive = of("limits.jerk_time")  # then the ramp that was simulated
+    jerk_time: float = of("limits.jerk_time")  # then the ramp that was simulated
     setpoint_filter: SetpointFilterEntry | None = of("today.setpoint_filter")
     Kv: float = of("controller.position_gain")
     Kp: float = of("controller.velocity_gain")
@@ -174,9 +162,9 @@ class RuleText:
     formula: list[RuleFormula] = of("formulas")
     advice: Words = of(lambda _: ADVICE)
     valid_for: Words = of(lambda _: VALIDITY)
-    acceleration: Positive = of("limits.acceleration")
-    jerk: Positive = of("limits.jerk")
-    jerk_time: Positive = of("limits.jerk_time")
+    acceleration: float = of("limits.acceleration")
+    jerk: float = of("limits.jerk")
+    jerk_time: float = of("limits.jerk_time")
     average: float = of("best.average")
     chosen: Words = of("best.name")
     bound_by: Words = of("best.bound_by")
@@ -190,18 +178,19 @@ class RuleText:
 class Landscape:
     """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
 
-    acceleration: Annotated[list[float], filled, above_zero]
-    jerk_time: Annotated[list[float], filled, above_zero]
-    settling_time: Plane = of("settling_time", by=_plotted)
-    residual_deviation: Plane = of("residual_deviation", by=_plotted)
-    usage: Plane = of("usage", by=_plotted)  # share of the limits of force and bounded peaks [-]
+    acceleration: list[float]
+    jerk_time: list[float]
+    settling_time: list[list[float | None]] = of("settling_time", by=_plotted)
+    residual_deviation: list[list[float | None]] = of("residual_deviation", by=_plotted)
+    # Share of the limits of force and bounded peaks [-].
+    usage: list[list[float | None]] = of("usage", by=_plotted)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeLimitsEntry:
     """Limits for one machining mode, from a band of its own; None where ``reason`` says why."""
 
-    name: Annotated[str, one_of("surface", "accuracy", "speed")]
+    name: str
     band: float
     acceleration: float | None = of("candidate.limits.acceleration")
     jerk: float | None = of("candidate.limits.jerk")
@@ -236,14 +225,14 @@ class MoveSizesEntry:
     """
 
     way: Words = of("name")  # recommended, by the commissioning rule, or by a moving average alone
-    acceleration: Positive = of("limits.acceleration")
+    acceleration: float = of("limits.acceleration")
     jerk: float | None = of("limits", by=_jerk_if_limited)
     setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
-    move: MoveKeys = of("move", by=describe_move)
-    own: Positive = of("move", by=size_of)  # size of the profile's move
-    size: Positives = of("size", by=_plotted)  # velocity steps or distances
-    settling_time: PerSize = of("settling_time", by=_plotted)
-    residual_deviation: PerSize = of("residual_deviation", by=_plotted)
+    move: dict[str, float] = of("move", by=describe_move)
+    own: float = of("move", by=size_of)  # size of the profile's move
+    size: list[float] = of("size", by=_plotted)  # velocity steps or distances
+    settling_time: list[float | None] = of("settling_time", by=_plotted)
+    residual_deviation: list[float | None] = of("residual_deviation", by=_plotted)
     full_from: float | None  # from here on the acceleration is reached; None: never
     kept_from: float | None  # the band is kept about ``own`` from here; None: not even there
     kept_to: float | None

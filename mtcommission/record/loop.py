@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.loop.analysis import BODE, draw_bode, find_mixed_modes
+from mtcommission.loop.analysis import draw_bode, find_mixed_modes
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
 from mtcommission.loop.model.assembly import INPUTS, CrossCheck
 from mtcommission.loop.model.controller import PathDelay, list_delays
@@ -20,42 +18,25 @@ from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.record.rules import long, named, one_of
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
-    ByMode,
-    Jerk,
     Matrix,
-    Positive,
-    PositiveOrNone,
     Series,
     Words,
     by_mode,
-    mode_names,
 )
 from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loops import LoopChoice, LoopTrial
-
-LOOPS = ("without-state-feedback", "with-state-feedback", "loop-in-use")
-"""Whose answer to a disturbance there may be."""
-
-
-def _drawn(record: Any) -> list[str]:
-    return [] if record.machine.follows else list(BODE)
-
-
-def _damped(record: Any) -> list[str]:
-    return [] if record.machine.follows else mode_names(record)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClosedLoop:
     """The linear nominal loop from [x_ref, v_ref, a_ref, j_ref] to the outputs."""
 
-    A: Annotated[Matrix, long("states", "states")]
-    B: Annotated[Matrix, long("states", "inputs")]
-    C: Annotated[Matrix, long("outputs", "states")]
-    D: Annotated[Matrix, long("outputs", "inputs")]
+    A: Matrix
+    B: Matrix
+    C: Matrix
+    D: Matrix
     dt: float
     states: list[str]
     inputs: list[str]
@@ -78,10 +59,10 @@ class ObserverEntry:
 
     states: list[str]
     sensors: list[str]
-    A: Annotated[Matrix, long("states", "states")]
-    B: Annotated[list[float], long("states")]
-    C: Annotated[Matrix, long("", "states")]
-    L: Annotated[Matrix, long("states")]
+    A: Matrix
+    B: list[float]
+    C: Matrix
+    L: Matrix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +82,7 @@ class VariantEntry(Margins):
 
     name: Message
     used: bool
-    mode_damping: ByMode
+    mode_damping: dict[str, float]
     weakest_frequency_hz: float
     settling_time: float | None = of("candidate.settling_time")
     residual_deviation: float | None = of("candidate.residual_deviation")
@@ -112,12 +93,12 @@ class VariantEntry(Margins):
 class CandidateEntry(Margins):
     """A loop that was tried with the limits that suit it best; margins and stiffness worst case."""
 
-    dynamic_stiffness: Positive
+    dynamic_stiffness: float
     Kv: float = of("tuned.controller.position_gain")
     Kp: float = of("tuned.controller.velocity_gain")
     Tn: float = of("tuned.controller.integral_time")
     state_feedback: bool = of(lambda trial: bool(trial.tuned.controller.state_gains.any()))
-    settling_time: PositiveOrNone = of("candidate.settling_time")
+    settling_time: float | None = of("candidate.settling_time")
     meets_requirements: bool = of("candidate.assessment.is_met")
     classic: bool  # by the classic rule
     used: bool  # everything else in the record is about this one
@@ -131,7 +112,7 @@ class LoopCornerEntry(Margins):
     frequency_factor: float
     damping_factor: float
     state: str = ""  # as the profile names it
-    mode_damping: ByMode
+    mode_damping: dict[str, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,9 +124,9 @@ class LoopPart:
     and stiffness are None, what is told of them is empty, and ``closed_loop`` still moves the axis.
     """
 
-    kind: Annotated[str, one_of(*KINDS)]
-    jerk: Jerk = of("kind.jerk")
-    position_loop: Annotated[str, one_of(*(place.value for place in PositionLoop))]
+    kind: str
+    jerk: str = of("kind.jerk")
+    position_loop: str
     Kv: float | None = of("position_gain")
     Kp: float | None = of("velocity_gain")
     Tn: float | None = of("integral_time")
@@ -155,10 +136,10 @@ class LoopPart:
     velocity_age: float  # of the one from which the wanted velocity is taken
     state_feedback: dict[str, float]
     feedforward: FeedforwardEntry
-    position_cycle: Positive
-    velocity_cycle: Positive
+    position_cycle: float
+    velocity_cycle: float
     force_lag: float
-    motion_force: Positive  # bound of F_set
+    motion_force: float  # bound of F_set
     force_filters: list[ForceFilter]
     encoder_resolution: float  # 0: not stated; then encoder_noise is None
     encoder_noise: EncoderNoise | None
@@ -179,13 +160,13 @@ class LoopPart:
     reasons: list[Words]  # why one of them is used
     variants: list[VariantEntry]
     worst_corner: Margins | None
-    worst_mode_damping: Annotated[dict[str, float], named(_damped)]
+    worst_mode_damping: dict[str, float]
     corners: list[LoopCornerEntry]
     cross_check: CrossCheck | None  # by python-control, from the same blocks
     delays: list[PathDelay]
     # The tool's displacement per newton after a step of force, by loop.
-    disturbance: Annotated[Series, one_of(*LOOPS)]
-    bode: Annotated[Series, named(_drawn)]
+    disturbance: Series
+    bode: Series
     remarks: list[Words]  # which rule chose what
     warnings: list[Words]  # what is poor about the loop; part of the record's warnings, too
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite
-from typing import Annotated
 
-from mtcommission.machine.drive import DriveKind, PositionSource
+from mtcommission.machine.drive import PositionSource
 from mtcommission.machine.keys import list_quantities
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.readers import KeyPath
 from mtcommission.messages.message import Message, printable
-from mtcommission.plant.kinds import KINDS
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.profile.lines import find_key_lines, show_key
-from mtcommission.record.rules import filled, long, named, one_of, short
 from mtcommission.record.shape import of
-from mtcommission.record.values import Matrix, Positive, Words, signals_of
+from mtcommission.record.values import Matrix, Words
 
 ILLUSTRATIVE = Message("source-illustrative")
 ACCEPTED_DEFAULT = Message("source-accepted-default")
@@ -39,10 +36,10 @@ class MachineEntry:
 
     name: str
     axis: str
-    motion: Annotated[str, one_of(*(motion.value for motion in Motion))]
+    motion: str
     source: str
-    kind: Annotated[str, one_of(registered=KINDS)] = of("mechanics.kind")
-    drive: Annotated[str, one_of(*(kind.value for kind in DriveKind))] = of("drive.kind")
+    kind: str = of("mechanics.kind")
+    drive: str = of("drive.kind")
 
     @property
     def follows(self) -> bool:
@@ -78,18 +75,18 @@ class PlantEntry:
     Where the motor follows its setpoint, F is its acceleration and B the column of its jerk.
     """
 
-    states: Annotated[list[str], filled]
-    units: Annotated[dict[str, str], named(signals_of), short] = of(
+    states: list[str]
+    units: dict[str, str] = of(
         lambda plant: dict(zip(plant.signals, plant.signal_units, strict=True))
     )
-    A: Annotated[Matrix, long("states", "states")]
-    B: Annotated[list[float], long("states")]
-    outputs: Annotated[dict[str, list[float]], long("", "states")] = of(
+    A: Matrix
+    B: list[float]
+    outputs: dict[str, list[float]] = of(
         lambda plant: dict(zip(plant.outputs, plant.C.tolist(), strict=True))
     )
     modes: list[ModeEntry]
     controllability_rank: int = of(kalman_rank)
-    moving_mass: Positive
+    moving_mass: float
 
 
 def list_assumptions(machine: Machine) -> list[Message]:

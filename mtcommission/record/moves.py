@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Annotated, Any
 
 import numpy as np
 
@@ -13,13 +12,9 @@ from mtcommission.limits.judge import MoveResult, evaluate_moves
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant, longest_period
-from mtcommission.record.rules import filled, named
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
-    ByMode,
-    BySignal,
     InCorner,
-    MoveKeys,
     Series,
     SetpointFilterEntry,
     Words,
@@ -27,7 +22,6 @@ from mtcommission.record.values import (
     by_name,
     describe_move,
     series_of,
-    signals_of,
 )
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
@@ -45,11 +39,6 @@ PLOT_TAIL = 0.15
 
 LEAST_TAIL = 0.4
 """The least of it, as a share of the move [-]; and two periods of the slowest mode."""
-
-
-def moved_signals(record: Any) -> list[str]:
-    """Return the names of all signals of a simulated move."""
-    return [*REFERENCES, *signals_of(record)]
 
 
 def _segments(setpoint: Setpoint) -> list[Segment]:
@@ -81,8 +70,8 @@ class ResponseEntry(InCorner):
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
-    mode_amplitudes: ByMode
-    peaks: BySignal
+    mode_amplitudes: dict[str, float]
+    peaks: dict[str, float]
     max_force: float
     rms_force: float
     saturated: bool
@@ -92,11 +81,11 @@ class ResponseEntry(InCorner):
 class MoveEntry:
     """One move with the recommended limits: nominal response, corners, motion for the plots."""
 
-    move: MoveKeys = of("setpoint.move", by=describe_move)
+    move: dict[str, float] = of("setpoint.move", by=describe_move)
     setpoint: SetpointEntry
     response: ResponseEntry
-    corners: Annotated[list[ResponseEntry], filled]
-    series: Annotated[Series, named(moved_signals)]
+    corners: list[ResponseEntry]
+    series: Series
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 from mtcommission.optimal.solution import (
     AnyOptimum,
@@ -14,19 +14,14 @@ from mtcommission.optimal.solution import (
     side_text,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.record.rules import named, one_of
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     Array,
-    BySignal,
-    MoveKeys,
-    Positive,
     Series,
     Words,
     by_name,
     describe_move,
     series_of,
-    signals_of,
 )
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
@@ -36,10 +31,6 @@ if TYPE_CHECKING:  # the optima's own libraries take a while to load
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
-
-
-def _signals(record: Any) -> list[str]:
-    return ["F_set", *signals_of(record)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,24 +77,24 @@ class LawEntry:
 class OptimumEntry:
     """An optimal control as ``optimal --json`` prints it, with its motion for the plots."""
 
-    kind: Annotated[str, one_of("time", "damping")]
+    kind: str
     method: str
-    f_max: Positive = of("force_limit")
-    move: MoveKeys = of("move", by=describe_move)
+    f_max: float = of("force_limit")
+    move: dict[str, float] = of("move", by=describe_move)
     limits: dict[str, float]
-    t_f: Positive
+    t_f: float
     arcs: list[ArcEntry] = of("arcs", by=join_arcs)
     switching_times: list[float] = of(
         "arcs", by=lambda arcs: [arc.t_end for arc in join_arcs(arcs)[:-1]]
     )
     touch_points: list[TouchPointEntry]
-    peaks: BySignal
+    peaks: dict[str, float]
     terminal_error: dict[str, float]
     cost: float | None
     cost_terms: dict[str, float]
     weights: dict[str, float]
     certificate: ProofEntry | LawEntry
-    series: Annotated[Series, named(_signals)]
+    series: Series
 
 
 def _force_segments(force: BandForce) -> list[ForceSegment]:
@@ -125,8 +116,8 @@ class ForceSegment:
 class WithinBandEntry:
     """A control to a state from which the free motion keeps the tool within the band."""
 
-    t_f: Positive = of("force.t_f")
-    band: Positive = of("force.band")
+    t_f: float = of("force.t_f")
+    band: float = of("force.band")
     offset: float = of("force.offset")  # from where the tool comes to rest to the reference
     segments: list[ForceSegment] = of("force", by=_force_segments)
 
@@ -151,7 +142,7 @@ class RobustEntry(WithinBandEntry):
 class OptimaEntry:
     """The optima of one move; ``remarks`` say why one was not found."""
 
-    move: MoveKeys = of("move", by=describe_move)
+    move: dict[str, float] = of("move", by=describe_move)
     time: OptimumEntry
     constrained: OptimumEntry | None  # None: the profile bounds no peaks
     damping: OptimumEntry | None

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from itertools import islice
 from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.plausibility import check_plausibility
@@ -39,11 +39,9 @@ from mtcommission.record.optima import (
     optima_entry,
 )
 from mtcommission.record.robustness import RobustnessPart
-from mtcommission.record.rules import Place, filled, long
 from mtcommission.record.shape import (
     WRONG,
     entry_of,
-    find_broken_rules,
     find_faults,
     to_entry,
     to_plain,
@@ -70,12 +68,6 @@ MOST_NAMED = 3
 """Wrong places that a message names."""
 
 
-def _has_force_limit(at: Place) -> Iterator[Message]:
-    bounds = [datum.value for datum in at.value if datum.key in FORCE_LIMITS]
-    if not any(not isinstance(bound, str) and bound > 0.0 for bound in bounds):
-        yield Message("record-names-missing", key=at.key, names=" / ".join(FORCE_LIMITS))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tool:
     """Program and version, and the versions of the libraries that computed."""
@@ -95,16 +87,16 @@ class Record:
     created: str
     profile: Profile
     machine: MachineEntry
-    data: Annotated[list[Datum], filled, _has_force_limit]
+    data: list[Datum]
     settings: dict[str, float | str]
     assumptions: list[Words]
     warnings: list[Words]
     plant: PlantEntry
-    optima: Annotated[list[OptimaEntry], long("moves")]
+    optima: list[OptimaEntry]
     limits: LimitsPart
     loop: LoopPart
-    moves: Annotated[list[MoveEntry], filled]
-    comparisons: Annotated[list[ComparisonEntry], long("moves")]
+    moves: list[MoveEntry]
+    comparisons: list[ComparisonEntry]
     robustness: RobustnessPart
     assessment: AssessmentPart
     identified: IdentifiedPart | None = None
@@ -241,9 +233,6 @@ def load_record(path: Path) -> Record:
         raise fault(path, edited or Message("record-edited"), "checksum")
     if record is None:
         raise fault(path, Message("record-of-other-version", wrong=_join(wrong)))
-    broken = list(islice(find_broken_rules(record), MOST_NAMED + 1))
-    if broken:
-        raise fault(path, Message("record-disagrees", wrong=_join(broken)))
     return record
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil
-from typing import Annotated
 
 import numpy as np
 
-from mtcommission.record.rules import above_zero, long
 from mtcommission.record.shape import finite_or_none, of
 from mtcommission.record.values import Words
 from mtcommission.study.robustness import MonteCarlo
@@ -60,7 +58,7 @@ class DampingErrorEntry:
     An end of the kept range that is the first or last ``factor`` may lie further out.
     """
 
-    factor: Annotated[list[float], above_zero]
+    factor: list[float]
     kept_from: float | None  # every requirement is kept from here; None: not even at 1
     kept_to: float | None
 
@@ -69,8 +67,8 @@ class DampingErrorEntry:
 class FrequencyErrorEntry(DampingErrorEntry):
     """The same where all eigenfrequencies are off by a factor."""
 
-    settling_time: Annotated[list[float | None], long("factor")]
-    residual_deviation: Annotated[list[float | None], long("factor")]
+    settling_time: list[float | None]
+    residual_deviation: list[float | None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ from functools import cache
 from math import isfinite, nan
 from operator import attrgetter
 from types import NoneType
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from cattrs import (
@@ -29,15 +29,8 @@ from cattrs.gen import make_dict_structure_fn
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, to_json
-from mtcommission.record.rules import Place, Rule
 
 Entry = TypeVar("Entry")
-
-LARGEST = 1e100
-"""Magnitude of a number; what is beyond overflows when it is squared."""
-
-SMALLEST = 1e-300
-"""Magnitude of a number; what is below is nothing, for what is divided by it overflows."""
 
 SHOWN = 40
 """Characters of a wrong value that a message shows."""
@@ -106,24 +99,6 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
         yield Message("record-wrong-at", key=key or "record", fault=Message(kind))
 
 
-def find_broken_rules(record: Any) -> Iterator[Message]:
-    """Yield each place of a record that breaks one of the rules behind its fields' types."""
-
-    def look(key: str, value: Any, rules: tuple[Rule, ...], entry: Any) -> Iterator[Message]:
-        for rule in rules:
-            yield from rule(Place(key, value, entry, record))
-        if is_dataclass(value):
-            for name, hint in _hints(type(value)).items():  # type: ignore[arg-type]
-                inner = getattr(value, name)
-                below = f"{key}.{name}" if key else name
-                yield from look(below, inner, () if inner is None else _form_of(hint)[1], value)
-        elif isinstance(value, list) and value and is_dataclass(value[0]):
-            for number, inner in enumerate(value, start=1):
-                yield from look(f"{key}[{number}]", inner, (), entry)
-
-    yield from look("", record, (), record)
-
-
 def of(
     path: str | Callable[[Any], object],
     *,
@@ -183,7 +158,7 @@ def _find(one: Field[Any], sources: tuple[object, ...]) -> object:
 
 def _held(value: Any, hint: Any) -> object:
     """A value of a result as an entry holds it."""
-    form, _ = _form_of(hint)
+    form = _without_none(hint)
     if isinstance(value, float):
         return finite_or_none(value)
     if form is str and not isinstance(value, str):
@@ -200,29 +175,21 @@ def _held(value: Any, hint: Any) -> object:
 
 @cache
 def _hints(form: Any) -> Mapping[str, Any]:
-    """The type of each field, with its rules."""
-    hints = get_type_hints(form, include_extras=True)
+    """The type of each field."""
+    hints = get_type_hints(form)
     return {field.name: hints[field.name] for field in fields(form)}
 
 
-def _form_of(hint: Any) -> tuple[Any, tuple[Rule, ...]]:
-    """A type that may be None, without that, and its rules."""
-    rules: tuple[Rule, ...] = ()
-    if get_origin(hint) is Annotated:
-        hint, *found = get_args(hint)
-        rules = tuple(found)
+def _without_none(hint: Any) -> Any:
     parts = [part for part in get_args(hint) if part is not NoneType]
-    is_optional = len(parts) < len(get_args(hint))
-    return (parts[0] if is_optional and len(parts) == 1 else hint), rules
+    return parts[0] if len(parts) == 1 < len(get_args(hint)) else hint
 
 
 def _scalar(expected: str, *forms: type) -> Callable[[object, Any], object]:
     def read(value: object, _: Any) -> object:
-        is_too_large = type(value) in (float, int) and abs(value) > LARGEST  # type: ignore[arg-type]
-        if type(value) not in forms or is_too_large:
+        if type(value) not in forms:
             raise WrongFormError(value, expected)
-        is_nothing = isinstance(value, float) and 0.0 < abs(value) < SMALLEST
-        return 0.0 if is_nothing else value
+        return value
 
     return read
 

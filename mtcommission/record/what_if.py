@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
 
 import numpy as np
 
@@ -19,13 +18,10 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.record.rules import above_zero, filled, long, of_one_size, one_of
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     InCorner,
-    Jerk,
     Matrix,
-    Positive,
     SetpointFilterEntry,
     describe_move,
 )
@@ -51,8 +47,8 @@ class SampledEntry:
     """
 
     follows: bool
-    velocity_cycle: Positive
-    cycles: Annotated[int, above_zero]
+    velocity_cycle: float
+    cycles: int
     reference_delay: float
     states: list[str]
     pending: int
@@ -94,7 +90,7 @@ class VariedPlantEntry:
     A: Matrix
     B: list[float]
     tcp: list[float]
-    signals: Annotated[list[SignalEntry], filled]
+    signals: list[SignalEntry]
     position: int
     velocity: int
     moving_mass: float
@@ -133,9 +129,9 @@ class NeedsEntry:
     """What moves are judged by; None: not stated. ``every_size``: smaller moves count, too."""
 
     checks: list[LimitEntry]
-    tcp_deviation: Positive
+    tcp_deviation: float
     contour_feed: float | None
-    motion_force: Positive
+    motion_force: float
     static_load: float
     every_size: bool
 
@@ -144,9 +140,9 @@ class NeedsEntry:
 class KnownLimitsEntry:
     """Limits to begin with; ``loop`` where it is another one, ``states``: in each state."""
 
-    name: Annotated[str, one_of("today", "recommended")]
-    acceleration: Positive
-    jerk: Positive
+    name: str
+    acceleration: float
+    jerk: float
     setpoint_filter: SetpointFilterEntry | None
     loop: SampledEntry | None
     states: list[StateEntry] = field(default_factory=list)
@@ -156,13 +152,13 @@ class KnownLimitsEntry:
 class WhatIfPart:
     """All that it takes to run other limits, moves and machines through the loop again."""
 
-    jerk: Jerk
+    jerk: str
     loop: SampledEntry
     plant: VariedPlantEntry
-    corners: Annotated[list[NoisyCornerEntry], filled]
-    moves: Annotated[list[dict[str, float]], of_one_size, long("/moves")]
+    corners: list[NoisyCornerEntry]
+    moves: list[dict[str, float]]
     requirements: NeedsEntry
-    limits: Annotated[list[KnownLimitsEntry], filled]
+    limits: list[KnownLimitsEntry]
     force_filters: list[ForceFilter]
     states: list[StateEntry] = field(default_factory=list)
     averages: list[float] | None  # least and longest moving average; None: the control has none

@@ -1,15 +1,6 @@
 record-not-readable = keine Ergebnisdatei von mtcommission run: { $why }
 record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist keine Ergebnisdatei
 record-without-profile = eine Ergebnisdatei enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
-record-disagrees = { $wrong }; die Ergebnisdatei widerspricht sich selbst, was kein Lauf schreibt; das Profil neu rechnen
-record-lengths-differ = { $key }: hat Längen { $counts }, die gleich sein müssen
-record-times-fall = { $key }: muss steigen und mindestens zwei Zeitpunkte haben
-record-word-unknown = { $key }: { $got } angegeben, muss eines sein von { $words }
-record-names-missing = { $key }: { $names } fehlt
-record-move-of-no-size = { $key }: muss entweder velocity_step oder distance enthalten
-record-too-small = { $key }: { PLAIN($got, digits: 3) } angegeben, muss mindestens { PLAIN($least, digits: 3) } sein
-record-text-too-long = { $key }: enthält einen Text von mehr als { PLAIN($most, digits: 9) } Zeichen
-record-empty = { $key }: darf nicht leer sein
 record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
 record-not-json = keine Ergebnisdatei von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
 record-is-directory = ist ein Ordner; das record.json darin angeben

@@ -4,15 +4,6 @@
 record-not-readable = not a record of mtcommission run: { $why }
 record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
 record-without-profile = a record holds the text of the profile, and this machine was not run from one; run the profile's file
-record-disagrees = { $wrong }; the record disagrees with itself, which no run writes; run the profile again
-record-lengths-differ = { $key }: has lengths { $counts } that must be equal
-record-times-fall = { $key }: must rise, with two instants at least
-record-word-unknown = { $key }: got { $got }, must be one of { $words }
-record-names-missing = { $key }: { $names } missing
-record-move-of-no-size = { $key }: must have either velocity_step or distance
-record-too-small = { $key }: got { PLAIN($got, digits: 3) }, must be at least { PLAIN($least, digits: 3) }
-record-text-too-long = { $key }: has a text of more than { PLAIN($most, digits: 9) } characters
-record-empty = { $key }: must not be empty
 record-steers = holds characters that steer a terminal, which no run writes; run the profile again
 record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
 record-is-directory = is a directory; give the record.json in it

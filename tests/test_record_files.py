@@ -1,0 +1,96 @@
+"""A record of another form is wrong input with its place; a fault of ours is none of the file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from benchmarks.fuzz import call
+from benchmarks.mutations import dice_of, mutated_text
+from mtcommission.errors import InputError
+from mtcommission.messages.message import Message
+from mtcommission.record.files import find_checksum
+from mtcommission.record.record import SCHEMA, load_record
+from mtcommission.sheet import remark_on_print
+from tests.sheet_record import example_record, on_json
+
+
+def sealed(record, path: Path) -> Path:
+    path.write_text(json.dumps(record | {"checksum": find_checksum(record)}), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("break_it", "place"),
+    [
+        (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected a message"),
+        (
+            lambda r: r["moves"][0]["response"].update(max_force=None),
+            "moves[1].response.max_force: got null, expected a number",
+        ),
+        (lambda r: r["plant"].update(A=1), "plant.A: got 1, expected an array"),
+        (lambda r: r["loop"].pop("Kv"), "loop.Kv: missing"),
+        (
+            lambda r: r["loop"]["force_filters"][0].update(kind="x"),
+            "loop.force_filters[1].kind: got 'x', expected one of",
+        ),
+    ],
+)
+def test_a_place_of_another_form_is_named(break_it, place, tmp_path: Path) -> None:
+    """Another version wrote it; without its sum it was edited, and the same place is named."""
+    record = example_record()
+    load_record(sealed(record, tmp_path / "good.json"))
+    break_it(record)
+    with pytest.raises(InputError, match="another version of mtcommission wrote it") as refused:
+        load_record(sealed(record, tmp_path / "record.json"))
+    assert place in str(refused.value)
+    assert "record.json" in str(refused.value)
+    (tmp_path / "edited.json").write_text(json.dumps(record), "utf-8")
+    with pytest.raises(InputError, match="it was edited or damaged") as refused:
+        load_record(tmp_path / "edited.json")
+    assert place in str(refused.value)
+
+
+def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
+    """The checksum of such a record could not even be computed."""
+    path, mark = sealed(example_record(), tmp_path / "record.json"), f'"schema": {SCHEMA}'
+    path.write_text(path.read_text("utf-8").replace(mark, f'"x": 1e999, {mark}'))
+    with pytest.raises(InputError, match="1e999 is no number of JSON"):
+        load_record(path)
+
+
+def test_a_fault_of_ours_is_no_fault_of_the_record(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It was told as "the record contradicts itself", and nobody would have reported it."""
+    monkeypatch.setattr("mtcommission.sheet.print_html", lambda *_, **__: [][0])
+    path = sealed(example_record(), tmp_path / "record.json")
+    code, said = call("sheet", str(path), "-o", str(tmp_path), "--no-pdf")
+    assert code == 3
+    assert "internal error, please report it" in said
+
+
+def test_damaged_records_are_refused(tmp_path: Path) -> None:
+    """Bytes lost, doubled or changed, as disks, editors and mail leave a file."""
+    path, whole = tmp_path / "record.json", sealed(example_record(), tmp_path / "whole.json")
+    good = whole.read_text("utf-8")
+    refused = list[str]()
+    for seed in range(16):
+        path.write_text(mutated_text(good, dice_of(31, seed)), "utf-8", newline="")
+        try:
+            assert load_record(path) == load_record(whole)  # blanks say nothing
+        except InputError as error:
+            refused.append(str(error))
+    assert len(refused) > 8
+    assert all("record.json" in said for said in refused)
+
+
+def test_letters_that_the_font_lacks_are_named() -> None:
+    """A Chinese name came out as boxes without a word."""
+    record = example_record()
+    record["machine"] |= {"name": "Fräse Φ 机床 机", "source": "≤ µ ± Ж"}
+    assert on_json(remark_on_print)(record) == (Message("print-boxes", characters="机床"),)
+    record["machine"]["name"] = "Fräse Φ"
+    assert on_json(remark_on_print)(record) == ()
