@@ -1,7 +1,4 @@
-"""The wizard on a real terminal of 80 x 24, with the keys that people press.
-
-MTCOMMISSION_TERMINAL=1 leaves every question in each of the three ways instead of one.
-"""
+"""The wizard on a real terminal of 80 x 24, with the keys that people press."""
 
 from __future__ import annotations
 
@@ -16,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-import questionary  # noqa: F401  # so that no session imports it anew
 
 from mtcommission.cli import main
 from mtcommission.messages.catalogue import Catalogue
@@ -69,7 +65,7 @@ QUESTIONS = [FIRST_MOVE if one.key == "moves.0.velocity_step" else one for one i
 
 ENGLISH = Catalogue("en")
 
-ENTER, DOWN, CTRL_C, CTRL_D = b"\r", b"\x1b[B", b"\x03", b"\x04"
+ENTER, CTRL_C, CTRL_D = b"\r", b"\x03", b"\x04"
 
 KEYS_A_SECOND = 4
 """Of somebody who looks the numbers up and types with two fingers."""
@@ -135,8 +131,7 @@ def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Ter
 
     pid, file = pty.fork()
     if pid == 0:
-        os.environ |= {"TERM": "xterm", "PYTHONPATH": str(ROOT), "COLUMNS": "80", "LINES": "24",
-                       "PROMPT_TOOLKIT_NO_CPR": "1"}  # fmt: skip
+        os.environ |= {"TERM": "xterm", "PYTHONPATH": str(ROOT), "COLUMNS": "80", "LINES": "24"}
         os.chdir(folder)
         if fresh:
             command = [sys.executable, "-m", "mtcommission", *arguments]
@@ -164,20 +159,13 @@ def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Ter
         os.close(file)
 
 
-def choose(shell: Terminal, question: Question, wanted: str) -> None:
-    """Go down a list of choices to one of them, from the one that is marked."""
-    listed = [*question.choices, "back", "help", "quit"]
-    marked = question.default if question.default in question.choices else listed[0]
-    shell.press(*[DOWN] * ((listed.index(wanted) - listed.index(marked)) % len(listed)), ENTER)
+def enter(shell: Terminal, typed: str = "") -> None:
+    shell.type(typed)
+    shell.press(ENTER)
 
 
 def answer(shell: Terminal, question: Question) -> None:
-    typed = TYPED.get(question.key, "")
-    if question.choices:
-        choose(shell, question, typed or question.default)
-    else:
-        shell.type(typed)
-        shell.press(ENTER)
+    enter(shell, TYPED.get(question.key, ""))
 
 
 def await_prompt(shell: Terminal, question: Question) -> None:
@@ -190,22 +178,12 @@ def settle(shell: Terminal) -> None:
     """Change what has a default, then go on."""
     for key, typed in CHANGED.items():
         shell.until("Number or key")
-        shell.type(key)
-        shell.press(ENTER)
+        enter(shell, key)
         shell.until("):" if key == "drive.force_lag" else "]:" if "source" in key else ":")
-        shell.type(typed)
-        shell.press(ENTER)
+        enter(shell, typed)
     shell.until("Number or key")
-    shell.press(ENTER)
+    enter(shell)
     shell.until("Compute the limits now")
-
-
-def command(shell: Terminal, question: Question, word: str) -> None:
-    if question.choices:
-        choose(shell, question, word)
-    else:
-        shell.type(word)
-        shell.press(ENTER)
 
 
 def test_two_minutes_of_typing_give_the_papers_machine(tmp_path: Path) -> None:
@@ -215,7 +193,7 @@ def test_two_minutes_of_typing_give_the_papers_machine(tmp_path: Path) -> None:
             await_prompt(shell, question)
             answer(shell, question)
         settle(shell)
-        shell.press(DOWN, ENTER)
+        enter(shell, "no")
         assert shell.end() == 0
     assert shell.keys < 120 * KEYS_A_SECOND
     assert mechanical(read_profile(tmp_path / "p.toml")) == PAPER
@@ -227,14 +205,14 @@ def test_help_and_back_at_every_question(tmp_path: Path) -> None:
     with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
         for before, question in zip((None, *KNOWN), QUESTIONS, strict=False):
             await_prompt(shell, question)
-            command(shell, question, "help")
+            enter(shell, "help")
             await_prompt(shell, question)
-            command(shell, question, "back")
+            enter(shell, "back")
             if before is None:
                 shell.until("This is the first question.")
             else:
                 await_prompt(shell, before)
-                shell.press(ENTER)
+                enter(shell)
             await_prompt(shell, question)
             answer(shell, question)
         settle(shell)
@@ -243,20 +221,19 @@ def test_help_and_back_at_every_question(tmp_path: Path) -> None:
     assert mechanical(read_profile(tmp_path / "p.toml")) == PAPER
 
 
-@pytest.mark.parametrize("shift", range(3) if "MTCOMMISSION_TERMINAL" in os.environ else (0,))
-def test_every_question_can_be_left_and_gone_on_from(shift: int, tmp_path: Path) -> None:
+def test_every_question_can_be_left_and_gone_on_from(tmp_path: Path) -> None:
     """A session for each question, left in one of three ways; the next one begins there with all
     answers, and the last one writes the paper's machine, as if nobody had ever left."""
     path, kept = tmp_path / "p.toml", tmp_path / "p.toml.answers"
     for n, question in enumerate(QUESTIONS):
-        way = ("Ctrl-C", "Ctrl-D", "quit")[(n + shift) % 3]
+        way = ("Ctrl-C", "Ctrl-D", "quit")[n % 3]
         with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
             if n:
                 await_prompt(shell, QUESTIONS[n - 1])
                 answer(shell, QUESTIONS[n - 1])
             await_prompt(shell, question)
             if way == "quit":
-                command(shell, question, "quit")
+                enter(shell, "quit")
             else:
                 shell.press(CTRL_C if way == "Ctrl-C" else CTRL_D)
             ends = {"quit": 0, "Ctrl-C": 130, "Ctrl-D": 2}

@@ -29,7 +29,7 @@ def wizard(
     from mtcommission.wizard import Ending, open_console, run_wizard
 
     require_writable(str(output), inputs=[answers] if answers else [])
-    session = run_wizard(
+    ending = run_wizard(
         output,
         console=open_console(),
         answers_file=answers,
@@ -37,7 +37,7 @@ def wizard(
         offers_run=not run_after,
         language=language,
     )
-    if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
+    if ending is Ending.TO_RUN or (run_after and ending is Ending.WRITTEN):
         run(output, Path("commissioning"), "", language, False, "", False)
 
 

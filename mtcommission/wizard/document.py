@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import tomlkit
@@ -13,26 +11,20 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.wizard.answers import Answers, Data, as_text
 from mtcommission.wizard.question import title
 
-TABLES = ("requirements.peaks", "requirements.modes")
-"""Tables below a table that get a header of their own; others stand in one line."""
-
 COLUMN = 34
 """Where the comments begin, if the line leaves room."""
 
 
 def write_document(data: Data, answers: Answers, defaults: Answers, words: Catalogue) -> str:
     """Return a new profile; each key is commented by its name, [plant] by what was typed for it."""
-    lines = [
-        *(f"# {words.text(f'document-{line}')}" for line in ("head", "check", "assumed")),
-        "",
-        f"schema = {data['schema']}",
-    ]
-    for name, table in data.items():
-        if name == "plant":
-            lines += ["", *_origins(answers, defaults, words)]
-        if name != "schema":
-            lines += _table(name, table, words)[name == "plant" :]
-    return "\n".join(lines) + "\n"
+    document = tomlkit.document()
+    for line in ("head", "check", "assumed"):
+        document.add(tomlkit.comment(words.text(f"document-{line}")))
+    document.add(tomlkit.nl())
+    for name, value in data.items():
+        notes = _origins(answers, defaults, words) if name == "plant" else ()
+        document.add(name, _item(name, value, words, notes))
+    return tomlkit.dumps(document)
 
 
 def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[str]:
@@ -40,11 +32,32 @@ def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[
     typed = {**answers, **defaults}
     derived = {key: text for key, text in typed.items() if key.startswith(("measured.", "pair."))}
     if way := answers.get("wizard.way", ""):
-        yield f"# {title(way, words)}"
+        yield title(way, words)
     for key, text in derived.items():
         if text:
             mark = f" ({words.text('source-accepted-default')})" if key in defaults else ""
-            yield f"#   {key.partition('.')[2]} = {text}{mark}"
+            yield f"  {key.partition('.')[2]} = {text}{mark}"
+
+
+def _item(path: str, value: object, words: Catalogue, notes: Iterable[str] = ()) -> Any:
+    """A value of a profile with its comments; tables stand behind the keys beside them."""
+    if _is_tables(value) and isinstance(value, list):
+        tables = tomlkit.aot()
+        tables.extend(_item(path, one, words) for one in value)
+        return tables
+    if not isinstance(value, Mapping):
+        return tomlkit.item(value)
+    table = tomlkit.table()
+    for note in notes:
+        table.add(tomlkit.comment(note))
+    for key, inner in sorted(value.items(), key=lambda one: _is_table(one[1])):
+        item, name = _item(f"{path}.{key}", inner, words), words.name(f"{path}.{key}")
+        table.add(key, item)
+        if name != key and (key, path) != ("kind", "plant") and not _is_table(inner):
+            item.comment(name)
+            width = COLUMN - len(f"{tomlkit.key(key).as_string()} = {item.as_string()}")
+            item.trivia.comment_ws = " " * max(width, 1)
+    return table
 
 
 def update_document(text: str, data: Data) -> str:
@@ -93,46 +106,9 @@ def _plain(value: object) -> object:
     return as_text(value)
 
 
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping) or _is_tables(value)
+
+
 def _is_tables(value: object) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
-
-
-def _table(name: str, table: object, words: Catalogue) -> list[str]:
-    if _is_tables(table) and isinstance(table, list):
-        found = (["", f"[[{name}]]", *_rows(name, item, words)] for item in table)
-        return [line for lines in found for line in lines]
-    if not isinstance(table, dict):
-        return [f"{_key(name)} = {_inline(table)}"]
-    own: Data = {}
-    below: Data = {}
-    for key, value in table.items():
-        has_header = f"{name}.{key}" in TABLES or (name == "plant" and _is_tables(value))
-        (below if has_header else own)[key] = value
-    lines = ["", f"[{name}]", *_rows(name, own, words)]
-    for key, value in below.items():
-        lines += _table(f"{name}.{key}", value, words)
-    return lines
-
-
-def _rows(path: str, table: Mapping[str, object], words: Catalogue) -> Iterator[str]:
-    for key, value in table.items():
-        row, name = f"{_key(key)} = {_inline(value)}", words.name(f"{path}.{key}")
-        is_named = name != key and (key, path) != ("kind", "plant")
-        yield f"{row:<{COLUMN}} # {name}" if is_named else row
-
-
-def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _string(key)
-
-
-def _inline(value: object) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_inline, value)) + "]"
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items()) + " }"
-    return as_text(value) if isinstance(value, int) else _string(str(value))
-
-
-def _string(text: str) -> str:
-    """A basic string: JSON's escapes are TOML's, but for DEL."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
-from functools import cache
 from pathlib import Path
 
 from mtcommission.errors import INTERRUPTED, Fault, InputError, Refused
@@ -44,15 +43,8 @@ class Ending(Enum):
     """How a session ended."""
 
     WRITTEN = "written"
+    TO_RUN = "written; the user asks for the computation"
     QUIT = "left by the user; answers kept"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Session:
-    """What a session left behind."""
-
-    ending: Ending
-    wants_run: bool  # whether the user asked for the computation
 
 
 class _Left(Exception):
@@ -70,12 +62,7 @@ INPUT_ENDED = Message("wizard-input-ended")
 CHANGE = Question(key="wizard.change", is_optional=True)
 """Asked below what is settled: the number or key of what is to be changed."""
 
-YES, NO = "yes", "no"
-
-
-@cache
-def _catalogue(language: str, *, rotary: bool) -> Catalogue:
-    return Catalogue(language, rotary=rotary)
+RUN = Question(key="wizard.run", choices=("yes", "no"), default="yes")
 
 
 def run_wizard(
@@ -86,7 +73,7 @@ def run_wizard(
     take_defaults: bool,
     offers_run: bool,
     language: str = "en",
-) -> Session:
+) -> Ending:
     """Ask for a machine and write its profile; one that exists is changed and keeps its comments.
 
     ``answers_file``: TOML with answers by the profile's own keys; ``take_defaults``: instead of
@@ -117,7 +104,7 @@ def run_wizard(
         message = Message("wizard-kept", how=left.how, where=left.where, file=f"{output}{KEPT}")
         if left.how == USER_LEFT:
             talk.tell(message, indent="")
-            return Session(ending=Ending.QUIT, wants_run=False)
+            return Ending.QUIT
         ending = InputError([Fault(where="wizard", message=message)])
         if left.how == INTERRUPTED_BY_USER:
             ending.exit_code = INTERRUPTED
@@ -125,11 +112,12 @@ def run_wizard(
     write_text(str(output), text)
     Path(f"{output}{KEPT}").unlink(missing_ok=True)
     talk.summarise(machine)
-    may_ask = offers_run and not take_defaults and console.is_interactive
-    wants_run = may_ask and talk.offer_run()
-    if offers_run and not wants_run:
-        talk.tell(Message("wizard-compute-with", file=str(output)), indent="")
-    return Session(ending=Ending.WRITTEN, wants_run=wants_run)
+    if not offers_run:
+        return Ending.WRITTEN
+    if not take_defaults and console.is_interactive and talk.offer_run():
+        return Ending.TO_RUN
+    talk.tell(Message("wizard-compute-with", file=str(output)), indent="")
+    return Ending.WRITTEN
 
 
 class _Interview:
@@ -142,7 +130,7 @@ class _Interview:
 
     @property
     def words(self) -> Catalogue:
-        return _catalogue(self.language, rotary=is_rotary(self.answers))
+        return Catalogue(self.language, rotary=is_rotary(self.answers))
 
     def tell(self, message: Message, *, indent: str = "  ") -> None:
         self.console.tell(f"{indent}{self.words.say(message)}")
@@ -288,23 +276,24 @@ class _Interview:
 
     def take_measured(self) -> None:
         """Identify the axis from the files that were named."""
-        measured = measure(
+        from mtcommission.sheet.identified import doubts_and_notes  # its libraries load slowly
+
+        axis = measure(
             self.answers,
             before=self.source.text,
             output=self.output,
-            words=lambda rotary: _catalogue(self.language, rotary=rotary),
+            words=lambda rotary: Catalogue(self.language, rotary=rotary),
         )
-        write_text(measured.evidence_file, measured.axis.json)
-        found = gather(self.output, None, identified=measured.axis.profile)
+        found = gather(self.output, None, identified=axis.profile)
         replaced = (MEASURED, "plant.", "pair.")
         kept = {key: text for key, text in self.answers.items() if not key.startswith(replaced)}
-        motion = "rotary" if measured.axis.part.rotary else "linear"
+        motion = "rotary" if axis.part.rotary else "linear"
         self.source = replace(found, where=self.source.where, lines=self.source.lines)
         self.answers = {**found.answers, **kept, "machine.motion": motion}
         if self.answers.get("wizard.way") == FILES:
             self.answers["wizard.way"] = MODAL
-        self.tell(Message("wizard-identified", count=len(measured.axis.part.modes)))
-        for doubt in measured.doubts:
+        self.tell(Message("wizard-identified", count=len(axis.part.modes)))
+        for doubt in doubts_and_notes(axis.part)[0]:
             self.tell(Message("warning", warning=doubt))
 
     def _measure(self) -> bool:
@@ -341,14 +330,13 @@ class _Interview:
             self.tell(Message("warning", warning=remark))
 
     def offer_run(self) -> bool:
-        question = Question(key="wizard.run", choices=(YES, NO), default=YES)
-        titles = [title(choice, self.words) for choice in question.choices]
+        titles = [title(choice, self.words) for choice in RUN.choices]
         while True:
             try:
-                typed = self._typed(question)
+                typed = self._typed(RUN)
                 if means(typed, BACK, self.words):
                     return False
-                return read_reply(question, typed, titles=titles).text == YES
+                return read_reply(RUN, typed, titles=titles).text == RUN.default
             except _Left:
                 return False  # the profile is written, nothing is lost
             except Refused as error:

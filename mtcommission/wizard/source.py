@@ -128,27 +128,18 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
     return answers
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
-    """A profile from measurements."""
-
-    axis: MeasuredAxis
-    doubts: tuple[Message, ...]  # what to mind about it
-    evidence_file: str
-
-
 def measure(
     answers: Answers, *, before: str, output: Path, words: Callable[[bool], Catalogue]
-) -> Measured:
+) -> MeasuredAxis:
     """Identify an axis from the files that the answers name, as ``mtcommission identify`` does.
 
-    ``before``: profile that takes the modes in; ``output``: where the profile will stand.
+    ``before``: profile that takes the modes in; ``output``: where the profile will stand. Points
+    and advice are written beside it.
     """
     from mtcommission.identify.axes import by_axis
     from mtcommission.identify.given import Given
     from mtcommission.identify.job import identify_files
     from mtcommission.identify.profile import evidence_file
-    from mtcommission.sheet.identified import doubts_and_notes
 
     typed = answers[MEASURED]
     if before:
@@ -177,4 +168,5 @@ def measure(
     )
     if axis.found.doubt:
         raise InputError([Fault(where=typed, message=axis.found.doubt)])
-    return Measured(axis=axis, doubts=doubts_and_notes(axis.part)[0], evidence_file=evidence)
+    write_text(evidence, axis.json)
+    return axis
