@@ -96,7 +96,6 @@ def test_names_of_curves_keep_to_their_room_in_the_legend(language):
         "open-loop",
         "closed-velocity",
         "recommended",
-        "machines",
     ):
         words = Catalogue(language).text(key)
         drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width

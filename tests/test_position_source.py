@@ -335,9 +335,9 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     machine = printer()
     listed = replace(machine, requirements=replace(machine.requirements, every_size=False))
     found = commission(listed)
-    part = loop_part(found)
+    part = loop_part(machine, found.plant, found.loop, found.tuned, found.disturbed)
     assert (part.Kv, part.Kp, part.Tn, part.worst_corner) == (None, None, None, None)
-    assert (part.poles, part.corners, part.candidates, part.bode.t) == ([], [], [], [])
+    assert (part.poles, part.corners, part.bode.t) == ([], [], [])
     assert part.closed_loop.states[0] == "plant.x"
     (result,) = found.moves
     A, B, C, D = (np.array(getattr(part.closed_loop, name)) for name in "ABCD")

@@ -16,11 +16,7 @@ from mtcommission.group.group import Group, GroupAxis
 from mtcommission.group.rules import value_of
 from mtcommission.group.verdict import GroupCheck, judge_group
 from mtcommission.limits.judge import describe_place
-from mtcommission.loop.disturbance import DisturbanceStep
-from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
 from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
 from mtcommission.record.limits import (
     ModeLimitsEntry,
@@ -42,7 +38,6 @@ from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.record import MOST_NAMED, Tool, this_tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
 from mtcommission.record.values import SetpointFilterEntry, Words
-from mtcommission.study.loops import LoopChoice
 
 SCHEMA = 1
 
@@ -201,17 +196,6 @@ class GroupRecord:
         return next(axis for axis in self.axes if axis.name == name)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Found:
-    """What the record of a loop is made from."""
-
-    machine: Machine
-    plant: Plant
-    loop: LoopChoice
-    tuned: TunedLoop
-    disturbed: dict[str, DisturbanceStep]
-
-
 def build_group_record(group: Group, *, created: str) -> GroupRecord:
     """Return the record of axes that move together; ``created``: ISO 8601."""
     task = group.task
@@ -262,9 +246,6 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
 
 def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
     found, machine = axis.alone.found, axis.alone.machine
-    held = _Found(
-        machine=machine, plant=found.plant, loop=found.loop, tuned=found.tuned, disturbed={}
-    )
     return AxisEntry(
         name=axis.name,
         machine=entry_of(MachineEntry, machine),
@@ -275,7 +256,7 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
             recommended=recommended_entry(RecommendedEntry, machine, axis.choice),
             today=today_entry(machine, found.today) if found.today else None,
         ),
-        loop=loop_part(held),
+        loop=loop_part(machine, found.plant, found.loop, found.tuned, {}),
         assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
         wait=axis.wait * axis.alone.poles.dt,
         peak_bound=axis.peak_bound,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,21 +90,6 @@ class VariantEntry(Margins):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CandidateEntry(Margins):
-    """A loop that was tried with the limits that suit it best; margins and stiffness worst case."""
-
-    dynamic_stiffness: float
-    Kv: float = of("tuned.controller.position_gain")
-    Kp: float = of("tuned.controller.velocity_gain")
-    Tn: float = of("tuned.controller.integral_time")
-    state_feedback: bool = of(lambda trial: bool(trial.tuned.controller.state_gains.any()))
-    settling_time: float | None = of("candidate.settling_time")
-    meets_requirements: bool = of("candidate.assessment.is_met")
-    classic: bool  # by the classic rule
-    used: bool  # everything else in the record is about this one
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopCornerEntry(Margins):
     """How good the loop is in one corner of payload and spread, the nominal machine first."""
 
@@ -156,7 +141,6 @@ class LoopPart:
     dynamic_stiffness: float | None
     weakest_frequency_hz: float | None
     mode_damping: dict[str, float]
-    candidates: list[CandidateEntry]  # soonest first
     reasons: list[Words]  # why one of them is used
     variants: list[VariantEntry]
     worst_corner: Margins | None
@@ -184,24 +168,14 @@ NOT_WITHOUT_LOOP = (
 NO_SERIES = Series(t=[], signals={})
 
 
-class LoopFound(Protocol):
-    """An axis with the loop that is used, and how it gives way to a force."""
-
-    @property
-    def machine(self) -> Machine: ...  # noqa: D102
-    @property
-    def plant(self) -> Plant: ...  # noqa: D102
-    @property
-    def loop(self) -> LoopChoice: ...  # noqa: D102
-    @property
-    def tuned(self) -> TunedLoop: ...  # noqa: D102
-    @property
-    def disturbed(self) -> dict[str, DisturbanceStep]: ...  # noqa: D102
-
-
-def loop_part(found: LoopFound) -> LoopPart:
+def loop_part(
+    machine: Machine,
+    plant: Plant,
+    loop: LoopChoice,
+    tuned: TunedLoop,
+    disturbed: Mapping[str, DisturbanceStep],
+) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
-    tuned, plant, machine = found.tuned, found.plant, found.machine
     controller, control, outputs = tuned.controller, machine.control, tuned.loops[0].outputs
     resolution = machine.drive.encoder_resolution
     gains = zip(plant.states, controller.state_gains.tolist(), strict=True)
@@ -229,18 +203,14 @@ def loop_part(found: LoopFound) -> LoopPart:
             inputs=INPUTS,
             outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
         ),
-        candidates=[
-            entry_of(CandidateEntry, trial, _worst_corner(trial.tuned))
-            for trial in found.loop.trials
-        ],
-        reasons=found.loop.remarks,
-        variants=[_variant_entry(plant, variant) for variant in found.loop.variants],
+        reasons=loop.remarks,
+        variants=[_variant_entry(plant, variant) for variant in loop.variants],
         corners=[
             entry_of(LoopCornerEntry, corner, a, mode_damping=by_mode(plant, a.mode_damping))
             for corner, a in zip(tuned.corners, tuned.analyses, strict=bool(tuned.analyses))
         ],
         delays=list_delays(controller),
-        disturbance=_disturbance(found.disturbed),
+        disturbance=_disturbance(disturbed),
         **_judged(plant, tuned),
     )
 
@@ -288,7 +258,7 @@ def _variant_entry(plant: Plant, variant: LoopTrial) -> VariantEntry:
     )
 
 
-def _disturbance(disturbed: dict[str, DisturbanceStep]) -> Series:
+def _disturbance(disturbed: Mapping[str, DisturbanceStep]) -> Series:
     if not disturbed:
         return NO_SERIES
     t = next(iter(disturbed.values())).t

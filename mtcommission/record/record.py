@@ -169,7 +169,7 @@ def build_record(
             for item, within in zip(found.optima, found.within_band, strict=True)
         ],
         limits=limits,
-        loop=loop_part(found),
+        loop=loop_part(machine, plant, found.loop, tuned, found.disturbed),
         moves=[move_entry(plant, tuned, result) for result in moves],
         comparisons=[comparison_entry(plant, item) for item in found.comparisons],
         robustness=entry_of(RobustnessPart, robustness),

@@ -3,41 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 
-import numpy as np
-
-from mtcommission.record.shape import finite_or_none, of
+from mtcommission.record.shape import of
 from mtcommission.record.values import Words
-from mtcommission.study.robustness import MonteCarlo
-
-SHARES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
-"""Quantiles in the record, least and largest included."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quantile:
-    """What so many of the drawn machines do not exceed; None: not settled."""
-
-    share: float  # 0: the least, 1: the largest
-    settling_time: float | None
-    residual_deviation: float | None
-
-
-def _quantiles(drawn: MonteCarlo) -> list[Quantile]:
-    both = np.sort(np.column_stack([drawn.settling_time, drawn.residual_deviation]), axis=0)
-    found = []
-    for share in SHARES:
-        # The least value that so many do not exceed: that of a machine, no mean of two.
-        settling, residual = both[max(ceil(share * len(both)), 1) - 1]
-        found.append(
-            Quantile(
-                share=share,
-                settling_time=finite_or_none(settling),
-                residual_deviation=finite_or_none(residual),
-            )
-        )
-    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +16,6 @@ class MonteCarloEntry:
     seed: int
     share_met: float  # of samples that keep every requirement [-]
     share_in_band: float  # of those that keep the band [-]
-    quantiles: list[Quantile] = of(_quantiles)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ from mtcommission.messages.quantities import symbol
 from mtcommission.record.machine import Datum
 from mtcommission.record.optima import ComparedEntry, OptimumEntry
 from mtcommission.record.record import Record
-from mtcommission.record.robustness import MonteCarloEntry, Quantile
+from mtcommission.record.robustness import MonteCarloEntry
 from mtcommission.record.values import Words
 from mtcommission.sheet.basis import datum, datum_name, find_band, kept_sentence
 from mtcommission.sheet.document import (
@@ -120,7 +120,6 @@ def robustness(record: Record, words: Catalogue) -> Iterator[Block]:
         yield note(words.text("nothing-drawn"))
     else:
         yield Paragraph(text=drawn_sentence(drawn, words))
-        yield _quantiles(drawn, words)
 
 
 def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -179,18 +178,6 @@ def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
         met=f.percent(drawn.share_met),
         band=f.percent(drawn.share_in_band),
     )
-
-
-def _quantiles(drawn: MonteCarloEntry, words: Catalogue) -> Table:
-    ends = {0.0: "least", 1.0: "largest"}
-
-    def share(item: Quantile) -> str:
-        if item.share in ends:
-            return words.text(ends[item.share])
-        return words.text("share-of-machines", share=words.format.percent(item.share))
-
-    columns = (Quantity("machines", share, width=1.6), SETTLING, RESIDUAL)
-    return table(words, "quantiles-caption", columns, drawn.quantiles)
 
 
 def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:

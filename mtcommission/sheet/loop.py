@@ -1,12 +1,12 @@
 """Page 3: how far the loop is from unstable, how stiff it is, and why it is this one.
 
-The appendix has its structure, the loops that were tried, corners and delays.
+The appendix has its structure, the loops beside it, corners and delays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import inf, pi
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import symbol
 from mtcommission.record.loop import (
-    CandidateEntry,
     LoopPart,
     Margins,
     VariantEntry,
@@ -48,7 +47,6 @@ from mtcommission.sheet.tables import (
     DASH,
     GAIN_MARGIN,
     MAX_FORCE,
-    PATH_GAINS,
     PHASE_MARGIN,
     RESIDUAL,
     SENSITIVITY,
@@ -99,12 +97,11 @@ def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield structure, loops that were tried, corners, delays, and by which rules."""
+    """Yield structure, the loops beside it, corners, delays, and by which rules."""
     text, loop = words.text, record.loop
     if loop.worst_corner is not None:
         yield structure(record, words)
         yield from _cross_check(loop, words)
-        yield from _trade_off(record, words)
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)
@@ -330,45 +327,6 @@ def _cross_check(part: LoopPart, words: Catalogue) -> Iterator[Block]:
         )
 
 
-def _trade_off(record: Record, words: Catalogue) -> Iterator[Table]:
-    """The loops that no other one beats in both stiffness and settling."""
-    tried = record.loop.candidates
-    shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
-    if len(shown) < 2:
-        return
-    name = Quantity("loop", lambda item: _candidate_name(item, words), width=1.5)
-    good = (SETTLING, STIFFNESS, GAIN_MARGIN, PHASE_MARGIN, SENSITIVITY)
-    yield table(
-        words,
-        "trade-off-caption",
-        (name, *PATH_GAINS, *good),
-        shown,
-        strong=lambda item: item.used,
-        shown=len(shown),
-        tried=len(tried),
-    )
-
-
-def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
-    """Whether another loop settles no later and is stiffer, or the other way round."""
-    time, stiffness = item.settling_time or inf, item.dynamic_stiffness
-    return any(
-        (other.settling_time or inf) <= time
-        and other.dynamic_stiffness >= stiffness
-        and ((other.settling_time or inf), -other.dynamic_stiffness) != (time, -stiffness)
-        for other in others
-    )
-
-
-def _candidate_name(item: CandidateEntry, words: Catalogue) -> str:
-    name = words.text("with-state-feedback" if item.state_feedback else "cascade")
-    return _used(words.text("classic-loop", name=name) if item.classic else name, item, words)
-
-
-def _used(name: str, item: CandidateEntry | VariantEntry, words: Catalogue) -> str:
-    return words.text("variant-used", name=name) if item.used else name
-
-
 def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
     """The loops that were compared side by side; nothing if there was no choice."""
     variants = record.loop.variants
@@ -382,7 +340,11 @@ def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
         ),
         *(SETTLING, RESIDUAL, MAX_FORCE),
     )
-    heads = [_used(words.say(item.name), item, words) for item in variants]
+    heads = [words.say(item.name) for item in variants]
+    heads = [
+        words.text("variant-used", name=name) if item.used else name
+        for name, item in zip(heads, variants, strict=True)
+    ]
     yield beside(words, "variants-caption", rows, heads, variants)
 
 
