@@ -37,16 +37,14 @@ SHOWN = 40
 
 
 class WrongFormError(ValueError):
-    """A value of JSON is of another form than the entry's, whose name is ``expected``."""
+    """A value of JSON is of another form than the entry's, which JSON calls ``expected``."""
 
-    def __init__(self, value: object, expected: Message | str) -> None:
-        shown = "null" if value is None else repr(value)
-        got: Message | str = shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}..."
-        if isinstance(value, dict | list):
-            got = Message("json-object" if isinstance(value, dict) else "json-array")
+    def __init__(self, value: object, expected: str) -> None:
+        got = "null" if value is None else repr(value)
+        if len(got) > SHOWN:
+            got = f"{got[:SHOWN]}..."
         super().__init__(got, expected)
-        called = Message(expected) if isinstance(expected, str) else expected
-        self.message = Message("record-got", got=got, expected=called)
+        self.message = Message("record-got", got=got, expected=expected)
 
 
 WRONG = (WrongFormError, BaseValidationError)
@@ -85,7 +83,7 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
     ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
     ... except WRONG as error:
     ...     [Catalogue().say(fault) for fault in find_faults(error)]
-    ["a[2]: got 'x', expected a number"]
+    ["a[2]: got 'x', expected number"]
     """
     if isinstance(error, ClassValidationError | IterableValidationError):
         for inner, note in error.group_exceptions()[0]:
@@ -202,8 +200,8 @@ def _message(value: object, _: Any) -> Message:
             _english().say(found)
             return found
     except (KeyError, ValueError, RecursionError) as error:
-        raise WrongFormError(value, "json-message") from error
-    raise WrongFormError(value, "json-message")
+        raise WrongFormError(value, "message") from error
+    raise WrongFormError(value, "message")
 
 
 def _message_or_text(value: object, form: Any) -> Message | str:
@@ -219,8 +217,8 @@ def _word(value: object, form: type[Enum]) -> Enum:
     try:
         return form(value)
     except ValueError as error:
-        words = ", ".join(str(word.value) for word in form)
-        raise WrongFormError(value, Message("json-one-of", words=words)) from error
+        words = " | ".join(str(word.value) for word in form)
+        raise WrongFormError(value, words) from error
 
 
 def _strictly(
@@ -246,8 +244,8 @@ def _is_a(form: type) -> Callable[[Any], bool]:
 
 
 def _converter() -> Converter:
-    number = _scalar("json-number", float, int)
-    array = _strictly(list, "json-array", list_structure_factory)
+    number = _scalar("number", float, int)
+    array = _strictly(list, "array", list_structure_factory)
     gaps = Converter()
     gaps.register_structure_hook(float, lambda v, form: nan if v is None else number(v, form))
     gaps.register_structure_hook_factory(_is_a(list), array)
@@ -258,19 +256,19 @@ def _converter() -> Converter:
         (Message, _message),
         (Message | str, _message_or_text),
         (float, number),
-        (float | None, _scalar("json-number-or-null", float, int, NoneType)),
-        (float | str, _scalar("json-number-or-text", float, int, str)),
-        (int, _scalar("json-whole-number", int)),
-        (str, _scalar("json-text", str)),
-        (bool, _scalar("json-boolean", bool)),
+        (float | None, _scalar("number | null", float, int, NoneType)),
+        (float | str, _scalar("number | string", float, int, str)),
+        (int, _scalar("whole number", int)),
+        (str, _scalar("string", str)),
+        (bool, _scalar("true | false", bool)),
     ):
         made.register_structure_hook(form, read)
     made.register_structure_hook_func(
         lambda form: isinstance(form, type) and issubclass(form, Enum), _word
     )
     for predicate, factory in (
-        (is_dataclass, _strictly(dict, "json-object", make_dict_structure_fn)),
-        (_is_a(dict), _strictly(dict, "json-object", mapping_structure_factory)),
+        (is_dataclass, _strictly(dict, "object", make_dict_structure_fn)),
+        (_is_a(dict), _strictly(dict, "object", mapping_structure_factory)),
         (_is_a(list), array),
     ):
         made.register_structure_hook_factory(predicate, factory)

@@ -134,7 +134,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     tokens = _tokens("1" + plain if plain.startswith("/") else plain, text)
     units = _product(tokens, text)
     if tokens:
-        raise Refused(Message("unit-without-opening", unit=text))
+        raise Refused(Message("unit-unreadable", unit=text))
     return units
 
 
@@ -165,12 +165,12 @@ def _product(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
 def _factor(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
     """Take one unit, number or parenthesis with its power off the tokens."""
     if not tokens:
-        raise Refused(Message("unit-breaks-off", unit=text))
+        raise Refused(Message("unit-unreadable", unit=text))
     head = tokens.popleft()
     if head.text == "(":
         units = _product(tokens, text)
         if not tokens:
-            raise Refused(Message("unit-without-closing", unit=text))
+            raise Refused(Message("unit-unreadable", unit=text))
         tokens.popleft()
         return _raised(units, _power(tokens))
     if head.kind == "one":
@@ -178,7 +178,7 @@ def _factor(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
         return _raised(units, _power(tokens))
     if head.kind == "word":
         return _word(head.text, _power(tokens))
-    raise Refused(Message("unit-with-misplaced", unit=text, sign=head.text))
+    raise Refused(Message("unit-unreadable", unit=text))
 
 
 def _power(tokens: deque[Token]) -> int:

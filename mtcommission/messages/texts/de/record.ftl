@@ -17,15 +17,8 @@ record-got = { $got }, erwartet { $expected }
 record-missing = fehlt
 record-of-no-known-form = von keiner hier bekannten Form
 json-no-number = { $constant } ist keine Zahl in JSON
-json-object = ein Objekt
 json-array = eine Liste
-json-message = eine hier bekannte Meldung
-json-one-of = eines von { $words }
-json-text = ein Text
 json-boolean = true oder false
-json-number = eine Zahl
-json-number-or-null = eine Zahl oder null
-json-number-or-text = eine Zahl oder ein Text
 json-whole-number = eine ganze Zahl
 
 assumption-illustrative = Die Maschinendaten sind Beispielwerte, nicht die einer wirklichen Maschine.

@@ -40,11 +40,7 @@ unit-in-one-of = in { $first } oder { $last }
 unit-none-or = ohne Einheit oder in { $last }
 
 unit-too-long = eine Einheit hat höchstens { $most } Zeichen
-unit-without-opening = „{ $unit }“ ist keine Einheit: eine öffnende Klammer fehlt
-unit-without-closing = „{ $unit }“ ist keine Einheit: eine schließende Klammer fehlt
 unit-unreadable = „{ $unit }“ ist keine Einheit; so schreiben: "N s/m" oder "m/s^2"
-unit-breaks-off = „{ $unit }“ ist keine Einheit: sie bricht ab
-unit-with-misplaced = „{ $unit }“ ist keine Einheit: „{ $sign }“ steht falsch
 unit-unknown = unbekannte Einheit „{ $unit }“
 unit-worth = {" "}({ $worth })
 unit-meant = {" "}(ist „{ $unit }“ gemeint?)

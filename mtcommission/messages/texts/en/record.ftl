@@ -20,15 +20,8 @@ record-got = got { $got }, expected { $expected }
 record-missing = missing
 record-of-no-known-form = of no form that is known here
 json-no-number = { $constant } is no number of JSON
-json-object = an object
 json-array = an array
-json-message = a message that is known here
-json-one-of = one of { $words }
-json-text = a text
 json-boolean = true or false
-json-number = a number
-json-number-or-null = a number or null
-json-number-or-text = a number or a text
 json-whole-number = a whole number
 
 # What is assumed beyond the profile.

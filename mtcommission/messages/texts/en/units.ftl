@@ -46,11 +46,7 @@ unit-none-or = without a unit or in { $last }
 
 # What is wrong with a unit.
 unit-too-long = a unit has at most { $most } characters
-unit-without-opening = "{ $unit }" is not a unit: an opening parenthesis is missing
-unit-without-closing = "{ $unit }" is not a unit: a closing parenthesis is missing
 unit-unreadable = "{ $unit }" is not a unit; write it like "N s/m" or "m/s^2"
-unit-breaks-off = "{ $unit }" is not a unit: it breaks off
-unit-with-misplaced = "{ $unit }" is not a unit: "{ $sign }" is misplaced
 unit-unknown = unknown unit "{ $unit }"
 # $worth: e.g. 1 lb = 0.45359237 kg
 unit-worth = {" "}({ $worth })
