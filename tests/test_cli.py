@@ -177,12 +177,6 @@ def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
     assert call("run", "--help").startswith("Utilisation: ")
 
 
-def test_help_names_the_way_from_data_sheet_to_control_and_the_exit_codes(run: Run) -> None:
-    _, out, _ = run("--help")
-    assert "wizard, run, export" in out
-    assert "0 done and all requirements met, 1 a requirement is not met" in out
-
-
 def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> None:
     """The printed arcs must end at 0.1 m/s and at rest to 1e-9 of each state's peak."""
     from scipy.linalg import expm
@@ -213,20 +207,6 @@ def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> Non
     assert found["certificate"]["switching_law_holds"]
     assert 0.0 <= found["certificate"]["relative_gap"] < 1e-9
     assert found["certificate"]["terminal_jacobian_rank"] == 6
-
-
-def test_damping_optimal_of_the_paper(run: Run, tmp_path: Path) -> None:
-    """Sec. 6 prints 0.008916 rad/s for max |v_phi| (there misprinted as phi)."""
-    csv = tmp_path / "motion.csv"
-    code, out, _ = run(
-        "optimal", PAPER, "--kind", "damping", "--t-f", "0.0522", "--json", "-", "--csv", csv
-    )
-    found = json.loads(out)
-    assert code == 0
-    assert found["peaks"]["v_phi"] == pytest.approx(0.008916, abs=5e-5)
-    table = np.genfromtxt(csv, delimiter=",", names=True)
-    assert np.max(np.abs(table["v_phi"])) == pytest.approx(found["peaks"]["v_phi"], rel=1e-4)
-    assert table["t"][-1] == 0.0522
 
 
 def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
@@ -278,22 +258,6 @@ def test_options_report_all_faults_at_once(run: Run) -> None:
     assert "--kind: got 'fast'" in err
     assert 'did you mean "v_phi"' in err
     assert "--distance: got -2 mm" in err
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--f-max", "0"], "must be > 0 N"),
-        (["--f-max", "2 mm"], "--f-max"),
-        (["--f-max", "nan"], "--f-max"),
-        (["--f-max", "lots"], "--f-max"),
-    ],
-)
-def test_bad_force_writes_nothing(run: Run, tmp_path: Path, options: list[str], words: str) -> None:
-    code, _, err = run("run", PAPER, "-o", tmp_path / "out", *options)
-    assert code == 2
-    assert words in err
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

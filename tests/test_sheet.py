@@ -679,11 +679,6 @@ def test_the_font_has_every_character_that_the_sheet_uses():
             assert not {c for c in used if ord(c) not in characters and c != "\n"}
 
 
-def test_hostile_text_stays_text_in_the_pdf(pdfs):
-    texts = squeeze(" ".join(pdf_pages(pdfs["five moves"])))
-    assert squeeze(HOSTILE) in texts
-
-
 def test_the_same_record_gives_the_same_bytes(pages, pdfs):
     record = example_record()
     assert print_pdf(record, appendix=True) == pdfs["example"]
@@ -738,20 +733,6 @@ def test_the_command_line_prints_the_appendix_on_demand(tmp_path):
     assert counts[0] == 4
     assert counts[1] > 9
     assert len(html) == 1, "the page always has it"
-
-
-def test_the_command_line_knows_the_languages(tmp_path):
-    file = tmp_path / "record.json"
-    file.write_text(json.dumps(example_record()), encoding="utf-8")
-    argv = ["sheet", str(file), "-o", str(tmp_path), "--no-pdf", "--language", "de"]
-    assert CliRunner().invoke(app, argv).exit_code == 0
-    assert "ABER UNVOLLSTÄNDIG" in (tmp_path / "sheet.html").read_text("utf-8")
-    # before minutes of computation, not after
-    (tmp_path / "axis.toml").write_text(read_shipped("milling-manipulator").text, "utf-8")
-    argv = ["run", str(tmp_path / "axis.toml"), "-o", str(tmp_path), "--language", "fr"]
-    finished = CliRunner().invoke(app, argv)
-    assert isinstance(finished.exception, InputError)
-    assert "--language" in str(finished.exception)
 
 
 def test_the_german_sheet_has_no_english_and_no_decimal_point():

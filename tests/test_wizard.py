@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -719,29 +718,6 @@ def _quoted(text: str) -> str:
 
 
 # Consoles
-
-
-@pytest.fixture
-def command() -> list[str]:
-    code = "import sys; sys.argv[0] = 'mtcommission'; from mtcommission.cli import main; main()"
-    return [sys.executable, "-c", code, "wizard"]
-
-
-def test_pipe_without_a_terminal(command: list[str], tmp_path: Path) -> None:
-    """As a program would call it: no terminal, answers on standard input."""
-    for typed, code, said in ((PAPER, 0, ""), (PAPER[:60], 2, "answers kept in")):
-        done = subprocess.run(
-            [*command, "-o", tmp_path / f"{code}.toml"],
-            input=typed,
-            capture_output=True,
-            encoding="utf-8",
-            check=False,
-            env=os.environ | {"LANG": "C"},
-        )
-        assert done.returncode == code, done.stderr
-        assert said in done.stderr
-        assert "Traceback" not in done.stdout + done.stderr
-        assert (tmp_path / f"{code}.toml").exists() is (code == 0)
 
 
 # Measured responses

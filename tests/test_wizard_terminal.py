@@ -200,27 +200,6 @@ def test_two_minutes_of_typing_give_the_papers_machine(tmp_path: Path) -> None:
     assert "Traceback" not in shell.everything
 
 
-def test_help_and_back_at_every_question(tmp_path: Path) -> None:
-    """Neither may lose an answer: at the end stands the paper's machine."""
-    with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
-        for before, question in zip((None, *KNOWN), QUESTIONS, strict=False):
-            await_prompt(shell, question)
-            enter(shell, "help")
-            await_prompt(shell, question)
-            enter(shell, "back")
-            if before is None:
-                shell.until("This is the first question.")
-            else:
-                await_prompt(shell, before)
-                enter(shell)
-            await_prompt(shell, question)
-            answer(shell, question)
-        settle(shell)
-        shell.press(CTRL_D)
-        assert shell.end() == 0
-    assert mechanical(read_profile(tmp_path / "p.toml")) == PAPER
-
-
 def test_every_question_can_be_left_and_gone_on_from(tmp_path: Path) -> None:
     """A session for each question, left in one of three ways; the next one begins there with all
     answers, and the last one writes the paper's machine, as if nobody had ever left."""
