@@ -15,9 +15,8 @@ from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, TWO_AVERAGES
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.ranges import FILTER_TIMES, FREQUENCIES
-from mtcommission.machine.readers import propose
-from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.readers import Reading, propose
+from mtcommission.machine.setpoint_filter import HELD_FILTER, KEYS, SetpointFilter, list_misfits
 from mtcommission.machine.variations import Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, driven_at_once
@@ -25,7 +24,6 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.smaller_moves import resize
 from mtcommission.units.quantities import (
     DIMENSIONS,
-    FREQUENCY,
     MODAL_DEFLECTION,
     MODAL_RATE,
     RATIO,
@@ -384,38 +382,24 @@ def read_tried(
 
 
 def _read_filter(machine: Machine, text: str, options: Options) -> SetpointFilter | None:
-    """A filter that the control has, in its range; None for "none", or after noting a fault."""
-    where, kind = "--filter", machine.control.kind
-    name, *numbers = text.strip().split(":")
+    """A filter as the profile states one; None for "none", or after noting a fault."""
+    where, control, (name, *numbers) = "--filter", machine.control, text.strip().split(":")
     if name == "none" and not numbers:
         return None
-    choice = kind.find_filter(name)
-    if choice is None:
-        has = ", ".join(["none", *(item.kind for item in kind.setpoint_filters)])
-        given = {"got": f'"{name}"', "control": kind.key, "has": has}
-        options.refuse(where, Message("control-without-filter", **given))
-        return None
-    shortest, longest = choice.possible_times(machine.control.position_cycle)
-    times = max(shortest, FILTER_TIMES.linear.low), min(longest, FILTER_TIMES.linear.high)
-    highest = min(choice.most_frequency_hz, FREQUENCIES.linear.high)
-    frequency = ("frequency", FREQUENCY, choice.least_frequency_hz, highest)
-    damping = ("damping", RATIO, choice.least_damping, choice.most_damping)
-    wanted = {MOVING_AVERAGE: [("time", TIME, *times)], TWO_AVERAGES: [("time", TIME, *times)] * 2}
-    ranges = wanted.get(name, [frequency, damping])
-    if len(numbers) != len(ranges) or name == FIR:
-        form = {MOVING_AVERAGE: "time", TWO_AVERAGES: "times", FIR: FIR}.get(name, "mode")
-        message = Message("option-filter-form", got=text.strip(), kind=name, numbers=form)
-        options.refuse(where, message)
-        return None
-    values = []
-    for number, (key, unit, low, high) in zip(numbers, ranges, strict=True):
-        value = options.quantity(where, number, unit)
-        if not low <= value <= high:
-            message = Message(
-                f"control-filter-{key}", got=value, low=low, high=high, control=kind.key
-            )
+    item: SetpointFilter | None = SetpointFilter(kind=name)
+    if control.kind.find_filter(name):
+        keys = KEYS[name]
+        if len(numbers) != len(keys) or name == FIR:
+            form = {MOVING_AVERAGE: "time", TWO_AVERAGES: "times", FIR: FIR}.get(name, "mode")
+            said = Message("option-filter-form", got=text.strip(), kind=name, numbers=form)
+            options.refuse(where, said)
+            return None
+        axis, follows = machine.axis_units, machine.drive.follows
+        reading = Reading(axis=axis, states={}, outputs={}, follows=follows)
+        stated = {"kind": name, **dict(zip(keys, numbers, strict=True))}
+        item = HELD_FILTER.read(stated, (where,), reading)
+        for _, message in reading.faults:
             options.refuse(where, message)
-        values.append(value)
-    if ranges[0][0] == "time":
-        return SetpointFilter(kind=name, time=values[0], second_time=sum(values[1:]))
-    return SetpointFilter(kind=name, frequency_hz=values[0], damping_ratio=values[1])
+    for _, message in list_misfits(item, control.kind, position_cycle=control.position_cycle):
+        options.refuse(where, message)
+    return item
