@@ -277,7 +277,7 @@ def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity() -> None
     assert (drive.max_force, drive.force_velocity) == (8.0, 0.3)
     assert drive.max_velocity == 0.5
     (short,) = faults_of(curve((0.1, 30.0), (0.2, 8.0)))
-    assert "got 0.3 m/s, but the motor follows only 0.2 m/s" in short
+    assert "got 300 mm/s, but the motor follows only 0.2 m/s" in short
     (fallen,) = faults_of(curve((0.5, 30.0), (0.5, 8.0)))
     assert fallen.endswith(
         "acceleration_curve: each velocity must be larger than the one before it"

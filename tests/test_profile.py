@@ -429,7 +429,7 @@ base_mass =  ->  # base_mass =
   11: plant.lever_arm: got 0, but the force must turn the tower; give the arm, or describe the
     axis as kind = "modal"
 "8500 N s/m"  ->  "300 kN s/m"
-  14: plant.base_damping: got 300000 N s/m, a damping ratio of 1.06; must be < 2.827e+05 N s/m
+  14: plant.base_damping: got 300 kN s/m, a damping ratio of 1.06; must be < 2.827e+05 N s/m
     (ratio 1)
 "2 kN"  ->  "0 N"
   19: drive.max_force: got 0 N, must be > 0 N
@@ -439,7 +439,7 @@ source = "s"  ->  source = "s"\nassumed = ["drive.max_force", "drive.force_lg"]
 source = "s"  ->  source = "s"\nillustrative = 1
   6: machine.illustrative: got 1, must be true or false
 "2 kN"  ->  "2 kN"\nstatic_load = -2000
-  20: drive.static_load: got -2000 N against max_force = 2000 N; its amount must be smaller, or
+  20: drive.static_load: got -2000 N against max_force = 2 kN; its amount must be smaller, or
     no force is left for motion
 "0.1 m/s"  ->  "0.1 m/s"\nmax_velocity = 1
   22: moves[1].max_velocity: belongs to a move with distance; give distance, or remove it
@@ -448,9 +448,9 @@ source = "s"  ->  source = "s"\nillustrative = 1
 velocity_step =  ->  dwell = 0 #
   20: moves[1]: got neither of velocity_step and distance, give exactly one
 "5 um"  ->  "5 um"\nfrequency_spread = "60 %"
-  24: requirements.frequency_spread: got 0.6 (60 %), must be from 0 to 0.5 (50 %)
+  24: requirements.frequency_spread: got 60 %, must be from 0 to 0.5 (50 %)
 "5 um"  ->  "5 um"\ndamping_spread = 1
-  24: requirements.damping_spread: got 1 (100 %), must be >= 0 and < 1 (100 %)
+  24: requirements.damping_spread: got 1, must be >= 0 and < 1 (100 %)
 "5 um"  ->  "5 um"\npayload = ["100 kg", "0 kg"]
   24: requirements.payload: got 100 kg to 0 kg, the least comes first
 "5 um"  ->  "5 um"\npayload = ["0 kg"]
@@ -465,7 +465,7 @@ velocity_step =  ->  dwell = 0 #
 "5 um"  ->  "5 um"\n[damping_optimal]\nweights = "equal"
   25: damping_optimal.weights: got "equal", must be "balanced" or a table of signals
 "5 um"  ->  "5 um"\n[control]\nposition_cycle = "1 ms"\nvelocity_cycle = "300 us"
-  25: control.position_cycle: got 0.001 s, 3.33333 times velocity_cycle = 0.0003 s; must be a
+  25: control.position_cycle: got 1 ms, 3.33333 times velocity_cycle = 300 us; must be a
     whole multiple
 "5 um"  ->  "5 um"\n[control]\nstate_feedback = "on"
   25: control.state_feedback: got "on", must be "auto" or "off" or a table of signals
@@ -480,7 +480,7 @@ velocity_step =  ->  dwell = 0 #
 "5 um"  ->  "5 um"\n[control]\nkind = "klipper"\nsetpoint_filter = { kind = "zv", frequency = "40 Hz", damping = 0.1, time = "1 ms" }
   26: control.setpoint_filter.time: means nothing to a filter with kind = "zv": remove it
 "5 um"  ->  "5 um"\n[control]\nkind = "sinumerik"\nsetpoint_filter = { kind = "moving_average", time = "1 ms" }
-  26: control.setpoint_filter.time: got 0.001 s; kind = "sinumerik" takes 0.002 to 1 s with this
+  26: control.setpoint_filter.time: got 1 ms; kind = "sinumerik" takes 0.002 to 1 s with this
     position cycle
 "5 um"  ->  "5 um"\n[control]\nkind = "marlin"\nsetpoint_filter = { kind = "marlin_ei", frequency = "12 Hz", damping = 0.1 }
   26: control.setpoint_filter.frequency: got 12 Hz; kind = "marlin" takes 20 to 500 Hz for a

@@ -32,6 +32,7 @@ from mtcommission.machine.readers import (
     Signals,
     Word,
     WordOr,
+    as_typed,
     describe,
     one_of,
     word_of,
@@ -292,14 +293,15 @@ class Control:
         least, delay = 2.0 * self.position_cycle, self.reference_delay
         is_drive = self.position_loop is PositionLoop.DRIVE
         if is_drive and "reference_delay" in stated and delay is not None and delay < least:
-            yield "reference_delay", Message("delay-below-drive", got=delay, least=least)
+            yield "reference_delay", Message("delay-below-drive", got=delay, unit="s", least=least)
         ratio = self.position_cycle / self.velocity_cycle
         if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
             message = Message(
                 "cycle-no-multiple",
                 got=self.position_cycle,
+                unit="s",
                 ratio=ratio,
-                velocity_cycle=self.velocity_cycle,
+                velocity_cycle=as_typed(stated.get("velocity_cycle"), self.velocity_cycle, "s"),
             )
             yield "position_cycle", message
 
@@ -315,11 +317,12 @@ class Control:
         for key in FEEDFORWARDS_OF_KINDS:
             if getattr(self, key) and not getattr(kind, key):
                 has = ", ".join(one for one in FEEDFORWARDS_OF_KINDS if getattr(kind, one))
-                got = describe(getattr(self, key))
-                message = Message("control-without-feedforward", got=got, control=name, has=has)
+                weight = getattr(self, key)
+                message = Message("control-without-feedforward", got=weight, control=name, has=has)
                 yield key, message
         if self.reference_delay and not kind.reference_delay:
-            message = Message("control-without-delay", got=self.reference_delay, control=name)
+            delay = self.reference_delay
+            message = Message("control-without-delay", got=delay, unit="s", control=name)
             yield "reference_delay", message
         if self.state_feedback is not StateFeedback.OFF and not kind.state_feedback:
             yield "state_feedback", Message("control-without-state-feedback", control=name)

@@ -27,7 +27,7 @@ from mtcommission.machine.ranges import (
     STEP_RATES,
     VELOCITIES,
 )
-from mtcommission.machine.readers import Array, KeyPath, Reading, must_be, one_of
+from mtcommission.machine.readers import Array, KeyPath, Reading, as_typed, must_be, one_of
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import ROTARY, AxisUnits
 
@@ -122,10 +122,8 @@ class Drive:
         """Yield what leaves no force for motion, and what belongs to the other kind of axis."""
         load, unit = abs(self.static_load), axis.force.si
         if self.usable_force <= 0.0:
-            message = Message(
-                "static-load-takes-all", got=self.static_load, max_force=self.max_force, unit=unit
-            )
-            yield "static_load", message
+            most, got = as_typed(stated.get("max_force"), self.max_force, unit), self.static_load
+            yield "static_load", Message("static-load-takes-all", got=got, unit=unit, most=most)
         elif self.motion_force <= 0.0:
             left = self.max_force - load
             message = Message("friction-takes-all", got=self.coulomb_friction, left=left, unit=unit)

@@ -263,7 +263,7 @@ class States:
         if not isinstance(value, dict):
             reading.refuse(place, must_be(value, Message("a-table")))
             return None
-        plant = reading.plant
+        plant = reading.data.get("plant", {})
         given = value.get("modes", [])
         stated = plant.get("modes", []) if isinstance(plant.get("modes"), list) else []
         names = [mode.get("name") for mode in stated if isinstance(mode, dict)]

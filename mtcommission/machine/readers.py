@@ -30,13 +30,38 @@ class Reading:
     axis: AxisUnits  # what masses, forces and lengths are
     states: Mapping[str, Dimension]  # of the plant, by name; empty if the plant is not known
     outputs: Mapping[str, Dimension]
-    plant: Mapping[str, Any] = field(default_factory=dict)  # [plant] as it stands there
+    data: Mapping[str, Any] = field(default_factory=dict)  # the profile as it stands there
     follows: bool = False  # whether the motor follows its setpoint
     faults: list[tuple[KeyPath, Message]] = field(default_factory=list)
 
     def refuse(self, place: KeyPath, message: Message) -> None:
-        """Note a fault; reading goes on, so that all are found at once."""
+        """Note a fault; reading goes on, so that all are found at once.
+
+        What a message got in SI is said as it was typed.
+        """
+        values = message.values
+        if isinstance(got := values.get("got"), float):
+            typed = as_typed(self._at(place), got, str(values.get("unit") or ""))
+            message = Message(message.kind, **{**values, "got": typed})
         self.faults.append((place, message))
+
+    def _at(self, place: KeyPath) -> object:
+        found: Any = self.data
+        for part in place:
+            is_there = part in found if isinstance(found, dict) else isinstance(found, list)
+            found = found[part] if is_there else None
+        return found
+
+
+def as_typed(given: object, number: float, unit: str) -> str:
+    """Return a quantity with the unit that the user typed; in SI where he typed none, or nothing.
+
+    Examples
+    --------
+    >>> as_typed("3 kN", 3000.0, "N"), as_typed(3000, 3000.0, "N")
+    ('3 kN', '3000 N')
+    """
+    return given.strip() if isinstance(given, str) else f"{number:g} {unit}".rstrip()
 
 
 class Reader(Protocol):
@@ -62,7 +87,7 @@ class Range:
         """Return the SI value of a number or a text with a unit; raise Refused if it is none."""
         number = _number_of(value, self.dimension)
         unit = f" {self.dimension.si}" if self.dimension.si else ""
-        got = value.strip() if isinstance(value, str) else f"{number:g}{unit}"
+        got = as_typed(value, number, self.dimension.si)
         if number <= self.above:
             raise Refused(Message("must-be-above", got=got, bound=self.above, unit=unit))
         if self.above == -inf and number < self.low == 0.0:

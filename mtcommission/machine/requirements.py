@@ -9,7 +9,7 @@ from typing import Any
 
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
 from mtcommission.machine.ranges import ARMS, BANDS, LOADS, SHARES, SPREADS, TIMES, VELOCITIES
-from mtcommission.machine.readers import Array, PerSignal, Reading, Signals, Word
+from mtcommission.machine.readers import Array, PerSignal, Reading, Signals, Word, as_typed
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 
@@ -144,8 +144,9 @@ class Requirements:
             yield "contour_feed", Message("contour-feed-without-deviation")
         low, high = self.payload
         if low > high:
-            message = Message("payload-reversed", low=low, high=high, unit=axis.mass.si)
-            yield "payload", message
+            ends = zip(stated["payload"], self.payload, strict=True)
+            first, last = (as_typed(given, end, axis.mass.si) for given, end in ends)
+            yield "payload", Message("payload-reversed", first=first, last=last)
         if self.payload_radius < 0.0:
-            got = f"{self.payload_radius:g}"
+            got = self.payload_radius
             yield "payload_radius", Message("must-be-at-least", got=got, bound=0.0, unit="")

@@ -39,6 +39,8 @@ KEYS: Mapping[str, tuple[str, ...]] = {
 ENDLESS = ("second_order", "band_stop")
 """Kinds that controls have, and behind which a setpoint never ends."""
 
+UNITS = {"time": "s", "second_time": "s", "frequency": "Hz"}
+
 MOST_TAPS = 64
 WHOLE = 1e-6
 """By how much the sum of taps may miss 1: their last printed digit."""
@@ -60,7 +62,7 @@ class _Taps(Array):
     def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
         taps = super().read(value, place, reading)
         if taps is not None and abs(fsum(taps) - 1.0) > WHOLE:
-            reading.refuse(place, Message("filter-taps-sum", got=fsum(taps)))
+            reading.refuse(place, Message("filter-taps-sum", sum=fsum(taps)))
         return taps
 
 
@@ -176,8 +178,9 @@ def list_misfits(
     for key in KEYS[item.kind]:
         low, high = ranges.get(key, (0.0, 0.0))
         if key in ranges and not low <= values[key] <= high:
-            said = f"control-filter-{key.removeprefix('second_')}"
-            yield key, Message(said, got=values[key], low=low, high=high, control=kind.key)
+            said, unit = f"control-filter-{key.removeprefix('second_')}", UNITS.get(key, "")
+            value = values[key]
+            yield key, Message(said, got=value, unit=unit, low=low, high=high, control=kind.key)
 
 
 def _ranges(choice: FilterChoice, position_cycle: float) -> dict[str, tuple[float, float]]:

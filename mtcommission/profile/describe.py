@@ -96,19 +96,6 @@ def find_unknown(path: Sequence[str]) -> Message | None:
     return None
 
 
-def may_be_left_out(path: Sequence[str]) -> bool:
-    """Return whether a profile without this key means the same as with its default.
-
-    Examples
-    --------
-    >>> may_be_left_out(["moves", "0", "dwell"]), may_be_left_out(["drive", "max_force"])
-    (True, False)
-    """
-    *tables, name = path
-    known = (table for table in tables_at(tables) if name in table["properties"])
-    return any(name not in table["required"] for table in known)
-
-
 def unit_of(path: Sequence[str], *, rotary: bool) -> str | None:
     """Return the SI unit of a key, "" for none; None where it depends on the plant.
 

@@ -165,7 +165,7 @@ def _begin(data: Mapping[str, Any]) -> Reading:
         kind = kind_of(plant, follows=follows)
         states = kind.states(names, of_position_source(axis) if kind in HELD.values() else axis)
     outputs = dict.fromkeys(OUTPUTS, axis.length)
-    return Reading(axis=axis, states=states, outputs=outputs, plant=plant, follows=follows)
+    return Reading(axis=axis, states=states, outputs=outputs, data=data, follows=follows)
 
 
 def _read_machine(data: dict[str, Any], reading: Reading) -> Machine | None:

@@ -48,38 +48,38 @@ must-be-above = { $got } angegeben, muss > { PLAIN($bound, digits: 6) }{ $unit }
 must-be-at-least = { $got } angegeben, muss >= { PLAIN($bound, digits: 6) }{ $unit } sein
 must-be-between = { $got } angegeben, muss zwischen { PLAIN($low, digits: 6) } und { PLAIN($high, digits: 6) }{ $unit } liegen; die Einheit prüfen
 
-static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt nichts für die Bewegung
-friction-takes-all = { PLAIN($got, digits: 6) } { $unit } angegeben, muss unter dem liegen, was { word-max-force } neben static_load lässt: { PLAIN($left, digits: 6) } { $unit }
+static-load-takes-all = { $got } gegen { word-max-force } = { $most } angegeben; der Betrag muss kleiner sein, sonst bleibt nichts für die Bewegung
+friction-takes-all = { $got } angegeben, muss unter dem liegen, was { word-max-force } neben static_load lässt: { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = weder velocity_step noch distance angegeben, genau eines angeben
 move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
-frequency-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss zwischen 0 und 0,5 (50 %) liegen
-damping-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss >= 0 und < 1 (100 %) sein
-damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad im ungünstigsten Eckfall auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
-payload-reversed = { PLAIN($low, digits: 6) } { $unit } bis { PLAIN($high, digits: 6) } { $unit } angegeben, die kleinste kommt zuerst
-cycle-no-multiple = { PLAIN($got, digits: 6) } s angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; muss ein ganzes Vielfaches sein
+frequency-spread-large = { $got } angegeben, muss zwischen 0 und 0,5 (50 %) liegen
+damping-spread-large = { $got } angegeben, muss >= 0 und < 1 (100 %) sein
+damping-spread-beyond-one = { $got } angegeben, das hebt einen Dämpfungsgrad im ungünstigsten Eckfall auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
+payload-reversed = { $first } bis { $last } angegeben, die kleinste kommt zuerst
+cycle-no-multiple = { $got } angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { $velocity_cycle }; muss ein ganzes Vielfaches sein
 
 lead-of-rotary-axis = eine Rundachse hat keine Steigung; entfernen und drive.gear angeben (Motorumdrehungen je Umdrehung der Achse)
 gear-without-lead = ein Getriebe an einer Linearachse braucht drive.lead (Weg je Umdrehung von Spindel oder Ritzel) daneben; beide angeben oder den Schlüssel entfernen
 contour-feed-without-deviation = gehört zu contour_deviation; das angeben oder den Schlüssel entfernen
 control-closes-elsewhere = { $got } angegeben; kind = "{ $control }" schließt den Lageregelkreis anders: { $has } schreiben oder den Schlüssel weglassen
 control-without-feedforward = { $got } angegeben; kind = "{ $control }" hat nur { $has }; 0 schreiben oder den Schlüssel weglassen
-control-without-delay = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" kann den Sollwert nicht verzögern; den Schlüssel weglassen
+control-without-delay = { $got } angegeben; kind = "{ $control }" kann den Sollwert nicht verzögern; den Schlüssel weglassen
 control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
 control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
 # $has: vorhandene Arten und das Wort für keines
 control-without-filter = { $got } angegeben; kind = "{ $control }" hat keinen solchen Sollwertfilter: { $has } schreiben
-control-filter-time = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
-control-filter-frequency = { PLAIN($got, digits: 6) } Hz angegeben; kind = "{ $control }" nimmt für einen Shaper { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } Hz
-control-filter-damping = { PLAIN($got, digits: 6) } angegeben; kind = "{ $control }" nimmt für diesen Shaper einen Dämpfungsgrad von { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) }
+control-filter-time = { $got } angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
+control-filter-frequency = { $got } angegeben; kind = "{ $control }" nimmt für einen Shaper { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } Hz
+control-filter-damping = { $got } angegeben; kind = "{ $control }" nimmt für diesen Shaper einen Dämpfungsgrad von { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) }
 filter-key-missing = fehlt: ein Filter mit kind = "{ $kind }" braucht diesen Wert
 filter-key-unused = bedeutet bei einem Filter mit kind = "{ $kind }" nichts: entfernen
-filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($got, digits: 6) } und muss 1 sein, sonst käme die Achse nicht ans Ziel: jeden durch die Summe teilen
+filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($sum, digits: 6) } und muss 1 sein, sonst käme die Achse nicht ans Ziel: jeden durch die Summe teilen
 filter-without-end = { $got } angegeben: hinter einem solchen Filter endet ein Sollwert nie, daher ließe sich weder eine Einschwingzeit noch ein Beweis für jede Größe der Bewegung angeben; eine andere Art wählen, oder "none" mit ausgeschaltetem Filter in der Steuerung
 control-without-force-filters = "auto" angegeben; kind = "{ $control }" hat keine Filter im Momentensollwert; den Schlüssel weglassen
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
-delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen
+delay-below-drive = { $got } angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen
 
 # Motor folgt dem Sollwert. $drive: Art des Antriebs, zu der der Schlüssel gehört
 key-of-other-drive = gehört zu drive.kind = "{ $drive }"; entfernen, oder diese Art von Antrieb angeben
@@ -89,7 +89,7 @@ motor-held-needs-modes = zu drive.kind = "position_source" gehört kind = "modal
 no-loop-to-set = drive.kind = "position_source" hat keinen Regelkreis: der Motor folgt dem Sollwert; den Schlüssel entfernen
 acceleration-weighed = das Funktional wichtet das Quadrat der Soll-Beschleunigung schon mit 1, und F ist dieselbe; das Gewicht entfernen und die übrigen durch 1 plus dieses teilen
 payload-of-position-source = ein Motor, der dem Sollwert folgt, bewegt jede Zuladung gleich, aber jede hat eigene Frequenzen: den Schlüssel entfernen und requirements.frequency_spread weiten
-move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity, step_rate mal step_length oder dem Ende von acceleration_curve
+move-beyond-motor = { $got } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity, step_rate mal step_length oder dem Ende von acceleration_curve
 
 example-about = { $name }, Achse { $axis_name } ({ $motion ->
     [rotary] drehend

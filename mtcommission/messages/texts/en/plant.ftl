@@ -8,7 +8,7 @@ tcp-height-assumed = tcp_height: the tool stands { $side ->
 
 # What does not fit together in the data of a plant.
 
-damping-ratio-beyond-one = got { PLAIN($got, digits: 6) }, must be >= 0 and < 1
+damping-ratio-beyond-one = got { $got }, must be >= 0 and < 1
 # $frequency [Hz]
 modes-at-one-frequency = modes { $one } and { $other } at { PLAIN($frequency, digits: 6) } Hz
 # $modes: modes-at-one-frequency
@@ -19,4 +19,4 @@ state-named-twice = got "{ $name }" twice, states must have different names
 mode-named-twice = got "{ $name }" twice, names must differ
 lever-arm-zero = got 0, but the { word-force } must turn the tower; give the arm, or describe the axis as kind = "modal"
 # $got, $most: in $unit
-damping-beyond-critical = got { PLAIN($got, digits: 6) } { $unit }, a damping ratio of { PLAIN($ratio, digits: 3) }; must be < { PLAIN($most, digits: 4) } { $unit } (ratio 1)
+damping-beyond-critical = got { $got }, a damping ratio of { PLAIN($ratio, digits: 3) }; must be < { PLAIN($most, digits: 4) } { $unit } (ratio 1)

@@ -59,17 +59,17 @@ must-be-at-least = got { $got }, must be >= { PLAIN($bound, digits: 6) }{ $unit 
 must-be-between = got { $got }, must be from { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) }{ $unit }; check the unit
 
 # What does not fit together.
-static-load-takes-all = got { PLAIN($got, digits: 6) } { $unit } against { word-max-force } = { PLAIN($max_force, digits: 6) } { $unit }; its amount must be smaller, or no { word-force } is left for motion
-friction-takes-all = got { PLAIN($got, digits: 6) } { $unit }, must be below what { word-max-force } leaves beside static_load, { PLAIN($left, digits: 6) } { $unit }
+static-load-takes-all = got { $got } against { word-max-force } = { $most }; its amount must be smaller, or no { word-force } is left for motion
+friction-takes-all = got { $got }, must be below what { word-max-force } leaves beside static_load, { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = got neither of velocity_step and distance, give exactly one
 move-with-both = got both of velocity_step and distance, give exactly one
 max-velocity-without-distance = belongs to a move with distance; give distance, or remove it
-frequency-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be from 0 to 0.5 (50 %)
-damping-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be >= 0 and < 1 (100 %)
-damping-spread-beyond-one = got { PLAIN($got, digits: 6) }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner, where it must stay < 1; state at most { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %)
-payload-reversed = got { PLAIN($low, digits: 6) } { $unit } to { PLAIN($high, digits: 6) } { $unit }, the least comes first
+frequency-spread-large = got { $got }, must be from 0 to 0.5 (50 %)
+damping-spread-large = got { $got }, must be >= 0 and < 1 (100 %)
+damping-spread-beyond-one = got { $got }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner, where it must stay < 1; state at most { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %)
+payload-reversed = got { $first } to { $last }, the least comes first
 # [s]
-cycle-no-multiple = got { PLAIN($got, digits: 6) } s, { PLAIN($ratio, digits: 6) } times velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; must be a whole multiple
+cycle-no-multiple = got { $got }, { PLAIN($ratio, digits: 6) } times velocity_cycle = { $velocity_cycle }; must be a whole multiple
 
 # What a kind of control does not have. $has: keys or words of the profile, or empty.
 lead-of-rotary-axis = a rotary axis has no lead; remove it, and give drive.gear (turns of the motor per turn of the axis)
@@ -77,22 +77,22 @@ gear-without-lead = a gear on a linear axis needs drive.lead (travel per turn of
 contour-feed-without-deviation = belongs to contour_deviation; give that, or remove it
 control-closes-elsewhere = got { $got }; kind = "{ $control }" closes its position loop otherwise: write { $has }, or leave the key out
 control-without-feedforward = got { $got }; kind = "{ $control }" has only { $has }; write 0, or leave the key out
-control-without-delay = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" cannot delay its setpoint; leave the key out
+control-without-delay = got { $got }; kind = "{ $control }" cannot delay its setpoint; leave the key out
 control-without-state-feedback = kind = "{ $control }" cannot feed states back; write "off", or kind = "state-space" for a free controller
 control-without-observer = kind = "{ $control }" has no observer that could use a sensor at the tool; write "none", or kind = "state-space" for a free controller
 # $has: kinds that it has and the word for none
 control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter: write { $has }
-control-filter-time = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } s with this position cycle
-control-filter-frequency = got { PLAIN($got, digits: 6) } Hz; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } Hz for a shaper
-control-filter-damping = got { PLAIN($got, digits: 6) }; kind = "{ $control }" takes a damping ratio of { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } for this shaper
+control-filter-time = got { $got }; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } s with this position cycle
+control-filter-frequency = got { $got }; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } Hz for a shaper
+control-filter-damping = got { $got }; kind = "{ $control }" takes a damping ratio of { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } for this shaper
 filter-key-missing = missing: a filter with kind = "{ $kind }" needs it
 filter-key-unused = means nothing to a filter with kind = "{ $kind }": remove it
-filter-taps-sum = got taps whose sum is { PLAIN($got, digits: 6) }, must be 1, or the axis would not arrive where it should: divide each by the sum
+filter-taps-sum = got taps whose sum is { PLAIN($sum, digits: 6) }, must be 1, or the axis would not arrive where it should: divide each by the sum
 filter-without-end = got { $got }: behind such a filter a setpoint never ends, so no time of settling and no proof for every size of move could be stated; choose another kind, or "none" with the filter off in the control
 control-without-force-filters = got "auto"; kind = "{ $control }" has no filters in the torque setpoint; leave the key out
 control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
 control-without-jerk-limit = kind = "{ $control }" limits no jerk, so none can be set today; remove the key
-delay-below-drive = got { PLAIN($got, digits: 6) } s; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out
+delay-below-drive = got { $got }; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out
 
 # A motor that follows its setpoint. $drive: the kind of drive to which the key belongs
 key-of-other-drive = belongs to drive.kind = "{ $drive }"; remove it, or state that kind of drive
@@ -102,7 +102,7 @@ motor-held-needs-modes = with drive.kind = "position_source" write kind = "modal
 no-loop-to-set = drive.kind = "position_source" has no loop: the motor follows its setpoint; remove the key
 acceleration-weighed = the functional weighs the square of the set acceleration by 1 already, and F is the same; remove the weight, and divide the others by 1 plus it
 payload-of-position-source = a motor that follows its setpoint moves any payload alike, but each has frequencies of its own: remove the key, and widen requirements.frequency_spread
-move-beyond-motor = got { PLAIN($got, digits: 6) } { $unit }, but the motor follows only { PLAIN($limit, digits: 6) } { $unit }, by drive.max_velocity, step_rate times step_length, or the end of acceleration_curve
+move-beyond-motor = got { $got }, but the motor follows only { PLAIN($limit, digits: 6) } { $unit }, by drive.max_velocity, step_rate times step_length, or the end of acceleration_curve
 
 # The example machines. $motion: linear or rotary, $modes: frequencies
 example-about = { $name }, axis { $axis_name } ({ $motion ->
