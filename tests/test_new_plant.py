@@ -6,7 +6,7 @@ computed wrongly, left as it was, or taken for another kind somewhere on the way
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 from pathlib import Path
@@ -18,7 +18,7 @@ import pytest
 from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.machine.keys import Misfit, keyed, list_keys
-from mtcommission.machine.mechanics import KINDS, Array, FlexibleMode, ModeStates, register
+from mtcommission.machine.mechanics import KINDS, FlexibleMode, Mechanics, ModeStates, register
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.ranges import MASSES, RATIOS, STIFFNESSES
 from mtcommission.machine.variations import Corner, vary
@@ -36,7 +36,7 @@ from tests.test_verify import limits_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Belt:
+class Belt(Mechanics):
     """Two masses and a belt: the motor drives the first one, the tool sits on the second."""
 
     kind: ClassVar = "belt"
@@ -74,9 +74,6 @@ class Belt:
         elastic = {"q": axis.modal_deflection, "w": axis.modal_rate}
         return {"x": axis.length, "v": axis.velocity, **elastic, "F": axis.force}
 
-    def mode_key(self, index: int) -> str:
-        return "plant"
-
     def vary(
         self, *, payload: float, payload_radius: float, frequency: float, damping: float
     ) -> Self:
@@ -90,9 +87,6 @@ class Belt:
             ],
         )
 
-    def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
-        return np.ones_like(payload)
-
     def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
         load = mass - self.motor_mass
         (mode,) = modes
@@ -101,15 +95,9 @@ class Belt:
             self, load_mass=load, belt_stiffness=stiffness, belt_damping=mode.damping_ratio
         )
 
-    def still_tool(self, modes: Collection[str]) -> None:
-        """The tool's share follows from the masses."""
-
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterator[Misfit]:
         if not 0.0 <= self.belt_damping < 1.0:
             yield "belt_damping", Message("damping-ratio-beyond-one", got=self.belt_damping)
-
-    def assumptions(self) -> tuple[Message, ...]:
-        return ()
 
 
 PROFILE = """\

@@ -112,7 +112,8 @@ class ModeStates:
 class Mechanics(Protocol):
     """A rigid mass with flexible modes; a kind of plant is a frozen dataclass that tells this.
 
-    Its fields are made by ``keyed``, so that a profile can state it.
+    Its fields are made by ``keyed``, so that a profile can state it. What is written out here holds
+    for most kinds.
     """
 
     kind: ClassVar[str]
@@ -138,6 +139,7 @@ class Mechanics(Protocol):
 
     def mode_key(self, index: int) -> str:
         """Return the key of a mode in the profile; "plant" where it follows from several."""
+        return "plant"
 
     def vary(
         self, *, payload: float, payload_radius: float, frequency: float, damping: float
@@ -146,6 +148,7 @@ class Mechanics(Protocol):
 
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
         """Return what a mode moves without payload over that with it [-], shape of payload."""
+        return np.ones_like(payload)
 
     def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
         """Return the mechanics with a rigid mass [kg] and these frequencies and damping ratios.
@@ -158,12 +161,15 @@ class Mechanics(Protocol):
 
         None where no key states the tool's share in a mode.
         """
+        return None
 
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterable[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
+        return ()
 
     def assumptions(self) -> tuple[Message, ...]:
         """Return what the kind assumes beyond the profile."""
+        return ()
 
 
 def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, Message]]:

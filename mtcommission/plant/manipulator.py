@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any, ClassVar, Self
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.keys import Misfit, keyed
-from mtcommission.machine.mechanics import FlexibleMode, ModeStates, find_equal_poles
+from mtcommission.machine.mechanics import FlexibleMode, Mechanics, ModeStates, find_equal_poles
 from mtcommission.machine.ranges import (
     ARMS,
     DAMPINGS,
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Manipulator:
+class Manipulator(Mechanics):
     """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1); fields in SI.
 
     ``lever_arm`` reaches to the line of the drive force; the paper gives no sign of ``tcp_height``.
@@ -115,10 +115,6 @@ class Manipulator:
             "F": axis.force,
         }
 
-    def mode_key(self, index: int) -> str:
-        """Return the key that a remark on a mode names: it follows from several."""
-        return "plant"
-
     def vary(
         self, *, payload: float, payload_radius: float, frequency: float, damping: float
     ) -> Self:
@@ -136,10 +132,8 @@ class Manipulator:
 
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
         """Return the tower's inertia without payload over that with it; 1 for the base."""
-        if mode != "rotation":
-            return np.ones_like(payload)
-        J = self.rotary_inertia
-        return np.asarray(J / (J + payload * payload_radius**2))
+        J, turned = self.rotary_inertia, payload * payload_radius**2 * (mode == "rotation")
+        return np.asarray(J / (J + turned))
 
     def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
         """Return the stiffnesses and damping constants that give these modes, with this mass."""
@@ -153,9 +147,6 @@ class Manipulator:
             rotary_stiffness=J * tower.natural_frequency**2,
             rotary_damping=2.0 * J * tower.damping_ratio * tower.natural_frequency,
         )
-
-    def still_tool(self, modes: Collection[str]) -> None:
-        """Return None: the tool's share follows from the geometry."""
 
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""

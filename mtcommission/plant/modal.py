@@ -6,30 +6,25 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
+    Mechanics,
     ModeStates,
     find_mode_faults,
     renew_modes,
     scale_modes,
 )
 from mtcommission.machine.ranges import MASSES
-from mtcommission.machine.readers import Array as ArrayOf
-from mtcommission.messages.message import Message
+from mtcommission.machine.readers import Array
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
-
-Array = NDArray[np.float64]
 
 MOST_MODES = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Modal:
+class Modal(Mechanics):
     """A rigid mass [kg] with flexible modes of distinct poles, as read from a Bode plot."""
 
     kind: ClassVar = "modal"
@@ -38,7 +33,7 @@ class Modal:
 
     moving_mass: float = keyed(MASSES, "Total rigid mass.", "800 kg")
     modes: tuple[FlexibleMode, ...] = keyed(
-        ArrayOf(Table(FlexibleMode), 1, MOST_MODES), "One to eight modes."
+        Array(Table(FlexibleMode), 1, MOST_MODES), "One to eight modes."
     )
 
     def mode_states(self) -> tuple[ModeStates, ...]:
@@ -64,10 +59,6 @@ class Modal:
         modes = scale_modes(self.modes, frequency=frequency, damping=damping)
         return replace(self, moving_mass=self.moving_mass + payload, modes=modes)
 
-    def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
-        """Return 1: a payload leaves the modes as they are."""
-        return np.ones_like(payload)
-
     def renew(self, *, mass: float, modes: Sequence[FlexibleMode]) -> Self:
         """Return the plant with this mass [kg], frequencies and damping ratios."""
         return replace(self, moving_mass=mass, modes=renew_modes(self.modes, modes))
@@ -84,7 +75,3 @@ class Modal:
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         return find_mode_faults(self.modes)
-
-    def assumptions(self) -> tuple[Message, ...]:
-        """Return nothing: all that is used was stated."""
-        return ()

@@ -11,9 +11,9 @@ acceleration itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from math import inf, pi, sqrt
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,32 +33,15 @@ OUTPUTS = ("tcp", "encoder", "tcp_vibration")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlantMode:
+class PlantMode(FlexibleMode):
     """A flexible mode and where its states sit in the plant.
 
-    The modal coordinate obeys q'' + 2 ζ ω q' + ω² q = F; the plant's states are
-    x[deflection] = scale q and x[rate] = scale q'.
+    The plant's states are x[deflection] = scale q and x[rate] = scale q'.
     """
 
-    name: str
-    natural_frequency: float  # ω [rad/s]
-    damping_ratio: float  # ζ [-]
-    tcp_gain: float  # share of q in the tool position [1/kg]
-    measured_gain: float  # share of q in the encoder position [1/kg]
     scale: float  # factor from q to the plant's state
     deflection: int  # index of the state that is scale times q
     rate: int  # index of the state that is scale times q'
-
-    @property
-    def frequency_hz(self) -> float:
-        """Natural frequency [Hz]."""
-        return self.natural_frequency / (2 * pi)
-
-    @property
-    def pole(self) -> complex:
-        """The pole with positive imaginary part, -ζω + iω√(1-ζ²) [1/s]."""
-        zeta, omega = self.damping_ratio, self.natural_frequency
-        return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -172,11 +155,7 @@ def build_plant(machine: Machine) -> Plant:
     states = tuple(dimensions)
     modes = tuple(
         PlantMode(
-            name=mode.name,
-            natural_frequency=mode.natural_frequency,
-            damping_ratio=mode.damping_ratio,
-            tcp_gain=mode.tcp_gain,
-            measured_gain=mode.measured_gain,
+            **{one.name: getattr(mode, one.name) for one in fields(FlexibleMode)},
             scale=place.scale,
             deflection=states.index(place.deflection),
             rate=states.index(place.rate),
