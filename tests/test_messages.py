@@ -171,7 +171,6 @@ NO_PROSE = {
     "sheet/verdict.py": "numbers and units as they are typed",
     "sweep/case_table.py": "columns of a table of cases",
     "sweep/plan.py": "ranges as one types them",
-    "sweep/store.py": "lines of its own log",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",
 }
 """Modules behind the results that search in texts, and what they search."""
