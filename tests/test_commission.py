@@ -175,7 +175,8 @@ def test_the_terminals_answer_fits_one_screen(found: Commissioning, language: st
     answer, notes = limits_answer(found), ["a long note that wraps " * 20, "and a short one"]
     for rows, rules in ((ROWS - ROWS_BELOW, []), (ROWS - 1, answer.rules)):
         shortened = replace(answer, rules=rules)
-        lines = fold(describe_limits(machine, shortened, words, further=notes, rows=rows))
+        shown_with = {"assumed": ["x = 1 kg"] * 40, "further": notes, "rows": rows}
+        lines = fold(describe_limits(machine, shortened, words, **shown_with))
         assert len(lines) <= rows
         assert max(map(len, lines)) <= 80
         shown = "\n".join(lines)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.machine.basis import list_assumed, list_neglected
+from mtcommission.machine.basis import list_neglected
 from mtcommission.machine.control import Control
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import moving_mass
@@ -20,6 +20,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.machine import list_assumed
 from tests.machines import paper_machine, random_modal_machine
 
 MACHINES = [paper_machine(), random_modal_machine(3, n_modes=3)]
@@ -109,21 +111,18 @@ def test_random_machines_are_plausible() -> None:
             assert 0.005 <= mode.damping_ratio <= 0.1
 
 
-def test_what_nobody_stated_is_said_in_one_sentence_each() -> None:
-    """A profile of the least keys rests on all of it; one that states everything on none."""
-    machine = replace(
-        paper_machine(),
-        assumed=("drive.force_lag", "requirements.reserve", "requirements.frequency_spread"),
-        requirements=replace(paper_machine().requirements, frequency_spread=0.05),
-    )
-    words = Catalogue()
-    said = [words.say(one) for one in list_assumed(machine)]
-    assert said[0].startswith("frequencies off by up to ±5")
-    assert said[1].startswith("limits may use ")
-    assert said[2].startswith("tcp_height: the tool stands above the rotary joint")
-    assert said[3:] == ["not measured: Time constant of the force loop T"]
-    modal = random_modal_machine(1, n_modes=2)
-    assert list(list_assumed(modal)) == []
+def test_what_nobody_stated_is_said_by_its_name_and_value() -> None:
+    """A profile of the least keys rests on all of it; its sheet says the same in the same words."""
+    profile = read_shipped("milling-manipulator")
+    plant, words = build_plant(profile.machine), Catalogue()
+    said = list_assumed(profile.machine, plant, profile.text, words)
+    assert [one.replace("\u202f", " ") for one in said[:2]] == [
+        "Frequency spread = 5 %",
+        "Damping spread = 30 %",
+    ]
+    assert "Place of the position loop = in the control" in said
+    assert not any(one.startswith("Base mass") for one in said)
+    assert said[-1].startswith("tcp_height: the tool stands above the rotary joint")
 
 
 def test_the_encoder_is_neglected_until_its_resolution_is_stated() -> None:

@@ -66,6 +66,7 @@ def run(
     from mtcommission.export.catalogue import CONTROL_KEYS
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
+    from mtcommission.record.machine import list_assumed
     from mtcommission.record.record import record_run
     from mtcommission.sheet import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import (
@@ -110,7 +111,8 @@ def run(
         reference_sentence(record, slowest_move(record), spoken),
     )
     rows = ROWS - ROWS_BELOW
-    show(describe_limits(machine, answer, spoken, further=further, rows=rows))
+    assumed = list_assumed(machine, found.plant, source.text, spoken)
+    show(describe_limits(machine, answer, spoken, assumed=assumed, further=further, rows=rows))
     kind = machine.control.kind.key
     is_known = kind in CONTROL_KEYS and kind != GENERIC.key
     file = shlex.quote(str(output / "record.json"))
@@ -228,12 +230,14 @@ def limits(
     from mtcommission.cli.limits_view import ROWS, describe_limits
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
+    from mtcommission.record.machine import list_assumed
 
     answer = limits_answer(found)
     if json_file:
         write_text(json_file, dump_json(answer))
     if "-" not in (json_file, page):
-        show(describe_limits(machine, answer, words(), rows=ROWS - 1))
+        assumed = list_assumed(machine, found.plant, source.text, words())
+        show(describe_limits(machine, answer, words(), assumed=assumed, rows=ROWS - 1))
         print_said("cli-next-run", profile=shlex.quote(str(profile)))
     raise typer.Exit(0 if answer.assessment.met else 1)
 
@@ -277,7 +281,7 @@ def simulate(
     from mtcommission.setpoint.duration import require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
-    machine, _ = read_machine(profile, f_max=f_max, sizes=sizes)
+    machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
     asked = chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
     tried = read_tried(
         machine,
@@ -295,6 +299,7 @@ def simulate(
     from mtcommission.loop.tuning.tuned import close_beside
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
+    from mtcommission.record.machine import list_assumed
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
     from mtcommission.study.loops import describe_loop, settle_on_loop
@@ -324,5 +329,6 @@ def simulate(
 
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
-        show(describe_simulation(tried.machine, part, words()))
+        assumed = list_assumed(tried.machine, plant, source.text, words())
+        show(describe_simulation(tried.machine, part, assumed, words()))
     raise typer.Exit(0 if part.assessment.met else 1)

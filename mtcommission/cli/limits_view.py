@@ -7,7 +7,6 @@ from dataclasses import replace
 from math import inf
 
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
-from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -43,12 +42,14 @@ def describe_limits(
     answer: LimitsAnswer,
     spoken: Catalogue,
     *,
+    assumed: Sequence[str],
     further: Iterable[Message | str] = (),
     rows: int = ROWS,
 ) -> list[Line]:
     """Return the answer of ``limits`` and ``run`` on one screen.
 
-    ``further``: what is said where there is room, the most important first; ``rows`` of the screen.
+    ``assumed``: what nobody stated; ``further``: what is said where there is room, the most
+    important first; ``rows`` of the screen.
     """
     text, said, best, verdict = spoken.text, spoken.say, answer.recommended, answer.assessment
     shown = [
@@ -59,7 +60,7 @@ def describe_limits(
         *_checks(machine, verdict, spoken),
     ]  # fmt: skip
     notes = [
-        _assumed(machine, spoken),
+        _assumed(assumed, spoken),
         *warn(spoken, [one for one in answer.warnings if not _is_of_loop(one)]),
         *(said(one) for one in answer.warnings if _is_of_loop(one)),
         *(_loop_today(machine, spoken) if answer.today else []),
@@ -164,9 +165,9 @@ def _is_step(machine: Machine, acceleration: float | None, jerk: float | None) -
     return acceleration < ROUNDED * machine.control.position_cycle * jerk
 
 
-def _assumed(machine: Machine, spoken: Catalogue) -> str:
+def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:
     """What nobody stated of the machine, as far as some lines hold it."""
-    named, more = list(map(spoken.say, list_assumed(machine))), 0
+    named, more = list(assumed), 0
     while True:
         listed = "; ".join(named)
         if more:
@@ -195,7 +196,9 @@ def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> lis
     return table(names, rows, styles)
 
 
-def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogue) -> list[Line]:
+def describe_simulation(
+    machine: Machine, part: SimulationPart, assumed: Sequence[str], spoken: Catalogue
+) -> list[Line]:
     """Return the response of each move in each corner, and the verdict."""
     states = (
         ["machine-state"] if any(one.state for move in part.moves for one in move.corners) else []
@@ -222,7 +225,7 @@ def describe_simulation(machine: Machine, part: SimulationPart, spoken: Catalogu
         *table(names, rows),
         *_checks(machine, part.assessment, spoken),
         spoken.text("terminal-worst", places="; ".join(worst)),
-        _assumed(machine, spoken),
+        _assumed(assumed, spoken),
         *(spoken.say(one) for one in part.warnings if _is_of_loop(one)),
         *warn(spoken, [one for one in part.warnings if not _is_of_loop(one)]),
     ]

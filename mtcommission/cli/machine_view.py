@@ -9,7 +9,6 @@ from mtcommission.cli.terminal import Line, heading, heads, table, warn
 from mtcommission.machine.basis import (
     OF_LOOP,
     describe_kind,
-    list_assumed,
     list_neglected,
     mark_assumed,
     name_control,
@@ -23,7 +22,11 @@ from mtcommission.plant.plant import Plant, kalman_rank
 
 
 def describe_machine(
-    machine: Machine, plant: Plant, warnings: Sequence[Message | str], spoken: Catalogue
+    machine: Machine,
+    plant: Plant,
+    warnings: Sequence[Message | str],
+    assumed: Sequence[str],
+    spoken: Catalogue,
 ) -> list[Line]:
     """Return modes, rigid-body limits, what results rest on, and warnings of a profile."""
     text = spoken.text
@@ -39,7 +42,7 @@ def describe_machine(
         *table(
             heads(spoken, "rigid-body-limit", "value", "reason"), _limits(machine, plant, spoken)
         ),
-        *table([*heads(spoken, "basis"), ""], _basis(machine, spoken)),
+        *table([*heads(spoken, "basis"), ""], _basis(machine, assumed, spoken)),
         text("terminal-controllable", rank=rank, order=plant.order),
         *(warn(spoken, warnings) or [text("terminal-no-warnings")]),
     ]
@@ -78,7 +81,7 @@ def _limits(machine: Machine, plant: Plant, spoken: Catalogue) -> Iterator[list[
         yield [text("terminal-time-of-move", number=number), least, reason]
 
 
-def _basis(machine: Machine, spoken: Catalogue) -> Iterator[list[str]]:
+def _basis(machine: Machine, assumed: Sequence[str], spoken: Catalogue) -> Iterator[list[str]]:
     """The control with its loop, what is assumed, and what is neglected."""
     control = machine.control
     name = name_control(control.kind.key, spoken)
@@ -90,7 +93,7 @@ def _basis(machine: Machine, spoken: Catalogue) -> Iterator[list[str]]:
     for label, sentences in (
         ("control", [f"{name}: {has}"]),
         ("terminal-basis-loop", [loop]),
-        ("basis-assumed", map(spoken.say, list_assumed(machine))),
+        ("basis-assumed", assumed),
         ("terminal-basis-neglected", map(spoken.say, list_neglected(machine))),
     ):
         for place, sentence in enumerate(sentences):

@@ -57,15 +57,18 @@ def check(
     from mtcommission.cli.machine_view import describe_machine
     from mtcommission.machine.plausibility import check_plausibility
     from mtcommission.plant.plant import build_plant
+    from mtcommission.record.machine import list_assumed
     from mtcommission.setpoint.duration import require_short_moves
 
-    machine, _ = read_machine(profile)
+    machine, source = read_machine(profile)
     warnings: list[Message | str] = list(check_plausibility(machine))
     if not machine.control.leaves_all_to_rules:
         from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
 
         warnings += check_loop(machine)
-    show(describe_machine(machine, build_plant(machine), warnings, words()))
+    plant = build_plant(machine)
+    assumed = list_assumed(machine, plant, source.text, words())
+    show(describe_machine(machine, plant, warnings, assumed, words()))
     require_short_moves(machine)
 
 

@@ -17,8 +17,8 @@ from mtcommission.group.page import contour_panel
 from mtcommission.group.record import CheckEntry, GroupRecord
 from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
 from mtcommission.messages.quantities import pretty_unit
+from mtcommission.record.machine import say_assumed
 from mtcommission.record.read_back import read_filter
-from mtcommission.sheet.basis import datum, datum_name, is_assumed
 from mtcommission.sheet.document import (
     HASH_DIGITS,
     BigValue,
@@ -350,11 +350,7 @@ def _rests_on(record: GroupRecord, words: Catalogue) -> list[tuple[str, str]]:
     """Where the data of the axes come from, and what of them nobody stated."""
     found: dict[str, list[str]] = {}
     for axis in record.axes:
-        said = [
-            f"{datum_name(item, words)} = {datum(item, axis.plant.units, words)}"
-            for item in axis.data
-            if is_assumed(axis, item.key)
-        ]
+        said = say_assumed(axis.data, axis.plant.units, words)
         assumed = [f"{words.text('basis-assumed')}: {'; '.join(said)}"] if said else []
         rests = ". ".join([words.say(axis.machine.source), *assumed])
         found.setdefault(rests, []).append(axis.name)

@@ -1,4 +1,4 @@
-"""Machine -> on what its results rest: what the control has, what is assumed, what is neglected."""
+"""Machine -> on what its results rest: what the control has, and what is neglected."""
 
 from __future__ import annotations
 
@@ -11,18 +11,6 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
 OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
-
-SAID = (
-    "requirements.frequency_spread",
-    "requirements.damping_spread",
-    "requirements.reserve",
-    "control.kind",
-    "control.position_loop",
-    "control.position_cycle",
-    "control.velocity_cycle",
-    "drive.static_load",
-)
-"""Keys of ``Machine.assumed`` that have a sentence of their own."""
 
 
 OF_SETPOINT = ("jerk", "setpoint-filters", "modes")
@@ -58,52 +46,6 @@ def describe_kind(kind: ControlKind, *, follows: bool = False) -> Message:
     if not lacks:
         return Message("kind-has-all", has=tuple(has))
     return Message("kind-has", has=tuple(has), lacks=tuple(lacks))
-
-
-def list_assumed(machine: Machine) -> Iterator[Message]:
-    """Yield what nobody stated of a machine, and what is taken instead."""
-    needs, is_assumed = machine.requirements, machine.is_assumed
-    if is_assumed("requirements.frequency_spread"):
-        yield Message("assumed-frequency-spread", spread=needs.frequency_spread)
-    if is_assumed("requirements.damping_spread"):
-        yield Message("assumed-damping-spread", spread=needs.damping_spread)
-    if is_assumed("requirements.reserve"):
-        reserve = needs.reserve
-        yield Message("assumed-reserve", band=reserve.band, force=reserve.force)
-    if is_assumed("control.kind"):
-        yield Message("assumed-kind")
-    yield from _assumed_of_loop(machine)
-    if is_assumed("drive.static_load"):
-        load = machine.drive.static_load
-        yield Message("assumed-static-load", load=load, unit=machine.axis_units.force.si)
-    dwells = {f"moves[{n}].dwell": move.dwell for n, move in enumerate(machine.moves, start=1)}
-    for n, key in enumerate(dwells, start=1):
-        if is_assumed(key):
-            yield Message("assumed-dwell", number=n, dwell=dwells[key])
-    yield from machine.mechanics.assumptions()
-    if machine.drive.force_velocity is not None:
-        unit, length = machine.axis_units, machine.axis_units.length.si
-        yield Message(
-            "assumed-acceleration-at",
-            acceleration=machine.drive.max_force,
-            acceleration_unit=f"{length}/s^2",
-            velocity=machine.drive.force_velocity,
-            velocity_unit=unit.velocity.si,
-        )
-    others = [key for key in machine.assumed if key not in (*SAID, *dwells)]
-    if others and not machine.illustrative:
-        yield Message("assumed-keys", keys=tuple(Message("name", key=key) for key in others))
-
-
-def _assumed_of_loop(machine: Machine) -> Iterator[Message]:
-    """Yield where the position loop closes and the cycles, as far as nobody stated them."""
-    control = machine.control
-    if machine.is_assumed("control.position_loop"):
-        yield Message("assumed-loop", place=Message(f"choice-{control.position_loop.value}"))
-    if machine.is_assumed("control.position_cycle"):
-        yield Message("assumed-position-cycle", cycle=control.position_cycle)
-    if machine.is_assumed("control.velocity_cycle"):
-        yield Message("assumed-velocity-cycle", cycle=control.velocity_cycle)
 
 
 def list_neglected(machine: Machine) -> Iterator[Message]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 
@@ -10,6 +10,7 @@ from mtcommission.machine.drive import PositionSource
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.readers import KeyPath
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.profile.lines import find_key_lines, show_key
@@ -19,6 +20,9 @@ from mtcommission.record.values import Matrix, Words
 ILLUSTRATIVE = Message("source-illustrative")
 ACCEPTED_DEFAULT = Message("source-accepted-default")
 """Sources of values that nobody measured."""
+
+NOT_STATED = {"source-default", ILLUSTRATIVE.kind, ACCEPTED_DEFAULT.kind}
+"""Sources of values that nobody stated for this machine."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +59,11 @@ class Datum:
     value: float | str
     unit: str
     source: Words
+
+    @property
+    def is_assumed(self) -> bool:
+        """Whether nobody stated it for this machine."""
+        return isinstance(self.source, Message) and self.source.kind in NOT_STATED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,3 +173,61 @@ def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> M
     if plain not in given:
         return Message("source-default")
     return machine.source if key.startswith(("plant.", "drive.")) else Message("source-stated")
+
+
+ASSUMED_FIRST = (
+    *("requirements.frequency", "requirements.damping", "requirements.", "control."),
+    *("drive.", "moves", "plant."),
+)
+"""In which order one reads what was assumed: what is asked of the limits before the machine."""
+
+
+def list_assumed(machine: Machine, plant: Plant, profile_text: str, words: Catalogue) -> list[str]:
+    """Return what nobody stated of a machine, and what its model assumes, in words.
+
+    That a machine is an example is said once, not of each value that its profile states.
+    """
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    data = list_data(machine, plant, profile_text)
+    ordered = sorted(
+        (item for item in data if item.source != ILLUSTRATIVE),
+        key=lambda item: [item.key.startswith(begin) for begin in ASSUMED_FIRST].index(True),
+    )
+    model = list(machine.mechanics.assumptions())
+    if machine.drive.force_velocity is not None:
+        both = {"acceleration": machine.drive.max_force, "velocity": machine.drive.force_velocity}
+        model.append(Message("assumed-acceleration-at", **both))
+    return [*say_assumed(ordered, units, words), *map(words.say, model)]
+
+
+def say_assumed(data: Iterable[Datum], units: dict[str, str], words: Catalogue) -> list[str]:
+    """Return each value that nobody stated, by its name; ``units`` of the plant's signals."""
+    return [
+        f"{datum_name(item, words)} = {datum(item, units, words)}"
+        for item in data
+        if item.is_assumed
+    ]
+
+
+def datum_name(item: Datum, words: Catalogue) -> str:
+    """Return the name of a datum, with the number of its move or the name of its mode."""
+    *path, last = item.key.split(".")
+    name = words.name(last)
+    number = ".".join(path).removeprefix("moves[").removesuffix("]")
+    if number.isdecimal():
+        return f"{words.text('move', number=number)}: {name}"
+    if path[:2] == ["plant", "modes"]:
+        return words.text("of-mode", name=name, mode=".".join(path[2:]))
+    return words.text("peak-bound", name=name) if path == ["requirements", "peaks"] else name
+
+
+def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
+    """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
+    key, value = item.key, item.value
+    if isinstance(value, str):
+        return words.known(f"choice-{value}", value)
+    if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
+        return words.format.percent(value)
+    if key.startswith("requirements.peaks."):
+        return words.format.quantity(value, units.get(key.rpartition(".")[2], item.unit))
+    return words.format.quantity(value, item.unit)

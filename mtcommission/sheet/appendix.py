@@ -11,12 +11,12 @@ import numpy as np
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.machine import Datum
+from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.optima import ComparedEntry, OptimumEntry
 from mtcommission.record.record import Record
 from mtcommission.record.robustness import MonteCarloEntry
 from mtcommission.record.values import Words
-from mtcommission.sheet.basis import datum, datum_name, find_band, kept_sentence
+from mtcommission.sheet.basis import find_band, kept_sentence
 from mtcommission.sheet.document import (
     Block,
     Bullets,

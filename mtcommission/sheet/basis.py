@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from mtcommission.machine.basis import OF_LOOP, mark_assumed, name_control, say_loop
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.record.machine import Datum
+from mtcommission.record.machine import say_assumed
 from mtcommission.record.robustness import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.tables import show
 
@@ -16,9 +15,6 @@ if TYPE_CHECKING:
     from mtcommission.record.record import Record
 
 Row = tuple[str, str]
-
-NOT_STATED = {"source-default", "source-illustrative", "source-accepted-default"}
-"""Sources of values that nobody stated for this machine."""
 
 MARKED = (
     *("control.", "requirements.reserve", "requirements.payload (least)"),
@@ -41,32 +37,7 @@ def find_band(record: Record) -> float | None:
 
 def is_assumed(record: AxisRecord, key: str) -> bool:
     """Return whether a key, or one that begins so, was not stated by anybody."""
-    sources = [item.source for item in record.data if item.key.startswith(key)]
-    return any(isinstance(one, Message) and one.kind in NOT_STATED for one in sources)
-
-
-def datum_name(item: Datum, words: Catalogue) -> str:
-    """Return the name of a datum, with the number of its move or the name of its mode."""
-    *path, last = item.key.split(".")
-    name = words.name(last)
-    number = ".".join(path).removeprefix("moves[").removesuffix("]")
-    if number.isdecimal():
-        return f"{words.text('move', number=number)}: {name}"
-    if path[:2] == ["plant", "modes"]:
-        return words.text("of-mode", name=name, mode=".".join(path[2:]))
-    return words.text("peak-bound", name=name) if path == ["requirements", "peaks"] else name
-
-
-def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
-    """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
-    key, value = item.key, item.value
-    if isinstance(value, str):
-        return words.known(f"choice-{value}", value)
-    if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
-        return words.format.percent(value)
-    if key.startswith("requirements.peaks."):
-        return words.format.quantity(value, units.get(key.rpartition(".")[2], item.unit))
-    return words.format.quantity(value, item.unit)
+    return any(item.is_assumed for item in record.data if item.key.startswith(key))
 
 
 def holds_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
@@ -119,12 +90,8 @@ def data_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
 
 def assumed_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
     """Return the other values that nobody stated, in one row; nothing where all were."""
-    units = record.plant.units
-    said = [
-        f"{datum_name(item, words)} = {datum(item, units, words)}"
-        for item in record.data
-        if is_assumed(record, item.key) and not item.key.startswith(MARKED)
-    ]
+    others = [item for item in record.data if not item.key.startswith(MARKED)]
+    said = say_assumed(others, record.plant.units, words)
     return ((words.text("basis-assumed"), "; ".join(said)),) if said else ()
 
 

@@ -9,9 +9,8 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.loop import Margins
-from mtcommission.record.machine import Datum
+from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.record import Record
-from mtcommission.sheet.basis import datum, datum_name
 from mtcommission.sheet.document import Block, Paragraph, Table, note
 from mtcommission.sheet.tables import (
     ACCELERATION,

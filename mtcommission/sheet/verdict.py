@@ -14,16 +14,15 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, join_by_and, parts_of
 from mtcommission.messages.quantities import pretty_unit
 from mtcommission.record.limits import AttainableEntry
+from mtcommission.record.machine import datum_name
 from mtcommission.record.moves import Check
 from mtcommission.requirements.register import REGISTER, read_requirement
 from mtcommission.requirements.requirement import Requirement
 from mtcommission.sheet.basis import (
     basis_rows,
     data_rows,
-    datum_name,
     find_number,
     holds_rows,
-    is_assumed,
 )
 from mtcommission.sheet.document import (
     BigValue,
@@ -205,8 +204,8 @@ def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
         if not isinstance(requirement, Requirement) or requirement.message not in binding:
             continue
         begin, name = requirement.rests_on
-        data = [item for item in record.data if begin and item.key.startswith(begin)]
-        data = [one for one in data if one.key.endswith(name) and is_assumed(record, one.key)]
+        data = [one for one in record.data if begin and one.key.startswith(begin)]
+        data = [one for one in data if one.key.endswith(name) and one.is_assumed]
         if data:
             names = ", ".join(datum_name(one, words) for one in data)
             named = words.text("assumed-binds", data=names)

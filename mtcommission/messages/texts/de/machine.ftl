@@ -52,23 +52,7 @@ kind-has-all = hat { $has }
 kind-has = hat { $has }; ohne { $lacks }
 control-kind-generic = allgemeine Kaskade
 control-kind-state-space = freier Regler (Zustandsraum)
-assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
-assumed-damping-spread = Dämpfungsgrade weichen um bis zu ±{ SHARE($spread) } ab
-assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force) } { $axis ->
-    [rotary] des Drehmoments
-   *[linear] der { word-force }
-}
-assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt die Kennlinie bis { QUANTITY($velocity, $velocity_unit) }
-assumed-kind = die Art der Steuerung
-assumed-loop = Lageregelung { $place }
-assumed-position-cycle = Lagereglertakt { TIME($cycle) }
-assumed-velocity-cycle = Geschwindigkeitsreglertakt { TIME($cycle) }
-assumed-static-load = Gewichts- oder Prozess{ $axis ->
-    [rotary] moment
-   *[linear] kraft
-} { QUANTITY($load, $unit) }
-assumed-dwell = Ruhezeit von { TIME($dwell) } nach Bewegung { $number }
-assumed-keys = nicht gemessen: { $keys }
+assumed-acceleration-at = { ACCELERATION($acceleration) } bei jeder Geschwindigkeit: so viel lässt die Kennlinie bis { VELOCITY($velocity) }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
 neglected-force-over-speed = { $axis ->
     [rotary] mit der Drehzahl fallendes Drehmoment ({ word-max-force } gilt für die höchste)
