@@ -171,7 +171,7 @@ def commission(
         compare_move(machine, tuned, item, result, robust=within.robust)
         for item, within, result in zip(optima, within_band, choice.moves, strict=True)
     )
-    progress(Message("stage-robustness"))
+    progress(Message("robustness-heading"))
     sized = {
         "way-recommended": choice.limits,
         "way-listed": listed.limits if listed else None,

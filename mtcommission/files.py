@@ -6,13 +6,10 @@ keeps its mode, a new one has that of the umask; devices and pipes are written i
 
 from __future__ import annotations
 
-import errno
 import os
 import re
-import select
 import stat
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -21,9 +18,6 @@ from typing import BinaryIO
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-
-PATIENCE = 10.0
-"""Seconds that a named pipe is waited for; whoever is at its other end has then been forgotten."""
 
 
 def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
@@ -34,12 +28,12 @@ def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
     Raises
     ------
     InputError
-        If it cannot be read, or nothing comes through a named pipe.
+        If it cannot be read.
     """
     try:
         if str(path) == "-":
             return sys.stdin.buffer.read(most)
-        with open(path, "rb", opener=_open_pipe_patiently) as file:
+        with path.open("rb") as file:
             return file.read(most)
     except (OSError, ValueError) as error:
         match error:
@@ -47,25 +41,11 @@ def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
                 message = Message("file-missing")
             case IsADirectoryError():
                 message = folder
-            case TimeoutError():
-                message = Message("file-silent-pipe", seconds=PATIENCE)
             case OSError():
                 message = Message("file-unreadable", reason=error.strerror)
             case _:
                 message = Message("file-unreadable", reason=str(error))
         raise InputError([Fault(where=str(path), message=message)]) from error
-
-
-def _open_pipe_patiently(name: str, flags: int) -> int:
-    """Open for reading; a named pipe into which nobody writes would block for ever."""
-    if name.startswith(("/dev/", "/proc/")) or not stat.S_ISFIFO(os.stat(name).st_mode):
-        return os.open(name, flags)
-    descriptor = os.open(name, flags | os.O_NONBLOCK)
-    if not select.select([descriptor], [], [], PATIENCE)[0]:
-        os.close(descriptor)
-        raise TimeoutError
-    os.set_blocking(descriptor, True)
-    return descriptor
 
 
 def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> None:
@@ -90,7 +70,7 @@ def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> No
 
 def no_folder(folder: Path, reason: Message | OSError) -> InputError:
     """Return the error of a folder that cannot be written, for a reason."""
-    said = _why(reason) if isinstance(reason, OSError) else reason
+    said = (reason.strerror or str(reason)) if isinstance(reason, OSError) else reason
     message = Message("file-folder-not-writable", reason=said)
     return InputError([Fault(where=str(folder), message=message)])
 
@@ -164,15 +144,8 @@ def write_text(name: str, text: str) -> None:
     try:
         replace_file(Path(name), text.encode(errors="replace"))
     except OSError as error:
-        message = Message("file-not-writable", reason=_why(error))
+        message = Message("file-not-writable", reason=error.strerror or str(error))
         raise InputError([Fault(where=name, message=message)]) from error
-
-
-def _why(error: OSError) -> Message | str:
-    """Why a file could not be written, in words."""
-    if isinstance(error, TimeoutError):
-        return Message("file-unread-pipe", seconds=PATIENCE)
-    return error.strerror or str(error)
 
 
 def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:
@@ -228,21 +201,8 @@ def _own_stream(path: Path) -> int:
 
 
 def _open_stream(path: Path) -> int:
-    """Open for writing; a named pipe that nobody reads is not waited for without end."""
-    if (own := _own_stream(path)) >= 0:
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
-        return os.dup(own)
-    flags, end = os.O_WRONLY | getattr(os, "O_NONBLOCK", 0), time.monotonic() + PATIENCE
-    while True:
-        try:
-            descriptor = os.open(path, flags)
-        except OSError as error:
-            if error.errno != errno.ENXIO:
-                raise
-            if time.monotonic() > end:
-                raise TimeoutError from error
-            time.sleep(0.05)
-        else:
-            os.set_blocking(descriptor, True)
-            return descriptor
+    if (own := _own_stream(path)) < 0:
+        return os.open(path, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    return os.dup(own)

@@ -110,7 +110,7 @@ def plot_moves(
     length = spoken.format.scale(band, axis.length.si)
     force = spoken.format.scale(limit, axis.force.si)
     plots = figure.subplots(2, len(moves), sharex="col", squeeze=False)
-    nominal, others = spoken.text("terminal-nominal"), spoken.text("glance-corners")
+    nominal, others = spoken.text("nominal"), spoken.text("glance-corners")
     for number, (move, column) in enumerate(zip(moves, plots.T, strict=True), start=1):
         upper, lower = column
         for corner, response in reversed(list(zip(corners, move.responses, strict=True))):
@@ -176,7 +176,7 @@ def _filter(machine: Machine, item: Candidate, spoken: Catalogue) -> str:
 
 
 def _settling(value: float, spoken: Catalogue, unit: str = "s") -> str:
-    return spoken.format.quantity(value, unit, missing=spoken.text("terminal-not-settled"))
+    return spoken.format.quantity(value, unit, missing=spoken.text("not-settled"))
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -69,7 +69,7 @@ def recommend(
     plant = build_plant(machine)
     progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, settings.tuning)
-    progress(Message("stage-limits"))
+    progress(Message("limits-name"))
     choice = loop.choice or choose_limits(machine, plant, loop.tuned)
     announce(choice.candidate)
     progress(Message("stage-responses"))

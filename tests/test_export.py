@@ -574,7 +574,7 @@ def test_edited_record_is_refused(
         (lambda record: record["assessment"].update(met=[]), "got [], expected true | false"),
         (lambda record: record["plant"].pop("A"), "plant.A: missing"),
         (lambda record: record["loop"].update(Kv=float("nan")), "NaN is no number of JSON"),
-        (lambda record: record.update(schema=1), "earlier version, this one reads 8; run the"),
+        (lambda record: record.update(schema=1), "record schema 1, this version reads 8; run the"),
         (lambda record: record["tool"].update(name="other"), "or damaged; change the profile"),
     ],
 )

@@ -60,7 +60,7 @@ def test_a_device_is_written_into() -> None:
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
-def test_a_pipe_is_written_into_and_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pipe_is_written_into_and_read(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     found: list[bytes] = []
@@ -72,11 +72,6 @@ def test_a_pipe_is_written_into_and_read(tmp_path: Path, monkeypatch: pytest.Mon
     reader.join()
     assert found == [b"through"]
     assert stat.S_ISFIFO(pipe.stat().st_mode)
-    monkeypatch.setattr(files, "PATIENCE", 0.1)
-    with pytest.raises(InputError, match=r"nobody wrote for 0\.1 s"):
-        read_bytes(pipe, folder=FOLDER, most=100)
-    with pytest.raises(InputError, match=r"nobody read this pipe for 0\.1 s"):
-        write_text(str(pipe), "lost")
 
 
 def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path: Path) -> None:
@@ -105,16 +100,6 @@ def test_nothing_is_left_of_a_write_that_fails(tmp_path: Path) -> None:
         files.replace_file(place, fail)
     assert place.read_text() == "before"
     assert list(tmp_path.iterdir()) == [place]
-
-
-def test_a_pipe_that_nobody_reads_is_named_within_a_folder_too(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It said "cannot write there (None)"."""
-    monkeypatch.setattr("mtcommission.files.PATIENCE", 0.1)
-    os.mkfifo(tmp_path / "sheet.html")
-    with pytest.raises(InputError, match="nobody read this pipe"):
-        write_files(tmp_path, {"sheet.html": b"text"})
 
 
 def test_marks_that_nobody_sees_do_not_reach_the_screen() -> None:

@@ -181,7 +181,7 @@ def optimal(
         jerk=jerk,
     )
     with show_stage() as progress:
-        progress(Message(f"stage-{kind}-optimal"))
+        progress(Message(f"terminal-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun

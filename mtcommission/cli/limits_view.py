@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from math import inf
 
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
@@ -30,8 +29,6 @@ ROWS = 23
 
 OF_LOOP = ("simulated-with-loop", "simulated-with-filters", "simulated-without-loop")
 """Kinds of what is said of the loop, no warnings."""
-
-SETTLES, RESTS = (replace(one, missing="terminal-not-settled") for one in (SETTLING, RESIDUAL))
 
 ASSUMED_ROWS = 3
 """Of what is assumed; ``check`` and page 1 of the sheet name all of it."""
@@ -153,7 +150,7 @@ def _row(machine: Machine, entry: Entry, is_met: bool, spoken: Catalogue) -> lis
     return [
         show(entry.acceleration, spoken, "m/s^2"),
         no_limit if is_step or (entry.jerk is None and isinstance(entry, TodayEntry)) else jerk,
-        *(one.show(entry, spoken) for one in (SETTLES, RESTS, PEAK)),
+        *(one.show(entry, spoken) for one in (SETTLING, RESIDUAL, PEAK)),
         spoken.text("yes" if is_met else "no"),
     ]
 
@@ -183,7 +180,7 @@ def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> lis
     rows = [
         [
             say_requirement(check.name, spoken),
-            show(check.value, spoken, check.unit, "terminal-not-settled"),
+            show(check.value, spoken, check.unit, "not-settled"),
             show(check.limit, spoken, check.unit),
             share_used(check, spoken),
             verdict_on(check, spoken),
@@ -213,7 +210,7 @@ def describe_simulation(
             force = show(response.max_force, spoken, "N")
             if response.saturated:
                 force = spoken.text("terminal-saturated", force=force)
-            quantities = (*(STATE,) * len(states), *CORNER, SETTLES, RESTS, PEAK)
+            quantities = (*(STATE,) * len(states), *CORNER, SETTLING, RESIDUAL, PEAK)
             rows.append([str(number), *(one.show(response, spoken) for one in quantities), force])
     worst = [
         f"{say_requirement(check.name, spoken)}: {spoken.say(check.where)}"

@@ -124,7 +124,8 @@ class Stage:
 
     def __call__(self, stage: Message | str) -> None:
         """Say which stage runs."""
-        self._now = f"{words().say(stage)} …" if self._show else ""
+        said = words().say(stage) if self._show else ""
+        self._now = f"{said[:1].upper()}{said[1:]} …" if said else ""
         self._update()
 
     def announce(self, machine: Machine, best: Candidate) -> None:

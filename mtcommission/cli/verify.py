@@ -75,7 +75,7 @@ def verify(
         fed = suggest_feedforward(found)
         limits = None
         if renewed:
-            progress(Message("stage-limits"))
+            progress(Message("limits-name"))
             text = renew_profile(loaded.profile.text, refined, words=words(), date=now()[:10])
             limits = find_new_limits(loaded, text)
             write_text(renewed, text)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import islice
 from math import pi
 from pathlib import Path
 
 from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.errors import InputError
 from mtcommission.group.contours import Circle, follow_contours
 from mtcommission.group.corner import CornerSpeed
 from mtcommission.group.drawn import Drawn, drawn_part
@@ -35,7 +33,7 @@ from mtcommission.record.machine import (
     list_data,
 )
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.record import MOST_NAMED, Tool, this_tool
+from mtcommission.record.record import Tool, this_tool
 from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
 from mtcommission.record.values import SetpointFilterEntry, Words
 
@@ -329,13 +327,7 @@ def load_group(path: Path) -> GroupRecord:
     try:
         return to_entry(data, GroupRecord)
     except WRONG as error:
-        raise InputError(
-            [
-                one
-                for wrong in islice(find_faults(error), MOST_NAMED)
-                for one in fault(path, wrong).faults
-            ]
-        ) from error
+        raise fault(path, next(find_faults(error))) from error
 
 
 def names_group(path: Path) -> bool:

@@ -202,7 +202,7 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
     # Where the control has no place that is known, or nothing is typed in, the rule still has one.
     of_rule = f"{told.name}{'' if told.is_verified else ' (?)'}" if told.name else DASH
     otherwise = {AT_CORNERS: of_rule}
-    heads = {"quantity": 1.7, "value": 1.6, "group-bound": 1.9, "group-typed": 3.6}
+    heads = {"quantity": 1.7, "value": 1.6, "bound-by-column": 1.9, "group-typed": 3.6}
     return Table(
         caption=text("group-together-caption"),
         columns=tuple(
@@ -373,7 +373,7 @@ def second_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         (
             Quantity("group-radius", "radius", "m"),
             Quantity("group-feed-of-circle", lambda one: words.format.feed(one.feed), ""),
-            Quantity("group-bound", lambda one: _forbids(one, words), width=2.0),
+            Quantity("bound-by-column", lambda one: _forbids(one, words), width=2.0),
         ),
         record.feed_over_radius,
         tolerance=record.tolerance,

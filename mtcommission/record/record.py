@@ -7,11 +7,9 @@ knows no infinity: a settling time that was not reached, or a limit that was not
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import reduce
 from importlib.metadata import version
-from itertools import islice
 from math import isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -63,9 +61,6 @@ LIBRARIES = ("casadi", "highspy", "ruckig", "control", "numpy", "scipy")
 
 LAYOUT = {ord(letter): None for letter in "\n\r\t"}
 """Stand in the profile's text."""
-
-MOST_NAMED = 3
-"""Wrong places that a message names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,16 +218,14 @@ def load_record(path: Path) -> Record:
     if missing:
         raise fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
     if data["schema"] != SCHEMA:
-        is_earlier = isinstance(data["schema"], int) and data["schema"] < SCHEMA
-        kind = "record-of-earlier-schema" if is_earlier else "record-of-other-schema"
         given = json.dumps(data["schema"])
-        raise fault(path, Message(kind, given=given, read=SCHEMA), "schema")
+        raise fault(path, Message("record-of-other-schema", given=given, read=SCHEMA), "schema")
     record, wrong = _read(data)
     if data["checksum"] != find_checksum(data):
-        edited = Message("record-edited-where", wrong=_join(wrong)) if wrong else None
-        raise fault(path, edited or Message("record-edited"), "checksum")
+        edited = Message("record-edited-where", wrong=wrong) if wrong else Message("record-edited")
+        raise fault(path, edited, "checksum")
     if record is None:
-        raise fault(path, Message("record-of-other-version", wrong=_join(wrong)))
+        raise fault(path, Message("record-of-other-version", wrong=wrong))
     return record
 
 
@@ -248,17 +241,9 @@ def _texts(data: object) -> Iterator[str]:
             yield from _texts(inner)
 
 
-def _read(data: object) -> tuple[Record | None, list[Message]]:
-    """The record, or what is of another form in it."""
+def _read(data: object) -> tuple[Record | None, Message | None]:
+    """The record, or the first place that is of another form in it."""
     try:
-        return to_entry(data, Record), []
+        return to_entry(data, Record), None
     except WRONG as error:
-        return None, list(islice(find_faults(error), MOST_NAMED + 1))
-
-
-def _join(wrong: list[Message]) -> Message:
-    """The first wrong places, and whether there are more."""
-    shown: Iterable[Message] = wrong[:MOST_NAMED]
-    if len(wrong) > MOST_NAMED:
-        shown = [*shown, Message("record-has-more-wrong")]
-    return reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
+        return None, next(find_faults(error))

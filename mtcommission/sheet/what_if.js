@@ -142,7 +142,7 @@ const whatIf = (() => {
   ];
 
   function sayFilter(item) {
-    if (!item) return words.no_filter;
+    if (!item) return words.no_setpoint_filter;
     return item.name ?? `${words.moving_average} ${withUnit(item.time, "time")}`;
   }
 

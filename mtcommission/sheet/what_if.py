@@ -42,7 +42,7 @@ NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
 WORDS = (
     "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size", "frequencies",
     "frequency-hz", "in-unit", "jerk-time", "landscape-none", "landscape-range", "met", "missed",
-    "missed-check", "move", "moving-average", "no-filter", "no-notch", "nominal", "none",
+    "missed-check", "move", "moving-average", "no-setpoint-filter", "no-notch", "nominal", "none",
     "not-settled", "open-loop-db", "open-loop-deg", "out-of-range", "ramp", "residual", "saturated",
     "saturated-short", "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited",
     "unstable", "worst-so-far",
@@ -160,7 +160,7 @@ def _size(move: dict[str, float], words: Catalogue) -> str:
 
 def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     """The filters to choose among: none, an average of any length, and those that are known."""
-    found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
+    found: dict[str, Any] = {"none": {"name": words.text("no-setpoint-filter"), "entry": None}}
     if part.averages:
         name = words.text("moving-average")
         found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}

@@ -137,7 +137,7 @@ def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Tab
             Column(head=say(f"verify-head-{kind}"), width=1.6),
             Column(head=say("verify-head-old"), is_number=True),
             Column(head=say("verify-head-new"), is_number=True, width=1.6),
-            Column(head=say("verify-head-note"), width=1.6),
+            Column(head=say("meaning"), width=1.6),
         ),
         rows=tuple(rows),
         strong_rows=tuple(place for place, one in enumerate(values) if one.has_changed),

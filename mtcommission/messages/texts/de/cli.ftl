@@ -28,8 +28,6 @@ file-is-folder = ist ein Ordner; einen Dateinamen angeben
 file-without-folder = es gibt keinen Ordner { $folder }; ihn erst anlegen oder einen anderen Namen angeben
 file-folder-closed = { file-no-right }; einen anderen Namen angeben
 file-not-writable = diese Datei kann nicht geschrieben werden ({ $reason }); einen anderen Namen angeben
-file-silent-pipe = ist eine Pipe, in die { PLAIN($seconds) } s lang niemand geschrieben hat; das Programm starten, das sie füllt
-file-unread-pipe = diese Pipe hat { PLAIN($seconds) } s lang niemand gelesen
 file-is-input = wird von diesem Befehl auch gelesen; einen anderen Namen angeben
 file-named-twice = ist für zwei Ergebnisse genannt; jedem eine eigene Datei geben
 file-write-protected = ist schreibgeschützt; einen anderen Namen angeben oder das Schreiben erlauben
@@ -51,16 +49,12 @@ cli-failed-cases = { $count } gescheitert
 
 stage-optimal-controls = optimale Steuerungen
 stage-feedback-loop = Regelkreis
-stage-limits = Grenzwerte
 stage-responses = Zeitverläufe und Faustregeln
 stage-attainable = was einzuhalten wäre
 stage-machining-modes = Bearbeitungsarten
 stage-comparison = Vergleich mit den Optima
-stage-robustness = Robustheit
 stage-improvements = mögliche Verbesserungen
 stage-sheet = Blatt
-stage-time-optimal = zeitoptimale Steuerung
-stage-damping-optimal = dämpfungsoptimale Steuerung
 stage-response = Zeitverlauf
 
 # Gains of the loop, as the profile names them

@@ -39,7 +39,6 @@ group-speed = Tempo, m/min
 group-unslowed = Ungebremst, µm
 group-radius = Radius
 group-feed = Vorschub, m/min
-group-bound = Begrenzt durch
 group-radius-deviation = Radius
 group-form-deviation = Form
 group-peak = Spitze { $name }

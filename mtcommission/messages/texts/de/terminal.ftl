@@ -55,13 +55,11 @@ terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-assumed = Angenommen: { $what }.
-terminal-not-settled = schwingt noch
 terminal-bound-by = Begrenzt durch: { $what }.
 terminal-worst = Ungünstigste Fälle: { $places }.
 terminal-more-rules = Nicht gezeigte Faustregeln: { $count }; { $missed } davon verfehlen eine Anforderung.
 terminal-more-notes = Weitere Hinweise: { $count }, siehe Blatt.
 terminal-response = Antwort des Regelkreises
-terminal-nominal = nominell
 terminal-saturated = { $force } in der Begrenzung
 
 switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max }

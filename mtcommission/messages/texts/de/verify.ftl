@@ -128,7 +128,6 @@ verify-caption-limits = Grenzwerte, die daraus folgen
 verify-head-parameter = Parameter
 verify-head-old = Ergebnisdatei
 verify-head-new = Aufzeichnung
-verify-head-note = Bedeutung
 verify-parameter-mass = { $axis ->
     [rotary] bewegtes Trägheitsmoment (samt Zuladung)
    *[linear] bewegte Masse (samt Zuladung)

@@ -11,15 +11,10 @@ ask-machine-source-where = Z. B. Datenblatt und Datum, oder an der Maschine geme
 ask-drive-kind = Servo oder gesteuerte Achse (Schrittmotor)
 ask-drive-kind-where = Gesteuert: ein Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei gehaltenem Motor, wie ein Beschleunigungsaufnehmer sie zeigt.
 ask-drive-max-acceleration-where = Was er bei größter Geschwindigkeit ohne Schrittverlust schafft; nach Datenblatt: Moment dort / (r x bewegte Masse).
-ask-drive-max-velocity = Größte Geschwindigkeit des Motors
 ask-drive-max-velocity-where = Schritte je Sekunde der Steuerung x Weg je Schritt, oder wo das Moment endet.
 ask-drive-max-velocity-empty = die jeder Bewegung
 choice-servo = Servo
 choice-position-source = gesteuert (Lagequelle)
-ask-drive-max-force = { $axis ->
-    [rotary] Größtes Drehmoment des Antriebs an der Achse
-   *[linear] Größte Kraft des Antriebs an der Achse
-}
 ask-drive-max-force-where = { $axis ->
     [rotary] Datenblatt des Motors: Spitzenmoment x Übersetzung.
    *[linear] Datenblatt des Motors: Spitzenkraft, oder Spitzenmoment x 2 pi / Steigung x Übersetzung.
@@ -118,16 +113,11 @@ ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
 ask-pair-modes-frequency = Frequenz der weiteren gemessenen Resonanz { $number }
 ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen, ebenso dann, was Motor und Last tun: beides gilt als angenommen und kann doppelt so groß herauskommen.
-ask-plant-moving-mass = { $axis ->
-    [rotary] Ganzes starres Trägheitsmoment
-   *[linear] Ganze starre Masse
-}
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Drehmoment durch Winkelbeschleunigung bei tiefen Frequenzen.
    *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
 }
 ask-plant-moving-mass-shaft-where = Kraft durch Beschleunigung bei niedrigen Frequenzen, mit Läufer: x (2 pi / Steigung)^2. Oder die ganze Trägheit an der Motorwelle in kg m^2.
-ask-plant-modes-frequency = Eigenfrequenz der Eigenform { $number }
 ask-modes-frequency-empty = keine mehr
 ask-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
 ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.

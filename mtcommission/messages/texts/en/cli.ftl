@@ -31,8 +31,6 @@ file-is-folder = is a folder; give a file name
 file-without-folder = there is no folder { $folder }; make it first, or give another name
 file-folder-closed = { file-no-right }; give another name
 file-not-writable = cannot write this file ({ $reason }); give another name
-file-silent-pipe = is a pipe into which nobody wrote for { PLAIN($seconds) } s; start the program that fills it
-file-unread-pipe = nobody read this pipe for { PLAIN($seconds) } s
 file-is-input = is read by this command, too; give another name
 file-named-twice = is named for two results; give each its own file
 file-write-protected = is write-protected; give another name, or allow writing
@@ -55,16 +53,12 @@ cli-failed-cases = { $count } failed
 # The running stage, beside the spinner.
 stage-optimal-controls = optimal controls
 stage-feedback-loop = feedback loop
-stage-limits = limits
 stage-responses = responses and rules of thumb
 stage-attainable = what could be met
 stage-machining-modes = machining modes
 stage-comparison = comparison with the optima
-stage-robustness = robustness
 stage-improvements = potential improvements
 stage-sheet = sheet
-stage-time-optimal = time-optimal control
-stage-damping-optimal = damping-optimal control
 stage-response = response
 
 # Gains of the loop, as the profile names them

@@ -39,7 +39,6 @@ group-speed = Speed, m/min
 group-unslowed = Unslowed, µm
 group-radius = Radius
 group-feed = Feed, m/min
-group-bound = Bound by
 group-radius-deviation = Radius
 group-form-deviation = Form
 group-peak = Peak { $name }

@@ -57,7 +57,6 @@ terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-assumed = Assumed: { $what }.
-terminal-not-settled = not settled
 terminal-bound-by = Bound by: { $what }.
 # $places: each requirement with its worst corner
 terminal-worst = Worst corners: { $places }.
@@ -65,7 +64,6 @@ terminal-worst = Worst corners: { $places }.
 terminal-more-rules = Rules of thumb not shown: { $count }; { $missed } of them miss a requirement.
 terminal-more-notes = More notes: { $count }, see the sheet.
 terminal-response = Response of the loop
-terminal-nominal = nominal
 terminal-saturated = { $force } saturated
 
 switching-law = Switching law { word-f-set } = -sign({ word-lambda }) { word-f-max }

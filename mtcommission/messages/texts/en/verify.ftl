@@ -128,7 +128,6 @@ verify-caption-limits = Limits that follow
 verify-head-parameter = Parameter
 verify-head-old = Record
 verify-head-new = Trace
-verify-head-note = Meaning
 verify-parameter-mass = { $axis ->
     [rotary] moving inertia (payload included)
    *[linear] moving mass (payload included)

@@ -14,15 +14,10 @@ ask-machine-source-where = E.g. data sheet and date, or measured on the machine;
 ask-drive-kind = Servo, or an open-loop axis (stepper)
 ask-drive-kind-where = Open loop: a stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
 ask-drive-max-acceleration-where = What it does without losing steps at the top speed; by data sheet: torque there / (r x moved mass).
-ask-drive-max-velocity = Largest velocity of the motor
 ask-drive-max-velocity-where = The steps per second of the control x the travel per step, or where the torque ends.
 ask-drive-max-velocity-empty = that of each move
 choice-servo = servo
 choice-position-source = open loop (position source)
-ask-drive-max-force = { $axis ->
-    [rotary] Largest torque of the drive at the axis
-   *[linear] Largest force of the drive at the axis
-}
 ask-drive-max-force-where = { $axis ->
     [rotary] Motor data sheet: peak torque x gear ratio.
    *[linear] Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.
@@ -124,16 +119,11 @@ ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
 ask-pair-modes-frequency = Frequency of measured resonance { $number } besides
 ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and so is what motor and load then do: both are marked as assumed, and may come out twice as large.
-ask-plant-moving-mass = { $axis ->
-    [rotary] Whole rigid inertia
-   *[linear] Whole rigid mass
-}
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Torque over angular acceleration at low frequencies.
    *[linear] Force over acceleration at low frequencies.
 }
 ask-plant-moving-mass-shaft-where = Force over acceleration at low frequencies, rotor included: x (2 pi / lead)^2. Or the whole inertia at the motor shaft in kg m^2.
-ask-plant-modes-frequency = Eigenfrequency of mode { $number }
 ask-modes-frequency-empty = no more
 ask-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
 ask-plant-modes-frequency-held-where = With the motor held: the peak of an accelerometer at the tool (resonances_x.csv), or after a tap.
