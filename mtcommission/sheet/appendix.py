@@ -47,25 +47,15 @@ from mtcommission.sheet.verdict import move_title
 REQUIRED = ("requirements.", "moves")
 """Beginnings of the keys that say what is required, not what the machine is."""
 
+PROVED = ("t_f_lower_bound", "relative_gap", "switching_law_holds", "law_residual")
+"""What a certificate says on the sheet; the record has adjoint, slopes and rank besides."""
+
 LONGEST_SOURCE = 28
 """Letters of a source that fits into its column; a longer one stands once, with a number."""
 
 
 def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the machine's data with their sources, and its modes."""
-    text, machine, plant = words.text, record.machine, record.plant
-    numbers = _numbers(record)
-    rows = (
-        (text("machine-row"), machine.name),
-        (text("axis-row"), machine.axis),
-        (text("motion-row"), text("rotary" if words.rotary else "linear")),
-        (text("source"), f"{numbers.get(machine.source, '')} {machine.source}".strip()),
-        (text("name-moving-mass"), show(plant.moving_mass, words, "kg")),
-        (
-            text("controllability"),
-            text("of-states", rank=plant.controllability_rank, count=len(plant.states)),
-        ),
-    )
     # Below a motor that follows, q hangs back: the plant has -q for its F.
     sign = -1.0 if words.follows else 1.0
     modes = (
@@ -75,11 +65,9 @@ def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
         Quantity("name-tcp-gain", lambda mode: sign * mode.tcp_gain, "1/kg"),
         Quantity("name-measured-gain", "measured_gain", "1/kg"),
     )
-    yield pairs(words, text("rigid-caption"), rows, width=2.0)
     yield _data(record, "data-caption", words, is_required=False)
-    others = [source for source in numbers if source != machine.source]
-    yield from (note(f"{numbers[source]} {source}") for source in others)
-    yield table(words, "modes-caption", modes, plant.modes)
+    yield from (note(f"{number} {source}") for source, number in _numbers(record).items())
+    yield table(words, "modes-caption", modes, record.plant.modes)
 
 
 def requirements(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -89,7 +77,7 @@ def requirements(record: Record, words: Catalogue) -> Iterator[Block]:
 
 def _numbers(record: Record) -> dict[str, str]:
     """The sources too long to be repeated in each row, and their numbers."""
-    named = dict.fromkeys([record.machine.source, *(item.source for item in record.data)])
+    named = dict.fromkeys(item.source for item in record.data)
     longer = (one for one in named if isinstance(one, str) and len(one) > LONGEST_SOURCE)
     return {source: f"[{number}]" for number, source in enumerate(longer, start=1)}
 
@@ -246,23 +234,14 @@ def _certificate(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str
         (text("switches"), ", ".join(f.quantity(t, "s") for t in switches)),
         (text("largest-error"), f.number(max(errors, default=0.0), digits=2)),
     ]
-    if optimum.cost is not None:
-        rows.append((text("cost"), f.quantity(optimum.cost, _heat_unit(words))))
-    rows.append((text("weights"), _evidence("", optimum.weights, words)))
-    proof = asdict(optimum.certificate).items()
-    rows += [(words.name(key), _evidence(key, value, words)) for key, value in proof]
+    proof = asdict(optimum.certificate)
+    units = {"t_f_lower_bound": "s"}
+    rows += [
+        (words.name(key), show(proof[key], words, units.get(key, "")))
+        for key in PROVED
+        if proof.get(key) is not None
+    ]
     return [row for row in rows if row[1]]
-
-
-def _evidence(
-    key: str, value: float | bool | dict[str, float] | list[float] | None, words: Catalogue
-) -> str:
-    number = words.format.number
-    if isinstance(value, dict):
-        return "; ".join(f"{symbol(name)} = {number(one)}" for name, one in value.items())
-    if isinstance(value, list):
-        return "; ".join(map(number, value))
-    return show(value, words, "s" if key.startswith("t_f") else "")
 
 
 def versions(record: Record, words: Catalogue) -> Iterator[Block]:

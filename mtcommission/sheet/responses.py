@@ -38,7 +38,6 @@ from mtcommission.sheet.tables import (
     Quantity,
     beside,
     member,
-    say_filter,
     show,
     table,
 )
@@ -154,7 +153,6 @@ def motions(record: Record, words: Catalogue) -> Iterator[Block]:
         yield Subheading(text=move_title(move.move, number, words))
         yield Paragraph(text=reference_sentence(record, number, words))
         yield table(words, "amplitudes-caption", amplitude, amplitudes.items(), move=short)
-        yield from _filter_note(move, words)
         yield from _motion_plots(record, number, short, words)
         yield _peaks(record, optima, move, short, words)
         yield from (note(words.say(remark)) for remark in optima.remarks)
@@ -168,14 +166,6 @@ def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, 
         (words.text("control-damping-optimal"), FOURTH, optima.damping),
     )
     return [(name, style, item) for name, style, item in found if item is not None]
-
-
-def _filter_note(move: MoveEntry, words: Catalogue) -> Iterator[Block]:
-    item = move.setpoint.setpoint_filter
-    if item:
-        longer = show(item.duration, words, "s")
-        said = say_filter(item, words)
-        yield note(words.text("setpoint-behind-filter", filter=said, time=longer))
 
 
 def _peaks(

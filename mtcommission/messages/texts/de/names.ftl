@@ -15,11 +15,7 @@ name-x = Lage x
 name-v = Geschwindigkeit v
 name-t-f-lower-bound = Bewiesene untere Schranke von t_f
 name-relative-gap = Relativer Abstand zur unteren Schranke
-name-adjoint-initial = Adjungierte bei t = 0
-name-switching-slopes = Steigung der Schaltfunktion an jedem Schaltzeitpunkt
 name-switching-law-holds = Schaltgesetz überall erfüllt
-name-terminal-jacobian-rank = Rang der Jacobimatrix der Endbedingungen
-name-terminal-jacobian-condition = Ihre Konditionszahl, skaliert
 name-law-residual = Größte Abweichung vom Steuergesetz, bezogen auf { word-f-max }
 name-tcp-deviation = Zulässige TCP-Abweichung (Band)
 name-tcp-gain = Verstärkung am Werkzeug

@@ -17,11 +17,7 @@ name-x = Position x
 name-v = Velocity v
 name-t-f-lower-bound = Proven lower bound of t_f
 name-relative-gap = Relative gap to the lower bound
-name-adjoint-initial = Adjoint at t = 0
-name-switching-slopes = Slope of the switching function at each switch
 name-switching-law-holds = Switching law holds on the whole interval
-name-terminal-jacobian-rank = Rank of the Jacobian of the terminal conditions
-name-terminal-jacobian-condition = Its condition number, scaled
 name-law-residual = Largest deviation from the control law, relative to { word-f-max }
 name-tcp-deviation = Permitted TCP deviation (band)
 name-tcp-gain = Gain at the tool
