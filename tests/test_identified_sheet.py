@@ -95,7 +95,7 @@ def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     heading = Catalogue(language).text("identified-heading")
     section = Section(key="identified", heading=heading, blocks=blocks)
     document = compose(to_entry(example_record(), Record))
-    return set_html(replace(document, sections=(section,)), decimal_mark=".")
+    return set_html(replace(document, sections=(section,)))
 
 
 def test_the_file_beside_the_profile_carries_points_states_and_advice(profile: Path) -> None:

@@ -27,7 +27,7 @@ from mtcommission.machine.mechanics import MachineState
 from mtcommission.machine.moves import Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.options import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
@@ -100,7 +100,7 @@ def build_bench(name: str, language: str = "en") -> Bench:
         disclaimer="calculated",
         sections=(),
     )
-    html = set_html(page, decimal_mark=decimal_mark_of(language), panel=panel)
+    html = set_html(page, panel=panel)
     return Bench(machine, plant, tuned, recommended, panel, html)
 
 

@@ -15,7 +15,7 @@ from mtcommission.group.drawn import Trace, trace_circle
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.page import contour_panel
 from mtcommission.group.record import CheckEntry, GroupRecord
-from mtcommission.messages.catalogue import Catalogue, decimal_mark_of
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import pretty_unit
 from mtcommission.record.machine import say_assumed
 from mtcommission.record.read_back import read_filter
@@ -89,7 +89,7 @@ def print_group_html(record: GroupRecord, *, language: str = "en") -> str:
     words = words_of(record, language)
     panel = contour_panel(record, words)
     found = compose_group(record, words)
-    return set_html(found, decimal_mark=decimal_mark_of(language), panel=panel)
+    return set_html(found, panel=panel)
 
 
 def print_group_pdf(record: GroupRecord, *, language: str = "en") -> bytes:
@@ -101,7 +101,7 @@ def print_group_pdf(record: GroupRecord, *, language: str = "en") -> bytes:
         PRINTING_FAILED with the compiler's message.
     """
     found = compose_group(record, words_of(record, language))
-    return set_pdf(found, decimal_mark=decimal_mark_of(language))
+    return set_pdf(found)
 
 
 def words_of(record: GroupRecord, language: str) -> Catalogue:

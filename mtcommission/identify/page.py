@@ -44,7 +44,7 @@ def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> st
             if blocks
         ),
     )
-    return set_html(page, decimal_mark=words.format.decimal_mark)
+    return set_html(page)
 
 
 def _headline(part: IdentifiedPart, words: Catalogue) -> Headline:

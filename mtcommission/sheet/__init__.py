@@ -49,7 +49,6 @@ def print_html(
     InputError
         If there is no such language, or if the two records cannot be compared.
     """
-    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.content import compose
     from mtcommission.sheet.html import set_html
     from mtcommission.sheet.tables import words_for
@@ -59,7 +58,7 @@ def print_html(
     document = compose(record, language, before=before, verified=verified, typed=typed)
     part, words = record.what_if, words_for(record.machine, language)
     panel = what_if(part, words, profile=record.profile.name) if part else None
-    return set_html(document, decimal_mark=decimal_mark_of(language), panel=panel)
+    return set_html(document, panel=panel)
 
 
 def print_answers(
@@ -77,7 +76,6 @@ def print_answers(
     InputError
         If there is no such language.
     """
-    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.document import HASH_DIGITS, document
     from mtcommission.sheet.html import set_html
     from mtcommission.sheet.tables import words_for
@@ -98,7 +96,7 @@ def print_answers(
         sections=(),
     )
     panel = what_if(part, words, profile=profile.name)
-    return set_html(page, decimal_mark=decimal_mark_of(language), panel=panel)
+    return set_html(page, panel=panel)
 
 
 def print_pdf(
@@ -122,7 +120,6 @@ def print_pdf(
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
-    from mtcommission.messages.catalogue import decimal_mark_of
     from mtcommission.sheet.content import compose
     from mtcommission.sheet.pdf import set_pdf
 
@@ -130,7 +127,7 @@ def print_pdf(
     document = compose(record, language, before=before, verified=verified, typed=typed)
     if not appendix:
         document = replace(document, sections=document.pages)
-    return set_pdf(document, decimal_mark=decimal_mark_of(language))
+    return set_pdf(document)
 
 
 def remark_on_print(record: Record) -> tuple[Message, ...]:

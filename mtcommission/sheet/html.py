@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from markupsafe import Markup, escape
 
+from mtcommission.messages.catalogue import decimal_mark_of
 from mtcommission.sheet.document import Document, Formula, LinePlot
 from mtcommission.web import fill_template, json_for_script, render_page
 
@@ -31,11 +32,11 @@ class Interactive(Protocol):
     def data(self) -> Mapping[str, Any]: ...  # noqa: D102
 
 
-def set_html(document: Document, *, decimal_mark: str, panel: Interactive | None = None) -> str:
+def set_html(document: Document, *, panel: Interactive | None = None) -> str:
     """Return a document as a page; ``panel`` is its interactive part, behind the first section.
 
     All text is escaped; the content security policy admits only the page's own script and style,
-    by their hashes, and no connection. The decimal mark is for the values under the cursor.
+    by their hashes, and no connection.
     """
     style = _read(FOLDER / "page.css") + (_read(FOLDER / "what_if.css") if panel else "")
     own = (FOLDER / "knobs.js", *panel.scripts) if panel else ()
@@ -53,7 +54,7 @@ def set_html(document: Document, *, decimal_mark: str, panel: Interactive | None
         document=document,
         svg=Markup,
         set_formula=_set_formula,
-        plots=json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
+        plots=json_for_script({"decimal_mark": decimal_mark_of(document.language), "plots": plots}),
         panel=panel,
         interactive=Markup(fill_template(panel.template, FOLDER, panel=panel)) if panel else "",
         answers=json_for_script(panel.data) if panel else "",

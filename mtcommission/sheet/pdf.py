@@ -14,6 +14,7 @@ from typing import Any
 import typst
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.catalogue import decimal_mark_of
 from mtcommission.messages.message import Message
 from mtcommission.sheet.document import (
     Block,
@@ -40,8 +41,8 @@ MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
 """Date of a PDF whose record states none that can be read."""
 
 
-def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
-    """Return a document as PDF/UA-1, with this decimal mark at the axes.
+def set_pdf(document: Document) -> bytes:
+    """Return a document as PDF/UA-1.
 
     Raises
     ------
@@ -49,6 +50,7 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
         PRINTING_FAILED with the compiler's message.
     """
     pictures: dict[str, list[str]] = {}
+    decimal_mark = decimal_mark_of(document.language)
     sections = [
         {
             "heading": section.heading,

@@ -152,7 +152,7 @@ def print_validation(validation: Validation, words: Catalogue, *, created: str) 
         disclaimer=say("validate-disclaimer"),
         sections=(_verdict(validation, words), *parts, drawn),
     )
-    return set_html(page, decimal_mark=words.format.decimal_mark)
+    return set_html(page)
 
 
 def _verdict(validation: Validation, words: Catalogue) -> Section:

@@ -116,7 +116,7 @@ def set_verification(
             if blocks
         ),
     )
-    return set_html(page, decimal_mark=words.format.decimal_mark)
+    return set_html(page)
 
 
 def verdict_blocks(
