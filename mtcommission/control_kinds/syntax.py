@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from io import StringIO
+from itertools import takewhile
 from typing import TypeAlias
 
 from mtcommission.control_kinds.row import Row
@@ -68,37 +69,36 @@ class Layout:
 
     def write_elsewhere(self, entries: Sequence[Entry], words: Catalogue) -> list[str]:
         """Return what is set in the drive, or must be so, as comments."""
-        heads = _padded([f"> {entry.row.name} = {entry.value}" for entry in entries])
-        return [
-            self.comment(f"{head}  {entry.remark(words)}")
-            for head, entry in zip(heads, entries, strict=True)
-        ]
+        heads = _padded(f"> {entry.row.name} = {entry.value}" for entry in entries)
+        remarks = (entry.remark(words) for entry in entries)
+        return [self.comment(f"{head}  {said}") for head, said in zip(heads, remarks, strict=True)]
 
 
 def read_elsewhere(text: str) -> Iterator[Found]:
     """Yield what stands in the comments of a text as set in the drive, or as it must be."""
-    for line in text.splitlines():
-        if found := ELSEWHERE.match(line):
-            yield "", found["name"], found["value"]
+    return _read_lines(ELSEWHERE, text)
 
 
-def lines_of(pattern: str, reader: str, comment: Callable[[str], str]) -> Layout:
-    """Return the syntax with one line for each parameter and its remark behind it."""
-    return Layout(
-        comment=comment,
-        write=partial(_write_lines, pattern, comment),
-        read=partial(_read_lines, re.compile(reader)),
-    )
+def _lines(
+    pattern: str,
+    reader: str,
+    comment: Callable[[str], str],
+    behind: Callable[[str], str] | None = None,
+) -> Layout:
+    """One line for each parameter and its remark behind it, which may be a comment of its own."""
+
+    def write(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+        heads = _padded(pattern.format(name=e.row.name, value=e.value) for e in entries)
+        return _remarked(heads, entries, behind or comment, words)
+
+    return Layout(comment=comment, write=write, read=partial(_read_lines, re.compile(reader)))
 
 
-def _write_lines(
-    pattern: str, comment: Callable[[str], str], entries: Sequence[Entry], words: Catalogue
+def _remarked(
+    heads: Sequence[str], entries: Sequence[Entry], comment: Callable[[str], str], words: Catalogue
 ) -> list[str]:
-    heads = _padded([pattern.format(name=e.row.name, value=e.value) for e in entries])
-    return [
-        f"{head}  {comment(entry.remark(words))}"
-        for head, entry in zip(heads, entries, strict=True)
-    ]
+    remarks = (comment(entry.remark(words)) for entry in entries)
+    return [f"{head}  {remark}" for head, remark in zip(heads, remarks, strict=True)]
 
 
 def _read_lines(reader: re.Pattern[str], text: str) -> Iterator[Found]:
@@ -107,7 +107,8 @@ def _read_lines(reader: re.Pattern[str], text: str) -> Iterator[Found]:
             yield "", found["name"], found["value"]
 
 
-def _padded(heads: Sequence[str]) -> list[str]:
+def _padded(heads: Iterable[str]) -> list[str]:
+    heads = list(heads)
     width = max(map(len, heads), default=0)
     return [f"{head:<{width}}" for head in heads]
 
@@ -130,28 +131,21 @@ def _text_comment(text: str) -> str:
     return f"(* {text.replace('*)', '* )').replace('(*', '( *')} *)"
 
 
+HEADS = ("parameter", "new-value", "unit", "old-value", "meaning")
+"""Of a table, to be read by people."""
+
+
 def _write_table(entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    head = tuple(
-        to_ascii(words.text(f"export-head-{what}"))
-        for what in ("parameter", "new-value", "unit", "old-value", "meaning")
-    )
-    rows = [
-        (
-            entry.row.name,
-            entry.value,
-            entry.row.unit,
-            entry.old or BLANK,
-            f"{entry.meaning(words)}{'' if entry.row.is_verified else f' {DOUBT}'}",
-        )
-        for entry in entries
-    ]
-    name, value, unit, old, _ = (max(map(len, column)) for column in zip(head, *rows, strict=True))
+    rows = [tuple(to_ascii(words.text(f"export-head-{what}")) for what in HEADS)]
+    for entry in entries:
+        meaning = f"{entry.meaning(words)}{'' if entry.row.is_verified else f' {DOUBT}'}"
+        rows.append((entry.row.name, entry.value, entry.row.unit, entry.old or BLANK, meaning))
+    name, value, unit, old, _ = (max(map(len, column)) for column in zip(*rows, strict=True))
     lines = [
         f"{row[0]:<{name}} | {row[1]:>{value}} | {row[2]:<{unit}} | {row[3]:<{old}} | {row[4]}"
-        for row in (head, *rows)
+        for row in rows
     ]
-    lines.insert(1, "-" * max(map(len, lines)))
-    return lines
+    return [lines[0], "-" * max(map(len, lines)), *lines[1:]]
 
 
 def _read_table(text: str) -> Iterator[Found]:
@@ -162,26 +156,29 @@ def _read_table(text: str) -> Iterator[Found]:
             yield "", name.strip(), value.strip()
 
 
-def _write_ini(mark: str, entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    lines: list[str] = []
-    for section in dict.fromkeys(entry.row.section for entry in entries):
-        lines.append(f"[{section}]")
-        for entry in entries:
-            if entry.row.section == section:
-                head = f"{entry.row.name}{mark}{entry.value}"
-                lines += [hash_comment(entry.remark(words)), head]
-        lines.append("")
-    return lines[:-1]
+def _sections(mark: str) -> Layout:
+    """Sections in brackets, the remark above each parameter."""
 
+    def write(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+        lines: list[str] = []
+        for section in dict.fromkeys(entry.row.section for entry in entries):
+            lines += ["", f"[{section}]"]
+            for entry in entries:
+                if entry.row.section == section:
+                    head = f"{entry.row.name}{mark}{entry.value}"
+                    lines += [hash_comment(entry.remark(words)), head]
+        return lines[1:]
 
-def _read_ini(mark: str, text: str) -> Iterator[Found]:
-    section = ""
-    for line in text.splitlines():
-        if line.startswith("["):
-            section = line.strip("[]")
-        elif not line.startswith("#") and mark in line:
-            name, _, value = line.partition(mark)
-            yield section, name, value
+    def read(text: str) -> Iterator[Found]:
+        section = ""
+        for line in text.splitlines():
+            if line.startswith("["):
+                section = line.strip("[]")
+            elif not line.startswith("#") and mark in line:
+                name, _, value = line.partition(mark)
+                yield section, name, value
+
+    return Layout(comment=hash_comment, write=write, read=read)
 
 
 def _write_yaml(entries: Sequence[Entry], words: Catalogue) -> list[str]:
@@ -189,9 +186,8 @@ def _write_yaml(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     open_parts: list[str] = []
     for entry in entries:
         parts = entry.row.section.split("/")
-        shared = 0
-        while shared < min(len(parts), len(open_parts)) and parts[shared] == open_parts[shared]:
-            shared += 1
+        alike = (one == other for one, other in zip(parts, open_parts, strict=False))
+        shared = len(list(takewhile(bool, alike)))
         lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
         open_parts = parts
         head = f"{'  ' * len(parts)}{entry.row.name}: {entry.value}"
@@ -211,25 +207,18 @@ def _read_yaml(text: str) -> Iterator[Found]:
 def _write_constants(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     constants = [entry for entry in entries if entry.row.section != INLINE]
     inline = [entry for entry in entries if entry.row.section == INLINE]
-    heads = _padded([f"    {e.row.name} : LREAL := {_real(e.value)};" for e in constants])
-    lines = ["VAR_GLOBAL CONSTANT"]
-    lines += [
-        f"{head}  {_text_comment(entry.remark(words))}"
-        for head, entry in zip(heads, constants, strict=True)
-    ]
-    lines.append("END_VAR")
+    # A literal of type LREAL has a decimal point.
+    values = (e.value if "." in e.value else f"{e.value}.0" for e in constants)
+    pairs = zip(constants, values, strict=True)
+    heads = _padded(f"    {e.row.name} : LREAL := {value};" for e, value in pairs)
+    remarked = _remarked(heads, constants, _text_comment, words)
+    lines = ["VAR_GLOBAL CONSTANT", *remarked, "END_VAR"]
     if inline:
         name, _, _ = inline[0].row.name.partition("[")
-        remark = inline[0].remark(words)
-        values = ";".join(entry.value for entry in inline)
-        lines += ["", _text_comment(to_ascii(words.text("export-for-nc-program", remark=remark)))]
-        lines.append(_text_comment(f"{name}({values})#"))
+        said = words.text("export-for-nc-program", remark=inline[0].remark(words))
+        call = f"{name}({';'.join(entry.value for entry in inline)})#"
+        lines += ["", _text_comment(to_ascii(said)), _text_comment(call)]
     return lines
-
-
-def _real(text: str) -> str:
-    """A literal of type LREAL has a decimal point."""
-    return text if "." in text else f"{text}.0"
 
 
 def _read_constants(text: str) -> Iterator[Found]:
@@ -277,20 +266,18 @@ def _read_list(text: str) -> Iterator[Found]:
         yield section, name, row["new_value"]
 
 
-MACHINE_DATA = lines_of(
+MACHINE_DATA = _lines(
     "{name}={value}", r"(?P<name>[Np$]\d[^=;]*)=(?P<value>\S+)", _semicolon_comment
 )
-G_CODE = lines_of("{name}{value}", r"(?P<name>M[^;]*?)(?P<value>[\d.]+) *;", _semicolon_comment)
-NAMED_LIST = Layout(
-    comment=hash_comment,
-    write=partial(_write_lines, "{name}  {value}", _bracket_comment),
-    read=partial(_read_lines, re.compile(r"(?P<name>[^#\s]\S*)  (?P<value>\S+) +\(")),
+G_CODE = _lines("{name}{value}", r"(?P<name>M[^;]*?)(?P<value>[\d.]+) *;", _semicolon_comment)
+NAMED_LIST = _lines(
+    "{name}  {value}",
+    r"(?P<name>[^#\s]\S*)  (?P<value>\S+) +\(",
+    hash_comment,
+    _bracket_comment,
 )
 TABLE = Layout(comment=hash_comment, write=_write_table, read=_read_table)
-INI = Layout(comment=hash_comment, write=partial(_write_ini, " = "), read=partial(_read_ini, " = "))
-CONFIG = Layout(
-    comment=hash_comment, write=partial(_write_ini, ": "), read=partial(_read_ini, ": ")
-)
+INI, CONFIG = _sections(" = "), _sections(": ")
 YAML = Layout(comment=hash_comment, write=_write_yaml, read=_read_yaml)
 CONSTANTS = Layout(comment=_text_comment, write=_write_constants, read=_read_constants)
 LIST = Layout(comment=_list_comment, write=_write_list, read=_read_list)
