@@ -39,12 +39,16 @@ def test_mutated_profiles_never_crash_check(tmp_path: Path) -> None:
     path = tmp_path / "mutated.toml"
     codes: dict[int, int] = {}
     for seed in range(COUNT):
-        path.write_text(mutated(TEXTS[seed % len(TEXTS)], dice_of(17, seed)), "utf-8", newline="")
+        text = mutated(TEXTS[seed % len(TEXTS)], dice_of(17, seed))
+        path.write_text(text, "utf-8", newline="")
         ending = in_place(partial(call, "check", str(path)))
         assert not fault_of("check", ending, longest=LONGEST), (seed, ending)
         assert ending.code in (0, 2, 3), (seed, ending)
         if ending.code == 2:
             assert "mutated.toml" in ending.said, (seed, ending)
+            lines = re.findall(r"mutated\.toml:(\d+)", ending.said)
+            assert all(1 <= int(line) <= len(text.split("\n")) for line in lines), (seed, ending)
+            assert ending.said.replace("\n", "").isprintable(), (seed, ending)
         codes[ending.code] = codes.get(ending.code, 0) + 1
     assert codes[0] > 0.1 * COUNT  # else nothing beyond the reader was tried
     assert codes[2] > 0.2 * COUNT

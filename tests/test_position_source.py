@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
-from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -160,32 +159,6 @@ def test_marlin_as_its_source_computes_it(kind: str, wanted: float) -> None:
     expected = marlin_residual(a, move, item, frequency_hz=45.0, zeta=0.05)
     resolution = 0.02 * a / (2.0 * pi * 45.0) ** 2
     assert response.residual_deviation == pytest.approx(expected, abs=resolution)
-
-
-def follower(zeta: float, frequency_hz: float, acceleration: float) -> Machine:
-    text = PRINTER.replace("45 Hz", f"{frequency_hz} Hz").replace("0.05", f"{zeta}")
-    return parse_profile(text.replace("20 m/s^2", f"{acceleration} m/s^2"), where="p")
-
-
-def test_optimum_ends_at_rest_on_the_structure_itself() -> None:
-    """Its acceleration, integrated by a second program, brings the head to rest at the target."""
-    machine = follower(0.05, 45.0, 20.0)
-    plant, omega = build_plant(machine), 2.0 * pi * 45.0
-    found = find_time_optimum(plant, machine.moves[0], force_limit=20.0, bounds=())
-    x, v, q, rate = 0.0, 0.0, 0.0, 0.0
-    for arc in found.arcs:
-        a = float(arc.output @ arc.initial)
-        assert not arc.generator.any() or not arc.output.any()
-        assert abs(a) <= 20.0 * (1.0 + 1e-12)
-        x, v, q, rate = solve_ivp(
-            lambda _, y, a=a: [y[1], a, y[3], -a - 0.1 * omega * y[3] - omega**2 * y[2]],
-            (arc.t_start, arc.t_end), [x, v, q, rate], method="DOP853", rtol=1e-12, atol=1e-15,
-        ).y[:, -1]  # fmt: skip
-        assert abs(v) <= 0.3 * (1.0 + 1e-9)
-    assert x == pytest.approx(0.02, abs=1e-12)
-    assert abs(v) < 1e-11
-    assert abs(q) < 1e-12
-    assert abs(rate) / omega < 1e-12
 
 
 def test_choice_beats_the_printer_firmware_of_the_issue() -> None:

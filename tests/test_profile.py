@@ -1,16 +1,13 @@
 from __future__ import annotations
 
-import json
 import re
 import tomllib
-from dataclasses import fields
 from math import inf, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.mutations import dice_of, mutated, shipped_texts
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.control import FilterKind, StateFeedback, TcpSensor, Today
@@ -18,9 +15,8 @@ from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
-from mtcommission.profile.describe import profile_schema, questions
+from mtcommission.profile.describe import questions
 from mtcommission.profile.lines import find_key_lines
 from mtcommission.profile.read import parse_profile, read_profile
 from tests.machines import paper_machine
@@ -811,21 +807,6 @@ x = { y = 1, z = [1, 2] }
 # Robustness and schema
 
 
-def test_a_damaged_profile_gives_a_machine_or_input_errors_and_nothing_else() -> None:
-    texts = shipped_texts()
-    outcomes = []
-    for seed in range(400):
-        text = mutated(texts[seed % len(texts)], dice_of(20241224, seed))
-        try:
-            outcomes.append(isinstance(parse_profile(text, where="p.toml"), Machine))
-        except InputError as error:
-            outcomes.append(False)
-            for fault in error.faults:
-                assert 1 <= fault.line <= len(text.split("\n")), str(fault)
-                assert str(fault).isprintable()
-    assert 0.1 < np.mean(outcomes) < 0.9
-
-
 def test_the_page_of_keys_is_the_schema() -> None:
     assert PAGE.read_text("utf-8") == write_page(), "run: python -m tests.profile_page"
 
@@ -849,23 +830,3 @@ def test_the_questions_ask_for_every_key_that_a_profile_must_have() -> None:
 
 def _typed(example: str) -> str:
     return example if example.replace(".", "").isdigit() else f'"{example}"'
-
-
-def test_the_schema_names_every_key_with_a_description() -> None:
-    schema = json.loads(profile_schema())
-    tables = [schema, *schema["$defs"].values()]
-    keys = {key: value for table in tables for key, value in table["properties"].items()}
-    assert {"schema", "base_mass", "tcp_gain", "max_velocity", "force_filters"} <= set(keys)
-    assert [key for key, value in keys.items() if not value.get("description")] == []
-    assert keys["base_mass"]["x-unit"] == "kg"
-
-
-def test_the_examples_of_the_schema_are_valid() -> None:
-    """They are what a message proposes for a missing key."""
-    for key in (field.name for field in fields(Manipulator)):
-        text = re.sub(rf"^{key} = .*\n", "", MANIPULATOR, flags=re.M)
-        (fault,) = faults_in(text)
-        proposal = fault.split("for example ")[1]
-        assert isinstance(
-            parse_profile(changed(text, "[drive]", f"{proposal}\n[drive]"), where=""), Machine
-        )
