@@ -14,7 +14,7 @@ import pyuff
 from numpy.typing import NDArray
 from scipy.signal import cont2discrete, dlsim
 
-from mtcommission.identify.formats.base85 import ALPHABET
+from mtcommission.identify.formats.sinumerik import ALPHABET
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

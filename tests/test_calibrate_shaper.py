@@ -139,7 +139,7 @@ def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None
     The script takes them as printed: what it would choose is judged on those.
     """
     evidence = gather([str(write(tmp_path, "a.csv", ONE))], Given())
-    (spectrum,) = evidence.spectra
+    (spectrum,) = evidence.findings
     assert isinstance(spectrum, Spectrum)
     assert spectrum.frequency_hz == pytest.approx(LINES[1:], abs=0.01)
     assert spectrum.all_directions is not None

@@ -144,9 +144,7 @@ def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
     encoder = _measured(_axis())
     tool = _measured(_axis(gain=np.array([3e-3, 2e-3])), seed=1, sensor=Sensor.TCP)
     tool = replace(tool, values=-tool.values)
-    found = identify(
-        Evidence(responses=(encoder, tool), spectra=(), vibrations=(), records=())
-    ).part
+    found = identify(Evidence(findings=(encoder, tool))).part
     kinds = {message.kind for message in found.warnings}
     assert "identify-polarity-reversed" in kinds
     assert [mode.tcp_gain.value for mode in found.modes] == pytest.approx([3e-3, 2e-3], rel=0.05)
@@ -158,7 +156,7 @@ def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
 def test_payloads_are_states_and_the_interval_holds_both() -> None:
     light = _measured(_axis())
     heavy = _measured(_axis(frequency_hz=np.array([35.0, 80.0]), mass=360.0), seed=1)
-    found = identify(Evidence(responses=(light, heavy), spectra=(), vibrations=(), records=())).part
+    found = identify(Evidence(findings=(light, heavy))).part
     assert len(found.states) == 2
     assert states_differ(found.states, found.modes)
     assert found.spread.frequency == pytest.approx(0.01)
@@ -214,7 +212,7 @@ def test_points_of_a_hammer_test_share_poles_and_a_failed_one_is_left_out() -> N
                 rotary=False,
             )
         )
-    evidence = Evidence(responses=tuple(responses), spectra=(), vibrations=(), records=())
+    evidence = Evidence(findings=tuple(responses))
     found = identify(evidence).part
     assert [mode.frequency_hz.value for mode in found.modes] == pytest.approx(
         [92.0, 224.0], rel=3e-3
@@ -248,15 +246,13 @@ def test_a_sweep_on_held_motors_shows_frequency_and_damping_without_force() -> N
         frequency_hz=lines[1:],
         density=density[1:],
         resolution_hz=None,
-        averages=None,
-        output=Output.ACCELERATION,
         sensor=Sensor.TCP,
         rotary=False,
     )
     (mode,) = fit_spectrum(spectrum).modes
     assert mode.frequency_hz.value == pytest.approx(47.0, rel=0.01)
     assert mode.damping_ratio.value == pytest.approx(zeta, rel=0.1)
-    found = identify(Evidence(responses=(), spectra=(spectrum,), vibrations=(), records=())).part
+    found = identify(Evidence(findings=(spectrum,))).part
     assert found.moving_mass is None
     share = found.modes[0].tcp_gain
     assert share is not None
@@ -323,7 +319,7 @@ def test_a_mode_narrower_than_the_lines_lie_apart_is_told_without_its_damping() 
     axis = random_axis(rng)
     noise = float(np.exp(rng.uniform(np.log(0.01), np.log(0.1))))
     shown = measure(rng, axis, GRIDS["linear"], noise=noise)
-    found = identify(Evidence(responses=(shown,), spectra=(), vibrations=(), records=())).part
+    found = identify(Evidence(findings=(shown,))).part
     low = found.modes[0]
     assert abs(low.frequency_hz.value - axis.frequency_hz[0]) < 2.0 * low.frequency_hz.sigma < 1.0
     assert low.damping_ratio.sigma > low.damping_ratio.value

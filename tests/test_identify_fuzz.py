@@ -19,9 +19,7 @@ from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import Finding, FrequencyResponse, Output, Sensor, Spectrum
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.files import dump_json
-from mtcommission.verify.feedforward import suggest_feedforward
-from mtcommission.verify.refine import refine
-from mtcommission.verify.report import verification_entry
+from mtcommission.verify.report import report, verification_entry
 from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import verify
 from tests import identify_files as made
@@ -124,12 +122,12 @@ def test_broken_traces_are_judged_or_refused_by_name(tmp_path: Path) -> None:
     for seed in range(COUNT // 10):
         path.write_bytes(made.mutated(good, np.random.default_rng([55, seed])))
         try:
-            found = verify(record, [read_trace(str(path), {}, axis_of(rebuilt))])
+            found = verify(record, [read_trace(str(path), axis_of(rebuilt))])
         except InputError as error:
             refused.append(error)
             continue
         judged += 1
-        dump_json(verification_entry(found, refine(found), suggest_feedforward(found), None))
+        dump_json(verification_entry(report(found)))
     assert all(fault.where for error in refused for fault in error.faults)
     assert all("None" not in str(error) for error in refused)
     assert judged

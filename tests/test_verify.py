@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from mtcommission.cli import main
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
+from mtcommission.identify.given import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
@@ -23,13 +24,18 @@ from mtcommission.record.read_back import read_filter
 from mtcommission.record.record import Record, build_record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
-from mtcommission.verify.columns import Axis
 from mtcommission.verify.feedforward import suggest_feedforward
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
 from mtcommission.verify.refine import refine
 from mtcommission.verify.renew import renew_profile
-from mtcommission.verify.report import check_row, known_first, say_reasons, verification_entry
+from mtcommission.verify.report import (
+    check_row,
+    known_first,
+    report,
+    say_reasons,
+    verification_entry,
+)
 from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import Verification, verify
 from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
@@ -60,9 +66,8 @@ def limits_of(record: Record) -> MotionLimits:
     )
 
 
-def axis_of(rebuilt: Rebuilt) -> Axis:
-    machine = rebuilt.machine
-    return Axis(rotary=machine.motion.value == "rotary", drive=machine.drive, constant=None)
+def axis_of(rebuilt: Rebuilt) -> Given:
+    return Given().on(rebuilt.machine)
 
 
 def verified(name: str, path: Path, how: Spoilt, *, only: tuple[str, ...] = ()) -> Verification:
@@ -72,7 +77,7 @@ def verified(name: str, path: Path, how: Spoilt, *, only: tuple[str, ...] = ()) 
         columns = {key: values for key, values in columns.items() if key in ("t", "x_ref", *only)}
     units = ROTARY if axis_of(rebuilt).rotary else UNITS
     file = write_csv(path / "trace.csv", columns, units=units)
-    return verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    return verify(record, [read_trace(str(file), axis_of(rebuilt))])
 
 
 def find(found: Verification, name: str) -> Check:
@@ -137,7 +142,7 @@ def test_a_trace_that_ends_before_the_setpoint_does_blames_nobody(
     whole = record_moves(rebuilt, limits_of(record), Spoilt(dwell=0.0, before=0.1))
     rows = int(share * len(whole["t"]))
     file = write_csv(tmp_path / "cut.csv", {k: v[:rows] for k, v in whole.items()}, units=ROTARY)
-    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
     assert all(one.motion.is_cut for one in found.recorded)
     assert found.verdict is Verdict.UNKNOWN
     assert not [check.key for check in found.checks if check.verdict is Verdict.FAILS]
@@ -150,7 +155,7 @@ def test_the_feed_forward_is_what_the_machine_would_need(name: str, tmp_path: Pa
     mass = rebuilt.plant.moving_mass
     how = Spoilt(payload=0.2 * mass, repeats=2)
     file = write_csv(tmp_path / "heavy.csv", record_moves(rebuilt, limits_of(record), how))
-    fed = suggest_feedforward(verify(record, [read_trace(str(file), {}, axis_of(rebuilt))]))
+    fed = suggest_feedforward(verify(record, [read_trace(str(file), axis_of(rebuilt))]))
     new = {one.key: one.new.value for one in fed.values}
     assert new["feedforward_mass"] == pytest.approx(1.2 * mass, rel=0.03)
     assert fed.tested == 1
@@ -158,7 +163,7 @@ def test_the_feed_forward_is_what_the_machine_would_need(name: str, tmp_path: Pa
     file = write_csv(
         tmp_path / "late.csv", record_moves(rebuilt, limits_of(record), Spoilt(lag=1e-3))
     )
-    fed = suggest_feedforward(verify(record, [read_trace(str(file), {}, axis_of(rebuilt))]))
+    fed = suggest_feedforward(verify(record, [read_trace(str(file), axis_of(rebuilt))]))
     (delay,) = [one for one in fed.values if one.key == "reference_delay"]
     assert delay.new.value - delay.old == pytest.approx(1e-3, rel=0.02)
     assert fed.after < 0.1 * fed.before
@@ -324,7 +329,7 @@ def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path:
     own = {"t": columns["t"], "x_ref": columns["x_ref"],
            "following_error": late - columns["encoder"]}  # fmt: skip
     file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
-    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
     said = [warning.kind for warning in found.warnings]
     assert said == ["verify-behind-delay"] * (share == 1.0)
     residual = find(found, "move 1: residual deviation")
@@ -393,7 +398,7 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
     how = Spoilt(coulomb=80.0, viscous=400.0, payload=30.0, noise=3e-7, step=5e-4, dwell=0.6)
     file = write_csv(tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
-    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
     refined = refine(found)
     new = {one.name: one.new for one in refined.parameters}
     assert new["mass"].value == pytest.approx(350.0, rel=0.01)
@@ -409,7 +414,7 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     text = renew_profile(record.profile.text, refined, words=words_of(found), date="2026-01-01")
     drive = parse_profile(text, where="new").drive
     assert drive.coulomb_friction == pytest.approx(new["coulomb_friction"].value, rel=1e-4)
-    entry = json.loads(json.dumps(verification_entry(found, refined, None, None)))
+    entry = json.loads(json.dumps(verification_entry(report(found))))
     assert set(entry) >= {"verdict", "checks", "setpoint", "shift", "modes", "noise_floor",
                           "refined", "warnings"}  # fmt: skip
     assert entry["refined"]["mass"]["old"] == 320.0
@@ -461,7 +466,7 @@ def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
            "acceleration": np.gradient(np.gradient(tool, t), t)}  # fmt: skip
     units = {**UNITS, "acceleration": "m/s^2"}
     file = write_csv(tmp_path / "acc.csv", own, units=units)
-    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
     beam = find(found, "beam: frequency")
     assert beam.verdict is Verdict.FAILS
     assert beam.measured == pytest.approx(1.08 * beam.predicted, rel=0.01)
@@ -476,7 +481,7 @@ def test_without_a_setpoint_position_and_following_error_tell_it(tmp_path: Path)
     own = {"t": t, "encoder": columns["encoder"], "tcp": columns["tcp"],
            "following_error": late - columns["encoder"]}  # fmt: skip
     file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
-    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
     assert found.obeyed is True
     assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
 
@@ -509,7 +514,7 @@ def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path)
     head = "Zeit [ms];Sollposition X [mm];Istposition Geber [mm];Position Werkzeug [µm]"
     file = tmp_path / "komma.csv"
     file.write_text("\n".join([head, *rows]), encoding="utf-8")
-    trace = read_trace(str(file), {}, axis_of(rebuilt))
+    trace = read_trace(str(file), axis_of(rebuilt))
     kinds = {remark.kind for remark in trace.remarks}
     assert {"identify-resampled", "verify-reversed"} <= kinds
     found = verify(record, [trace])
@@ -535,7 +540,7 @@ def test_what_a_file_lacks_is_said_with_the_remedy(head: str, kind: str, tmp_pat
     file = tmp_path / "bad.csv"
     np.savetxt(file, np.column_stack([t, x, x, x]), delimiter=",", header=head, comments="")
     with pytest.raises(InputError) as caught:
-        read_trace(str(file), {}, axis_of(rebuilt))
+        read_trace(str(file), axis_of(rebuilt))
     assert caught.value.faults[0].message.kind == kind
 
 
@@ -549,4 +554,4 @@ def test_values_that_no_measurement_gives_are_refused(tmp_path: Path) -> None:
     head = "t [s],x_ref [m],encoder [m]"
     np.savetxt(file, np.column_stack([t, x, torn]), delimiter=",", header=head, comments="")
     with pytest.raises(InputError, match="encoder holds values that no measurement gives"):
-        read_trace(str(file), {}, axis_of(rebuilt_of(GANTRY)))
+        read_trace(str(file), axis_of(rebuilt_of(GANTRY)))

@@ -198,29 +198,14 @@ def _read_given(
         options.word("--sensor", sensor, ("", *(one.value for one in Sensor)))
         options.word("--input", input_, ("", *INPUTS))
         options.word("--output", measured, ("", *(one.value for one in Output)))
-    rotary, turn = _of_profile(profile)
-    return Given(
+    given = Given(
         sensor=Sensor(sensor) if sensor else None,
         input=input_,
         constant=read_number("--constant", constant, units=PER_AMPERE) if constant else None,
         output=Output(measured) if measured else None,
         columns=read_columns(columns),
-        rotary=rotary,
-        motor_turn=turn,
     )
-
-
-def _of_profile(profile: Path | None) -> tuple[bool | None, float]:
-    """Kind of the axis, and the motor's angle per travel [rad/m]; 0 where the profile lacks it."""
-    if profile is None:
-        return None, 0.0
-    from math import pi
-
-    from mtcommission.machine.machine import Motion
-
-    machine, _ = read_machine(profile)
-    rotary, drive = machine.motion is Motion.ROTARY, machine.drive
-    return rotary, 2.0 * pi * drive.gear / drive.lead if drive.lead and not rotary else 0.0
+    return given.on(read_machine(profile)[0]) if profile else given
 
 
 def _read_before(profile: Path | None) -> str:

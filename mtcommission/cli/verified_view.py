@@ -6,29 +6,21 @@ from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.sheet.document import Paragraph, Table, Tone
 from mtcommission.verify.checks import Verdict
-from mtcommission.verify.feedforward import FeedForward
-from mtcommission.verify.refine import Refined
-from mtcommission.verify.renew import NewLimits
 from mtcommission.verify.report import (
+    Report,
     check_row,
     known_first,
     list_differences,
     say_detail,
     say_reasons,
 )
-from mtcommission.verify.verify import Verification
 
 STYLES = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.UNKNOWN: "yellow"}
 
 
-def describe_verification(
-    found: Verification, refined: Refined, fed: FeedForward | None, limits: NewLimits | None
-) -> list[Line]:
-    """Return the verdict, what was measured, each reason once, and what is different.
-
-    ``refined``, ``fed``: parameters and feed-forward as the traces show them; ``limits``: what they
-    lead to, if asked for.
-    """
+def describe_verification(told: Report) -> list[Line]:
+    """Return the verdict, what was measured, each reason once, and what is different."""
+    found = told.found
     spoken = words()
     say = spoken.text
     checks = [check for check in known_first(found.checks) if check.measured is not None]
@@ -48,7 +40,7 @@ def describe_verification(
         "",
         *say_reasons(found.checks, spoken),
     ]
-    for block in list_differences(found, refined, fed, limits, spoken):
+    for block in list_differences(told, spoken):
         if isinstance(block, Table):
             own = [[str(cell) for cell in row] for row in block.rows]
             lines += ["", *table([column.head for column in block.columns], own)]

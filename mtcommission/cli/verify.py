@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -51,50 +52,45 @@ def verify(
         _verify_circles(record, traces, said, output, language, json_file)
 
     from mtcommission.cli.verified_view import describe_verification
-    from mtcommission.machine.machine import Motion
+    from mtcommission.identify.given import Given
     from mtcommission.profile.read import parse_profile
     from mtcommission.record.files import dump_json
     from mtcommission.record.record import load_record
-    from mtcommission.verify.columns import Axis
-    from mtcommission.verify.feedforward import suggest_feedforward
-    from mtcommission.verify.refine import refine
     from mtcommission.verify.renew import find_new_limits, renew_profile
-    from mtcommission.verify.report import verification_entry
+    from mtcommission.verify.report import report, verification_entry
     from mtcommission.verify.trace import read_trace
     from mtcommission.verify.verify import verify as compare
 
     loaded = load_record(record)
     machine = parse_profile(loaded.profile.text, where=loaded.profile.name)
     speak_of(machine)
-    axis = Axis(rotary=machine.motion is Motion.ROTARY, drive=machine.drive, constant=force)
-    recorded = [read_trace(name, said, axis) for name in traces]
+    about = Given(columns=said, constant=force).on(machine)
+    recorded = [read_trace(name, about) for name in traces]
     with show_stage() as progress:
         progress(Message("verify-stage"))
-        found = compare(loaded, recorded)
-        refined = refine(found)
-        fed = suggest_feedforward(found)
-        limits = None
+        told = report(compare(loaded, recorded))
         if renewed:
             progress(Message("limits-name"))
-            text = renew_profile(loaded.profile.text, refined, words=words(), date=now()[:10])
-            limits = find_new_limits(loaded, text)
+            text = loaded.profile.text
+            text = renew_profile(text, told.refined, words=words(), date=now()[:10])
+            told = replace(told, limits=find_new_limits(loaded, text))
             write_text(renewed, text)
-    entry = dump_json(verification_entry(found, refined, fed, limits))
+    entry = dump_json(verification_entry(told))
     if output:
         from mtcommission.verify.page import print_verification
 
-        page = print_verification(found, refined, fed, limits, created=now(), language=language)
+        page = print_verification(told, created=now(), language=language)
         files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
         write_files(output, files)
     if json_file:
         write_text(json_file, entry)
     if "-" not in (json_file, renewed):
-        show(describe_verification(found, refined, fed, limits))
+        show(describe_verification(told))
         if output:
             print_written(output, files)
         if renewed:
             print_written(Path(), [renewed])
-    raise typer.Exit(EXIT_BY_VERDICT[found.verdict.value])
+    raise typer.Exit(EXIT_BY_VERDICT[told.found.verdict.value])
 
 
 def _verify_circles(

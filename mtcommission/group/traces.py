@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
 from mtcommission.identify.formats.heads import find_columns
-from mtcommission.identify.formats.recognise import read_contents
-from mtcommission.identify.formats.text import read_measured
+from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.meaning.clock import read_clock
 from mtcommission.identify.meaning.units import read_signal_unit
 from mtcommission.identify.measurement import Signal

@@ -94,7 +94,15 @@ def print_circles(found: CircleVerification, *, created: str, language: str) -> 
     plots = enumerate(found.circles[:MOST_PLOTS], start=1)
     parts: dict[str, list[Block]] = {
         "verdict": [
-            *verdict_blocks(found, words, detail=said[0], large=large),
+            *verdict_blocks(
+                found.checks,
+                words,
+                headline=found.headline,
+                is_met=found.verdict is Verdict.HOLDS,
+                warnings=found.warnings,
+                detail=said[0],
+                large=large,
+            ),
             Bullets(items=said),
         ],
         "overlay": [_plot(number, one, found, words) for number, one in plots],

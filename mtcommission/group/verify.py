@@ -15,7 +15,7 @@ from mtcommission.group.held import HeldAxis, find_circle, read_plane
 from mtcommission.group.record import GroupRecord
 from mtcommission.group.traces import CircularTrace
 from mtcommission.messages.message import Message
-from mtcommission.verify.checks import KEPT, Check, Part, Verdict, judge, judge_all, what_of
+from mtcommission.verify.checks import Check, Part, Verdict, judge, judge_all, judged, what_of
 
 Array = NDArray[np.float64]
 
@@ -184,20 +184,15 @@ def _judge(
     least, most = found.value - found.uncertainty, found.value + found.uncertainty
     # Less of an oval or a peak than was promised is no fault.
     verdict = judge(least, most, -inf if key in (FORM, PEAK) else low - slack, high + slack)
-    return Check(
+    return judged(
+        key,
+        unit,
+        verdict,
+        predicted=predicted,
+        seen=(found.value, found.uncertainty),
         part=Part.CIRCLE,
-        key=key,
         move=number,
         mode=of,
-        unit=unit,
-        predicted=float(predicted[0]),
-        low=low,
-        high=high,
-        measured=found.value,
-        uncertainty=found.uncertainty,
-        verdict=verdict,
-        reason=KEPT[verdict],
-        decides=True,
     )
 
 

@@ -1,36 +1,61 @@
-"""The identified model against a time record."""
+"""The identified model against the time records that it comes from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.identify.fit.fitted import Fitted, FittedResponse
-from mtcommission.identify.measurement import FORCES, Channel, Signal, TimeRecord
+from mtcommission.identify.measurement import (
+    FORCES,
+    Array,
+    Channel,
+    Evidence,
+    FrequencyResponse,
+    Signal,
+    TimeRecord,
+)
 from mtcommission.record.identified import RecordCheckEntry
-
-Array = NDArray[np.float64]
 
 EDGE = 0.1
 """Share of a record that is faded in and out: what went before it is not known."""
 
+Fit = Callable[[Sequence[FrequencyResponse]], Sequence[Fitted]]
 
-def check_record(
-    record: TimeRecord, fits: Sequence[Fitted], force_per_unit: float, *, is_held_back: bool
+
+def check_records(
+    evidence: Evidence, fits: Sequence[Fitted], force_per_unit: float, fit: Fit
+) -> list[RecordCheckEntry]:
+    """Return how well each output of each record follows from its force.
+
+    The last of several files is held back: a model of the others alone explains it once more.
+    """
+    records = evidence.records
+    check = partial(_check, force_per_unit=force_per_unit)
+    checked = [one for record in records for one in check(record, fits, held_back=False)]
+    files = list(dict.fromkeys(record.source.file for record in records))
+    last = [record for record in records if record.source.file == files[-1]]
+    others = [one for one in evidence.responses if one.source.file not in files[-1:]]
+    if len(files) > 1 and others:
+        apart = fit(others)
+        checked += [one for record in last for one in check(record, apart, held_back=True)]
+    return checked
+
+
+def _check(
+    record: TimeRecord, fits: Sequence[Fitted], *, force_per_unit: float, held_back: bool
 ) -> Iterator[RecordCheckEntry]:
-    """Yield how well each output of a record follows from its force."""
     force = next((one for one in record.channels if one.signal in FORCES), None)
     for channel in record.channels if force else ():
         if force and (found := _model_of(channel, record, fits)):
             scale = force_per_unit if force.signal is Signal.CURRENT else 1.0
             yield RecordCheckEntry(
                 record=f"{record.source.file} [{channel.name}]",
-                explained=_explained(
-                    scale * force.values, channel.values, record.sample_time, *found
-                ),
-                held_back=is_held_back,
+                explained=_explained(record, scale * force.values, channel.values, *found),
+                held_back=held_back,
             )
 
 
@@ -50,13 +75,13 @@ def _model_of(
 
 
 def _explained(
+    record: TimeRecord,
     force: Array,
     measured: Array,
-    step: float,
     model: FittedResponse,
     band_hz: tuple[float, float],
 ) -> float:
-    size = force.size
+    size, step = record.size, record.sample_time
     place = np.arange(size) / (size - 1)
     # Tukey's window.
     window = 0.5 - 0.5 * np.cos(np.pi * np.minimum(np.minimum(place, 1.0 - place) / EDGE, 1.0))
@@ -69,7 +94,6 @@ def _explained(
     predicted = np.fft.irfft(spectrum, size) * window
     # A drifting position would leak into the band.
     flat = measured - np.polynomial.Polynomial.fit(np.arange(size), measured, 2)(np.arange(size))
-    kept = np.where(inside, np.fft.rfft(flat), 0.0)
-    seen = np.fft.irfft(kept, size) * window
+    seen = np.fft.irfft(np.where(inside, np.fft.rfft(flat), 0.0), size) * window
     power = float(np.vdot(seen, seen))
     return 1.0 - float(np.sum((seen - predicted) ** 2)) / power if power > 0.0 else 0.0

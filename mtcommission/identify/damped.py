@@ -14,6 +14,7 @@ from math import pi, sqrt
 import numpy as np
 
 from mtcommission.identify.measurement import Array, FreeMode
+from mtcommission.machine.identified import Estimate
 
 RATIO = 0.05
 """Damping ratio that weighs in a step like the whole frequency."""
@@ -117,13 +118,13 @@ def fit_damped(
     )
     modes = tuple(
         FreeMode(
-            frequency_hz=float(w) / (2 * pi),
-            frequency_sigma_hz=float(w_sigma) / (2 * pi),
-            damping_ratio=float(z),
-            damping_sigma=float(z_sigma),
-            amplitude=float(size),
+            frequency_hz=Estimate(value=w / (2 * pi), sigma=w_sigma / (2 * pi)),
+            damping_ratio=Estimate(value=z, sigma=z_sigma),
+            amplitude=size,
         )
-        for (w, z), (w_sigma, z_sigma), size in zip(values, errors, sizes, strict=True)
+        for (w, z), (w_sigma, z_sigma), size in zip(
+            values.tolist(), errors.tolist(), sizes.tolist(), strict=True
+        )
     )
     return Damped(modes=modes, errors=tuple(doubts.tolist()), rest=rest)
 

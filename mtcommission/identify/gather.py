@@ -10,32 +10,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.identify.formats.contents import (
-    NO_LINES,
-    FileContents,
-    ResponseContents,
-    TimeContents,
-    refuse,
-)
-from mtcommission.identify.formats.recognise import read_contents
-from mtcommission.identify.formats.text import read_measured
-from mtcommission.identify.given import INPUTS, Given
+from mtcommission.identify.formats.contents import ResponseContents, TimeContents, refuse
+from mtcommission.identify.formats.recognise import read_contents, read_measured
+from mtcommission.identify.given import Given
 from mtcommission.identify.meaning.record import read_record
-from mtcommission.identify.meaning.responses import (
-    check_response,
-    on_axis,
-    read_response,
-    read_spectrum,
-)
+from mtcommission.identify.meaning.responses import read_response, read_spectrum, settle
 from mtcommission.identify.measurement import (
     Evidence,
     Finding,
-    FreeVibration,
     FrequencyResponse,
-    Output,
     Sensor,
     Source,
-    Spectrum,
     TimeRecord,
 )
 from mtcommission.identify.responses.estimate import estimate
@@ -57,7 +42,7 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
             # As two measurements it would halve every interval.
             if (first := names.setdefault(sha256(data).digest(), text)) is not text:
                 raise refuse(name, "identify-file-twice", other=first)
-            one = replace(given, sensor=sensor) if sensor else given
+            one = replace(given, sensor=sensor or given.sensor)
             found, used = read_file(data, one, name=name, response=response)
             findings += found
             records += used
@@ -65,12 +50,7 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    return Evidence(
-        responses=tuple(one for one in findings if isinstance(one, FrequencyResponse)),
-        spectra=tuple(one for one in findings if isinstance(one, Spectrum)),
-        vibrations=tuple(one for one in findings if isinstance(one, FreeVibration)),
-        records=tuple(records),
-    )
+    return Evidence(findings=tuple(findings), records=tuple(records))
 
 
 class FileName(NamedTuple):
@@ -94,13 +74,11 @@ def split_name(text: str) -> FileName:
     name, _, said = text.rpartition("@")
     sensor = Sensor(said) if name and said in tuple(Sensor) else None
     text = name if sensor else text
-    if (found := _NAMED.match(text)) and not Path(text).exists():
+    # A file's name with its ending, and a name without one.
+    found = re.match(r"(.*\.\w+)@([\w\[\]-]+)$", text, re.DOTALL)
+    if found and not Path(text).exists():
         return FileName(found[1], found[2], sensor)
     return FileName(text, "", sensor)
-
-
-_NAMED = re.compile(r"(.*\.\w+)@([\w\[\]-]+)$", re.DOTALL)
-"""A file's name with its ending, and a name without one."""
 
 
 def read_file(
@@ -111,7 +89,7 @@ def read_file(
     Raise InputError with every fault of the file, and what must be said about it.
     """
     contents = read_contents(data, given.columns, where=name, response=response)
-    given = _with_said(given, contents, where=name)
+    given, remarks = given.over(contents.said), contents.remarks
     source = Source(
         file=name,
         sha256=sha256(data).hexdigest(),
@@ -130,40 +108,19 @@ def read_file(
         own = replace(source, label=item.label)
         try:
             if isinstance(item, TimeContents):
-                record = read_record(item, own, given, contents.remarks)
-                findings += [_on_axis(one, given) for one in estimate(record, given)]
+                record = read_record(item, own, given, remarks)
+                findings += [
+                    settle(one, given) if isinstance(one, FrequencyResponse) else one
+                    for one in estimate(record, given)
+                ]
                 records.append(record)
             elif isinstance(item, ResponseContents):
-                findings.append(read_response(item, own, given, contents.remarks))
+                findings.append(read_response(item, own, given, remarks))
             else:
-                findings.append(read_spectrum(item, own, given, contents.remarks))
+                findings.append(read_spectrum(item, own, given, remarks))
         except InputError as error:
             faults += error.faults
     # Of several records in a file (clocks of a scope) the ones that say nothing are no fault.
     if faults and not (findings and any(isinstance(i, TimeContents) for i in items)):
         raise InputError(faults)
     return tuple(findings), tuple(records)
-
-
-def _on_axis(found: Finding, given: Given) -> Finding:
-    if not isinstance(found, FrequencyResponse):
-        return found
-    checked = check_response(found, NO_LINES)
-    return on_axis(checked, given.rotary, given.motor_turn)
-
-
-def _with_said(given: Given, contents: FileContents, *, where: str) -> Given:
-    """What the file says itself, where the user is silent."""
-    said = dict(contents.said)
-    sensor, output, constant = given.sensor, given.output, given.constant
-    try:
-        sensor = sensor or (Sensor(said["sensor"]) if "sensor" in said else None)
-        output = output or (Output(said["output"]) if "output" in said else None)
-        if constant is None and "constant" in said:
-            constant = float(said["constant"])
-    except ValueError as error:
-        raise refuse(where, "identify-setting-unknown", got=str(error)) from error
-    word = given.input or said.get("input", "")
-    if word and word not in INPUTS:
-        raise refuse(where, "identify-setting-unknown", got=word)
-    return replace(given, sensor=sensor, output=output, constant=constant, input=word)

@@ -1,12 +1,14 @@
-"""What the user says about measured files where they do not say it themselves."""
+"""What is said about measured files: by the user, by a profile, by the files themselves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import pi
 from types import MappingProxyType
 
 from mtcommission.identify.measurement import Output, Sensor
+from mtcommission.machine.machine import Machine, Motion
 
 INPUTS = ("force", "torque", "current", "acceleration")
 """Words of ``--input``."""
@@ -14,18 +16,31 @@ INPUTS = ("force", "torque", "current", "acceleration")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """Options of the command line, and what a profile says of the axis."""
+    """Options of the command line, and what a profile says of the axis; None or "": not given."""
 
-    # ``--sensor``; None where it is not given. ``FILE@tcp`` goes before it.
-    sensor: Sensor | None = None
-    input: str = ""  # ``--input``, one of ``INPUTS``; "" where it is not given
-    # ``--constant``: force or torque per ampere or per unit of the file [SI]; None where it is not
-    # given.
-    constant: float | None = None
-    output: Output | None = None  # ``--output``; None where it is not given
+    sensor: Sensor | None = None  # ``--sensor``; ``FILE@tcp`` goes before it
+    input: str = ""  # ``--input``, one of ``INPUTS``
+    constant: float | None = None  # Force or torque per ampere, or per unit of the file [SI]
+    output: Output | None = None  # ``--output``
     # ``--columns NAME=COLUMN``: our names to those of the file, with a unit in brackets where the
     # file has none; ``sample_time`` is a time.
     columns: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    rotary: bool | None = None  # Kind of the axis by its profile; None where no profile is given
-    # Angle of the motor per travel of the axis by its profile [rad/m]; 0 where it is not known.
-    motor_turn: float = 0.0
+    rotary: bool | None = None  # Kind of the axis by its profile
+    motor_turn: float = 0.0  # Angle of the motor per travel of the axis [rad/m]; 0: not known
+
+    def on(self, machine: Machine) -> Given:
+        """Return it with what a machine's profile says of the axis."""
+        drive, rotary = machine.drive, machine.motion is Motion.ROTARY
+        turn = 2.0 * pi * drive.gear / drive.lead if drive.lead and not rotary else 0.0
+        return replace(self, rotary=rotary, motor_turn=turn)
+
+    def over(self, other: Given) -> Given:
+        """Return it with what only the other one says of input, output and sensor."""
+        return replace(
+            self,
+            sensor=self.sensor or other.sensor,
+            input=self.input or other.input,
+            output=self.output or other.output,
+            constant=other.constant if self.constant is None else self.constant,
+            motor_turn=self.motor_turn or other.motor_turn,
+        )

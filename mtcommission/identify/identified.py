@@ -5,29 +5,31 @@ All of it is what the record holds; what was fitted stands beside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.identify.calibrate_shaper import propose_shapers
-from mtcommission.identify.check import check_record
+from mtcommission.identify.check import check_records
 from mtcommission.identify.doubts import list_doubts
 from mtcommission.identify.fit.fitted import Fitted, FittedResponse, FittedSpectrum
 from mtcommission.identify.matching import find_spread, match_modes, middle_of
-from mtcommission.identify.measurement import Evidence, Input, Output, Source
-from mtcommission.identify.states import State, find_states
+from mtcommission.identify.measurement import (
+    Array,
+    Evidence,
+    Input,
+    Output,
+    Source,
+    Spectrum,
+)
+from mtcommission.identify.states import find_states, fit_states
 from mtcommission.machine.identified import MeasuredFile, ShaperProposal
 from mtcommission.messages.message import Message
-from mtcommission.record.identified import (
-    IdentifiedPart,
-    MeasuredResponseEntry,
-    RecordCheckEntry,
-)
-
-Array = NDArray[np.float64]
+from mtcommission.record.identified import IdentifiedPart, MeasuredResponseEntry
 
 NOT_DESCRIBED = "identify-not-described"
 """Kind of the message of a fit that misses what was measured."""
@@ -48,7 +50,6 @@ class Identified:
     """An axis as measured."""
 
     part: IdentifiedPart  # as record, page and JSON hold it
-    fits: tuple[Fitted, ...]  # of the states that have responses
     files: dict[str, Source]  # by name, in their order
 
     @property
@@ -70,16 +71,17 @@ def identify(
     Raise InputError if a response has too few lines in the band.
     """
     states = find_states(evidence, band_hz=band_hz, count=count)
-    measured = evidence.measurements
-    fits = tuple(one.result for one in states if isinstance(one.result, Fitted))
+    measured = evidence.findings
+    fits = [one.result for one in states if isinstance(one.result, Fitted)]
     _require_collocated(fits)
     modes, entries = match_modes([state.entry for state in states])
     inputs = {one.response.input for fit in fits for one in fit.responses}
     bands, misfits = [fit.band_hz for fit in fits], [fit.misfit for fit in fits]
     rotary = any(one.rotary for one in measured)
     # Its smoothing is a length: it means nothing to an axis that turns.
-    klipper = [one.all_directions for one in evidence.spectra if one.all_directions]
-    proposals = [] if rotary else list(propose_shapers(klipper))
+    spectra = [one for one in measured if isinstance(one, Spectrum) and not rotary]
+    proposals = list(propose_shapers([s.all_directions for s in spectra if s.all_directions]))
+    fit_again = partial(fit_states, band_hz=band_hz, count=count)
     part = IdentifiedPart(
         created=created,
         rotary=rotary,
@@ -97,16 +99,16 @@ def identify(
         states=entries,
         spread=find_spread(entries, modes),
         misfit=float(np.sqrt(np.mean(np.square(misfits)))) if misfits else None,
-        checks=_check(evidence, fits, force_per_unit or 1.0, band_hz, count),
+        checks=check_records(evidence, fits, force_per_unit or 1.0, fit_again),
         warnings=[],
         proposals=proposals,
-        responses=[entry for state in states for entry in _responses(state)],
+        responses=[entry for state in states for entry in _points(state.result)],
     )
     remarks = [message for one in measured for message in one.remarks]
     doubts = list_doubts(part, fits, evidence.records)
     warnings = [*dict.fromkeys((*remarks, *doubts)), *_of_klipper(proposals)]
     files = {one.source.file: one.source for one in measured}
-    return Identified(part=replace(part, warnings=warnings), fits=fits, files=files)
+    return Identified(part=replace(part, warnings=warnings), files=files)
 
 
 def _require_collocated(fits: Sequence[Fitted]) -> None:
@@ -130,39 +132,6 @@ def _require_collocated(fits: Sequence[Fitted]) -> None:
         raise InputError(faults)
 
 
-def _check(
-    evidence: Evidence,
-    fits: Sequence[Fitted],
-    force_per_unit: float,
-    band_hz: tuple[float, float] | None,
-    count: int | None,
-) -> list[RecordCheckEntry]:
-    """How well each output of each record follows from its force.
-
-    The last of several files is held back: a model of the others alone explains it once more.
-    """
-    if not evidence.records:
-        return []
-    checked = [
-        one
-        for record in evidence.records
-        for one in check_record(record, fits, force_per_unit, is_held_back=False)
-    ]
-    files = list(dict.fromkeys(record.source.file for record in evidence.records))
-    others = tuple(one for one in evidence.responses if one.source.file != files[-1])
-    if len(files) > 1 and others:
-        less = replace(evidence, responses=others, spectra=(), vibrations=())
-        apart = [
-            one.result
-            for one in find_states(less, band_hz=band_hz, count=count)
-            if isinstance(one.result, Fitted)
-        ]
-        for record in evidence.records:
-            if record.source.file == files[-1]:
-                checked += check_record(record, apart, force_per_unit, is_held_back=True)
-    return checked
-
-
 def _of_klipper(proposals: Sequence[ShaperProposal]) -> list[Message]:
     """What Klipper would choose, and for which axes its shapers are."""
     chosen = [
@@ -179,42 +148,42 @@ def _of_klipper(proposals: Sequence[ShaperProposal]) -> list[Message]:
     return [*chosen, Message("identify-core-xy")] if chosen else []
 
 
-def _responses(state: State) -> list[MeasuredResponseEntry]:
-    if isinstance(state.result, FittedSpectrum):
-        return [_of_spectrum(state.result)]
-    if not isinstance(state.result, Fitted):
-        return []
-    fit = state.result
-    at = np.array([(m.frequency_hz.value, m.damping_ratio.value) for m in fit.modes])
-    return [_of_response(one, at, fit.misfit) for one in fit.responses]
+# Points and curves to be drawn
 
 
-def _of_response(one: FittedResponse, modes: Array, misfit: float) -> MeasuredResponseEntry:
-    f = one.lines.frequency_hz
-    curve = _places(f[0], f[-1], modes)
-    chosen = _nearest(f, curve)
+def _points(result: object) -> Iterator[MeasuredResponseEntry]:
+    if isinstance(result, FittedSpectrum):
+        yield _of_spectrum(result)
+    elif isinstance(result, Fitted):
+        for one in result.responses:
+            yield _of_response(one, result)
+
+
+def _of_response(one: FittedResponse, fit: Fitted) -> MeasuredResponseEntry:
+    f, response = one.lines.frequency_hz, one.response
+    curve, chosen = _places(f, fit)
     fitted = one.model(curve)
     # Phases beside each other where noise would let them jump by a turn.
     phase = np.unwrap(np.angle(fitted))
     phase -= 2 * np.pi * np.round(float(np.median(phase)) / (2 * np.pi))
     near = np.interp(f[chosen], curve, phase)
-    values = one.lines.values[chosen]
-    measured = near + np.angle(values * np.exp(-1j * near))
-    missed = np.abs(one.model(f[chosen]) - values) / (np.sqrt(2.0) * one.lines.error[chosen])
-    response = one.response
+    values, error = one.lines.values[chosen], one.lines.error[chosen]
     coherence = None
     if response.coherence is not None:
         coherence = np.interp(f[chosen], response.frequency_hz, response.coherence)
+    length, force = ("rad", "N m") if response.rotary else ("m", "N")
+    rate = {Output.POSITION: "", Output.VELOCITY: "/s", Output.ACCELERATION: "/s²"}
+    by = force if response.input is Input.FORCE else f"{length}/s²"
     return MeasuredResponseEntry(
         name=response.source.name,
-        unit=_unit_of(one),
-        misfit=misfit,
+        unit=f"{length}{rate[response.output]} / ({by})",
+        misfit=fit.misfit,
         frequency_hz=_rounded(f[chosen]),
         magnitude=_rounded(np.abs(values)),
-        error=_rounded(one.lines.error[chosen]),
-        phase_deg=_rounded(np.degrees(measured)),
+        error=_rounded(error),
+        phase_deg=_rounded(np.degrees(near + np.angle(values * np.exp(-1j * near)))),
         coherence=None if coherence is None else _rounded(coherence),
-        missed=_rounded(missed),
+        missed=_rounded(np.abs(one.model(f[chosen]) - values) / (np.sqrt(2.0) * error)),
         curve_hz=_rounded(curve),
         curve_magnitude=_rounded(np.abs(fitted)),
         curve_phase_deg=_rounded(np.degrees(phase)),
@@ -224,53 +193,44 @@ def _of_response(one: FittedResponse, modes: Array, misfit: float) -> MeasuredRe
 def _of_spectrum(one: FittedSpectrum) -> MeasuredResponseEntry:
     spectrum = one.spectrum
     f, density = spectrum.frequency_hz[one.is_used], spectrum.density[one.is_used]
-    at = np.array([(m.frequency_hz.value, m.damping_ratio.value) for m in one.modes])
-    chosen = _nearest(f, _places(f[0], f[-1], at)) if f.size else np.zeros(0, dtype=np.intp)
-    floor = 1e-6 * float(density.max(initial=0.0))
+    _, chosen = _places(f, one)
+    floor = 1e-6 * float(density.max())
+    hertz = _rounded(f[chosen])
     return MeasuredResponseEntry(
         name=spectrum.source.name,
         unit="",
         misfit=None,
-        frequency_hz=_rounded(f[chosen]),
+        frequency_hz=hertz,
         magnitude=_rounded(np.maximum(density[chosen], floor)),
         error=None,
         phase_deg=None,
         coherence=None,
         missed=None,
-        curve_hz=_rounded(f[chosen]),
+        curve_hz=hertz,
         curve_magnitude=_rounded(np.maximum(one.density[chosen], floor)),
         curve_phase_deg=None,
     )
 
 
-def _places(low: float, high: float, modes: Array) -> Array:
-    """Frequencies that show every peak: even by octaves, and denser about the modes [Hz]."""
-    even = np.geomspace(low, high, 8 * POINTS)
+def _places(lines_hz: Array, found: Fitted | FittedSpectrum) -> tuple[Array, NDArray[np.intp]]:
+    """Frequencies that show every peak [Hz], and which lines stand nearest to them, each once.
+
+    Even by octaves, and denser about the modes.
+    """
+    even = np.geomspace(lines_hz[0], lines_hz[-1], 8 * POINTS)
     density = np.full(even.size, (1.0 - NEAR) / even.size)
-    for f, zeta in modes.reshape(-1, 2).tolist():
+    for mode in found.modes:
+        f, zeta = mode.frequency_hz.value, mode.damping_ratio.value
         about = 1.0 / (1.0 + (np.log(even / f) / max(zeta, 1e-4)) ** 2)
-        density += NEAR * about / (about.sum() * len(modes))
+        density += NEAR * about / (about.sum() * len(found.modes))
     share = np.cumsum(density)
     share = (share - share[0]) / (share[-1] - share[0])
-    found: Array = np.interp(np.linspace(0.0, 1.0, POINTS), share, even)
-    return found
-
-
-def _nearest(frequency_hz: Array, wanted: Array) -> NDArray[np.intp]:
-    """Which lines stand nearest to some frequencies, each once."""
-    if frequency_hz.size <= POINTS:
-        return np.arange(frequency_hz.size)
-    middles = 0.5 * (frequency_hz[1:] + frequency_hz[:-1])
-    return np.unique(np.searchsorted(middles, wanted))
+    wanted: Array = np.interp(np.linspace(0.0, 1.0, POINTS), share, even)
+    if lines_hz.size <= POINTS:
+        return wanted, np.arange(lines_hz.size)
+    middles = 0.5 * (lines_hz[1:] + lines_hz[:-1])
+    return wanted, np.unique(np.searchsorted(middles, wanted))
 
 
 def _rounded(values: Array) -> list[float]:
     return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]
-
-
-def _unit_of(one: FittedResponse) -> str:
-    length, force = ("rad", "N m") if one.response.rotary else ("m", "N")
-    rate = {Output.POSITION: "", Output.VELOCITY: "/s", Output.ACCELERATION: "/s²"}
-    if one.response.input is Input.ACCELERATION:
-        return f"{length}{rate[one.response.output]} / ({length}/s²)"
-    return f"{length}{rate[one.response.output]} / ({force})"

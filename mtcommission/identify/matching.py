@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 from math import ceil, log
 from typing import Any
 
@@ -33,9 +33,10 @@ APART = 3.0
 STEP = 0.005
 """Spreads are rounded up to it."""
 
+Chain = dict[int, MeasuredMode]
+"""One mode in each state where it was seen."""
 
-Chain = dict[int, int]
-"""Which mode it is in each state where it was seen."""
+_ESTIMATES = ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain")
 
 
 def match_modes(
@@ -47,50 +48,39 @@ def match_modes(
     both of are one, if states between them lead from one to the other. Values are the middle of the
     states, with a standard error of at least a quarter of their range.
     """
-    order = sorted(range(len(states)), key=lambda i: -len(states[i].modes))
     chains: list[Chain] = []
-    for i in order:
-        modes = states[i].modes
-        centres = [_centre(chain, states) for chain in chains]
-        taken: set[int] = set()
-        if modes and centres:
+    for i, state in sorted(enumerate(states), key=lambda one: -len(one[1].modes)):
+        left = dict(enumerate(state.modes))
+        if left and chains:
             from scipy.optimize import linear_sum_assignment  # slow to load, rarely needed
 
-            cost = np.array(
-                [[abs(log(c / mode.frequency_hz.value)) for mode in modes] for c in centres]
-            )
+            centres = [_centre(chain) for chain in chains]
+            cost = np.array([[abs(_log(mode) - c) for mode in state.modes] for c in centres])
             for row, column in zip(*linear_sum_assignment(np.minimum(cost, 1.0)), strict=True):
                 if cost[row, column] < FARTHEST:
-                    chains[row][i] = int(column)
-                    taken.add(int(column))
-        chains += [{i: k} for k in range(len(modes)) if k not in taken]
-    chains = _joined(chains, states)
-    chains.sort(key=lambda chain: _centre(chain, states))
+                    chains[row][i] = left.pop(int(column))
+        chains += [{i: mode} for mode in left.values()]
+    chains = sorted(_joined(chains), key=_centre)
     named: list[list[MeasuredMode]] = [[] for _ in states]
     found = []
     for number, chain in enumerate(chains, start=1):
-        seen = [replace(states[i].modes[k], name=f"mode{number}") for i, k in chain.items()]
-        for i, mode in zip(chain, seen, strict=True):
+        seen = {i: replace(mode, name=f"mode{number}") for i, mode in chain.items()}
+        for i, mode in seen.items():
             named[i].append(mode)
         values: dict[str, Any] = {
-            key: middle_of([getattr(mode, key) for mode in seen]) for key in _ESTIMATES
+            key: middle_of([getattr(mode, key) for mode in seen.values()]) for key in _ESTIMATES
         }
-        found.append(replace(seen[0], **values))
+        found.append(MeasuredMode(name=f"mode{number}", **values))
     return found, [replace(state, modes=own) for state, own in zip(states, named, strict=True)]
 
 
-_ESTIMATES = ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain")
-
-
-def _joined(chains: list[Chain], states: Sequence[MeasuredStateEntry]) -> list[Chain]:
+def _joined(chains: list[Chain]) -> list[Chain]:
     """The nearest first; one file in the middle may have come last."""
     while True:
         near = [
             (distance, a, b)
-            for b in range(len(chains))
-            for a in range(b)
-            if not chains[a].keys() & chains[b].keys()
-            and (distance := _distance(chains[a], chains[b], states)) < FARTHEST
+            for (a, one), (b, other) in combinations(enumerate(chains), 2)
+            if not one.keys() & other.keys() and (distance := _distance(one, other)) < FARTHEST
         ]
         if not near:
             return chains
@@ -99,18 +89,20 @@ def _joined(chains: list[Chain], states: Sequence[MeasuredStateEntry]) -> list[C
         chains = [chain for k, chain in enumerate(chains) if k not in (a, b)] + [joined]
 
 
-def _distance(one: Chain, other: Chain, states: Sequence[MeasuredStateEntry]) -> float:
+def _log(mode: MeasuredMode) -> float:
+    return log(mode.frequency_hz.value)
+
+
+def _distance(one: Chain, other: Chain) -> float:
     """Between the nearest two of two chains, in ln f."""
-    return min(
-        abs(log(states[i].modes[k].frequency_hz.value / states[j].modes[n].frequency_hz.value))
-        for i, k in one.items()
-        for j, n in other.items()
-    )
+    pairs = product(one.values(), other.values())
+    return min(abs(_log(a) - _log(b)) for a, b in pairs)
 
 
-def _centre(chain: Chain, states: Sequence[MeasuredStateEntry]) -> float:
-    logs = [log(states[i].modes[k].frequency_hz.value) for i, k in chain.items()]
-    return float(np.exp(0.5 * (min(logs) + max(logs))))
+def _centre(chain: Chain) -> float:
+    """Middle of a chain, in ln f."""
+    logs = [_log(mode) for mode in chain.values()]
+    return 0.5 * (min(logs) + max(logs))
 
 
 def middle_of(estimates: Sequence[Estimate | None]) -> Estimate | None:
@@ -137,7 +129,7 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
     spreads, because = {}, []
     for kind, floor in floors.items():
         why = f"identify-{kind}-{'apart' if apart else 'floor'}"
-        worst = floor, Message(why, floor=floor, states=n)
+        found = [(floor, Message(why, floor=floor, states=n))]
         for mode in modes:
             seen = [
                 one.frequency_hz if kind == "frequency" else one.damping_ratio
@@ -145,19 +137,21 @@ def find_spread(states: Sequence[MeasuredStateEntry], modes: Sequence[MeasuredMo
                 for one in state.modes
                 if one.name == mode.name
             ]
-            low, high, by_range, by_sigma = _reach(seen, apart=apart)
-            ends = {"low": low, "high": high, "states": len(seen)}
-            for spread, message in (
-                (by_range, Message(f"identify-{kind}-range", mode=mode.name, **ends)),
-                (by_sigma, Message(f"identify-{kind}-sigma", mode=mode.name, spread=by_sigma)),
-            ):
-                worst = (spread, message) if spread > worst[0] else worst
-        if kind == "damping" and worst[0] > MOST_DAMPING:
-            mode_of = worst[1].values["mode"]
-            unknown = Message("identify-damping-unknown", mode=mode_of, spread=MOST_DAMPING)
-            worst = MOST_DAMPING, unknown
-        spreads[kind] = STEP * ceil(worst[0] / STEP - 1e-9)
-        because.append(worst[1])
+            low, high = min(one.value for one in seen), max(one.value for one in seen)
+            if not apart:
+                by_range = (high - low) / (high + low)
+                kind_of, count = f"identify-{kind}-range", len(seen)
+                by_ends = Message(kind_of, mode=mode.name, low=low, high=high, states=count)
+                found.append((by_range, by_ends))
+            by_sigma = 2.0 * max(one.sigma for one in seen) / (0.5 * (low + high))
+            because_of = Message(f"identify-{kind}-sigma", mode=mode.name, spread=by_sigma)
+            found.append((by_sigma, because_of))
+        spread, message = max(found, key=lambda one: one[0])
+        if kind == "damping" and spread > MOST_DAMPING:
+            name, spread = message.values["mode"], MOST_DAMPING
+            message = Message("identify-damping-unknown", mode=name, spread=spread)
+        spreads[kind] = STEP * ceil(spread / STEP - 1e-9)
+        because.append(message)
     return SpreadEntry(**spreads, because=because)
 
 
@@ -173,10 +167,3 @@ def states_differ(states: Sequence[MeasuredStateEntry], modes: Sequence[Measured
         for values in (masses, *frequencies)
         for one, other in combinations(values, 2)
     )
-
-
-def _reach(values: Sequence[Estimate], *, apart: bool) -> tuple[float, float, float, float]:
-    """Ends of some values, half of their range and two standard errors by the middle."""
-    low, high = min(one.value for one in values), max(one.value for one in values)
-    by_sigma = 2.0 * max(one.sigma for one in values) / (0.5 * (low + high))
-    return low, high, 0.0 if apart else (high - low) / (high + low), by_sigma

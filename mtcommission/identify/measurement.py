@@ -5,13 +5,13 @@ Readers and estimators make these, the fit takes them; nothing here knows a file
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.machine.identified import Estimate
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
@@ -88,18 +88,21 @@ class FrequencyResponse:
     remarks: tuple[Message, ...] = ()  # How it was estimated, what was assumed and what is doubtful
 
     @property
-    def standard_error(self) -> Array | None:
-        """Standard error of real and of imaginary part, |H| √((1 - γ²)/(2 n γ²)), shape (n_lines,).
+    def relative_error(self) -> Array | None:
+        """Standard error of real and of imaginary part by |H|, √((1 - γ²)/(2 n γ²)), (n_lines,).
 
-        None where coherence or averages are not known.
+        n = 1 where the averages are not known; None where the coherence is not.
 
         Source: Bendat, Piersol, Random Data, 4th ed., eq. (9.90), for small errors.
         """
-        if self.coherence is None or self.averages is None:
+        if self.coherence is None:
             return None
         gamma2 = np.clip(self.coherence, LEAST_COHERENCE, 1.0)
-        error: Array = np.abs(self.values) * np.sqrt((1.0 - gamma2) / (2 * self.averages * gamma2))
-        return error
+        return np.sqrt((1.0 - gamma2) / (2.0 * (self.averages or 1.0) * gamma2))
+
+    def say(self, *remarks: Message) -> FrequencyResponse:
+        """Return it with further remarks."""
+        return replace(self, remarks=(*self.remarks, *remarks))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -119,13 +122,9 @@ class Spectrum:
     source: Source  # File and label
     frequency_hz: Array  # Shape (n_lines,), increasing, positive [Hz]
     density: Array  # Shape (n_lines,), power per Hz; its scale means nothing
-    # resolution_hz, averages: As in ``FrequencyResponse``.
-    resolution_hz: float | None
-    averages: float | None
-    # output, sensor, rotary: What was seen, and where.
-    output: Output
+    resolution_hz: float | None  # As in ``FrequencyResponse``
     sensor: Sensor
-    rotary: bool
+    rotary: bool  # Whether lengths are angles
     remarks: tuple[Message, ...] = ()  # How it was estimated, what was assumed and what is doubtful
     # For Klipper's own criterion; None where it is not Klipper's measurement.
     all_directions: AllDirections | None = None
@@ -135,12 +134,8 @@ class Spectrum:
 class FreeMode:
     """One vibration that dies away."""
 
-    # frequency_hz, frequency_sigma_hz: Natural frequency and its standard error [Hz].
-    frequency_hz: float
-    frequency_sigma_hz: float
-    # damping_ratio, damping_sigma: ζ and its standard error [-].
-    damping_ratio: float
-    damping_sigma: float
+    frequency_hz: Estimate  # Natural frequency [Hz]
+    damping_ratio: Estimate
     amplitude: float  # At the start of the free vibration [SI of the sensor's output]
 
 
@@ -149,23 +144,10 @@ class FreeVibration:
     """What rings after a step or the end of a move: frequencies and damping, no mass, no gain."""
 
     source: Source  # File and label
-    # output, sensor, rotary: What was seen, and where.
-    output: Output
     sensor: Sensor
-    rotary: bool
+    rotary: bool  # Whether lengths are angles
     modes: tuple[FreeMode, ...]  # Found, the largest amplitude first
     remarks: tuple[Message, ...] = ()  # How they were found and what is doubtful
-
-    @property
-    def estimates(self) -> list[MeasuredMode]:
-        """The modes by frequency."""
-        return [
-            MeasuredMode(
-                frequency_hz=Estimate(value=mode.frequency_hz, sigma=mode.frequency_sigma_hz),
-                damping_ratio=Estimate(value=mode.damping_ratio, sigma=mode.damping_sigma),
-            )
-            for mode in sorted(self.modes, key=lambda mode: mode.frequency_hz)
-        ]
 
 
 Finding = FrequencyResponse | Spectrum | FreeVibration
@@ -213,23 +195,25 @@ class TimeRecord:
         return int(self.channels[0].values.size)
 
     @property
-    def t(self) -> Array:
-        """Times from 0, shape (n_samples,) [s]."""
-        return self.sample_time * np.arange(self.size, dtype=np.float64)
+    def reference(self) -> Array | None:
+        """Setpoint of a motion, or an excitation; None where none was recorded."""
+        found = (one.values for one in self.channels if one.signal is Signal.REFERENCE)
+        return next(found, None)
+
+    def source_of(self, channel: Channel) -> Source:
+        """Return where one of its channels comes from."""
+        label = " ".join(part for part in (self.source.label, channel.name) if part)
+        return replace(self.source, label=label)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
-    """Everything that some files say about an axis."""
+    """Everything that some files say about an axis, in the order given."""
 
-    # responses, spectra, vibrations: By file, in the order given.
-    responses: tuple[FrequencyResponse, ...]
-    spectra: tuple[Spectrum, ...]
-    vibrations: tuple[FreeVibration, ...]
-    # Time records from which some of them come, to be simulated again.
-    records: tuple[TimeRecord, ...]
+    findings: tuple[Finding, ...]
+    records: tuple[TimeRecord, ...] = ()  # Some of them come from these, to be simulated again
 
     @property
-    def measurements(self) -> tuple[Finding, ...]:
-        """Everything that was measured, in the order of the files within each kind."""
-        return (*self.responses, *self.spectra, *self.vibrations)
+    def responses(self) -> tuple[FrequencyResponse, ...]:
+        """Those with a force, or the motor's acceleration, as input."""
+        return tuple(one for one in self.findings if isinstance(one, FrequencyResponse))

@@ -52,6 +52,9 @@ TO_ASK = (
 )
 """What no response tells, and no profile can do without."""
 
+Stated = dict[str, tuple[Estimate, str, int]]
+"""Estimates of a mode by their keys in a profile, with their unit there and digits."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Writing:
@@ -98,8 +101,7 @@ def write_profile(found: Identified, how: Writing) -> str:
     document["plant"] = {"kind": "modal"}
     if part.base_excited:
         document["drive"] = tomlkit.table()
-        note = text("identify-document-held")
-        _set(document["drive"], "kind", "position_source", note)
+        _set(document["drive"], "kind", "position_source", text("identify-document-held"))
     assumed = []
     for table, key, value in PRINTER if part.proposals else ():
         many = table == "moves"
@@ -116,21 +118,17 @@ def write_profile(found: Identified, how: Writing) -> str:
     _merge(document, found, how, assumed)
     # A blank line before each table, however tomlkit joins them.
     whole = re.sub(r"^(.+)\n(?=\[)", r"\1\n\n", tomlkit.dumps(document), flags=re.MULTILINE)
-    for header, note in (("[machine_states]", "states"), ("identified", "measured")):
-        comment = f"# {text(f'identify-document-{note}')}\n[{header}]\n"
+    for header, kind in (("[machine_states]", "states"), ("identified", "measured")):
+        comment = f"# {text(f'identify-document-{kind}')}\n[{header}]\n"
         whole = whole.replace(f"\n[{header}]\n", f"\n{comment}", 1)
-    asked = [] if part.proposals else _to_ask(part)
-    if asked:
+    asked = ["drive.max_acceleration", *TO_ASK[2:]]
+    if not part.base_excited:
+        unknown = [] if part.moving_mass else ["plant.moving_mass", "plant.modes[1].tcp_gain"]
+        asked = [*unknown, *TO_ASK]
+    if not part.proposals:
         question = text("identify-document-open", file=how.file)
         whole += "\n".join(["", f"# {question}", *(f"#   {key}" for key in asked), ""])
     return _heading(found, how) + "\n" + whole
-
-
-def _to_ask(part: IdentifiedPart) -> list[str]:
-    if part.base_excited:
-        return ["drive.max_acceleration", *TO_ASK[2:]]
-    unknown = [] if part.moving_mass else ["plant.moving_mass", "plant.modes[1].tcp_gain"]
-    return [*unknown, *TO_ASK]
 
 
 def merge_profile(text: str, found: Identified, how: Writing) -> str:
@@ -157,7 +155,7 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -
     """Put what was measured into a profile; ``assumed``: its other keys that are assumptions."""
     part, unit = found.part, _units(found.part)
     if part.moving_mass:
-        _set_estimate(document["plant"], "moving_mass", part.moving_mass, unit.mass.si, digits=6)
+        _set_estimate(document["plant"], "moving_mass", part.moving_mass, unit.mass.si, 6)
     names: dict[str, str] = {}
     assumed = [*assumed, *_merge_modes(document["plant"], part, how, names)]
     if states_differ(part.states, part.modes):
@@ -166,20 +164,15 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -
     requirements = document.setdefault("requirements", tomlkit.table())
     for kind, why in zip(("frequency", "damping"), part.spread.because, strict=True):
         key, spread = f"{kind}_spread", getattr(part.spread, kind)
+        stated = str(requirements.get(key, 0.0)).strip()
+        share = float(stated.removesuffix("%")) / (100.0 if stated.endswith("%") else 1.0)
         # Who stated a wider one knows more states of the machine than were measured.
-        if _share(requirements.get(key, 0.0)) < spread:
+        if share < spread:
             _set(requirements, key, f"{100 * spread:.4g} %", how.words.say(why))
     machine = document.setdefault("machine", tomlkit.table())
+    machine.pop("assumed", None)
     if assumed:
         machine["assumed"] = assumed
-    else:
-        machine.pop("assumed", None)
-
-
-def _share(value: object) -> float:
-    """A share as profiles state it, a number or per cent [-]."""
-    text = str(value).strip()
-    return float(text.removesuffix("%")) / 100.0 if text.endswith("%") else float(text)
 
 
 def _merge_modes(
@@ -202,9 +195,8 @@ def _merge_modes(
             while name in taken:
                 name += "_measured"
             near["name"] = name
-        assumed += [
-            f"plant.modes[{len(merged) + 1}].{key}" for key in _set_mode(near, mode, part, how)
-        ]
+        if _set_mode(near, mode, part, how):
+            assumed.append(f"plant.modes[{len(merged) + 1}].tcp_gain")
         names[mode.name] = str(near["name"])
         merged.append(near)
     low, high = part.band_hz or (0.0, 0.0)
@@ -236,60 +228,74 @@ def _kept(part: IdentifiedPart) -> list[MeasuredMode]:
     return [mode for mode in part.modes if mode in largest]
 
 
-def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing) -> list[str]:
-    """Write a measured mode; return the keys that are assumptions.
+def _stated(mode: MeasuredMode, part: IdentifiedPart, *gains: str) -> Stated:
+    """What can be stated of a mode: shares only by a known mass, or of a held motor."""
+    unit = "" if part.base_excited else _units(part).gain.si
+    found = {
+        "frequency": (mode.frequency_hz, "Hz", 6),
+        "damping_ratio": (mode.damping_ratio, "", 4),
+    }
+    for key in gains if part.moving_mass or part.base_excited else ():
+        if gain := getattr(mode, key):
+            found[key] = (gain, unit, 5 if unit else 4)
+    return found
 
-    tcp_gain: measured, by the user's word, as before, or the worst case; left out: to be asked.
+
+def _in_plant(mode: MeasuredMode, part: IdentifiedPart) -> Stated:
+    """The same as [plant] states it.
+
+    Of a held motor's modes a single one is the whole tool on its spring: 1, which profiles take
+    unless told.
     """
-    gain, words, mass = _units(part).gain.si, how.words, part.moving_mass
-    has_old, own = "tcp_gain" in table, mode.measured_gain
-    _set_estimate(table, "frequency", mode.frequency_hz, "Hz", digits=6)
-    _set_estimate(table, "damping_ratio", mode.damping_ratio, "", digits=4)
-    assumed = False
     if part.base_excited:
-        # A single one is the whole tool on its spring: 1, which profiles take unless told.
-        if mode.tcp_gain and len(part.modes) > 1:
-            _set_estimate(table, "tcp_gain", mode.tcp_gain, "", digits=4)
-    elif mass and mode.tcp_gain:
-        _set_estimate(table, "tcp_gain", mode.tcp_gain, gain)
-    elif mass and how.tool_ratio is not None and own and own.value:
-        assumed, ratio = True, how.tool_ratio
-        note = words.text("identify-document-tool-ratio", ratio=ratio)
-        _set(table, "tcp_gain", f"{ratio * own.value:.5g} {gain}", note)
-    elif mass and not has_old:
-        assumed, share = True, own.value if own else 0.0
+        return _stated(mode, part, *(["tcp_gain"] if len(part.modes) > 1 else []))
+    return _stated(mode, part, "tcp_gain", "measured_gain")
+
+
+def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing) -> bool:
+    """Write a measured mode; return whether its share at the tool is an assumption.
+
+    It is measured, by the user's word, as before, or the worst case; left out: to be asked.
+    """
+    words, mass, own = how.words, part.moving_mass, mode.measured_gain
+    stated = _in_plant(mode, part)
+    has_none = mass and not part.base_excited and "tcp_gain" not in stated
+    by_ratio = has_none and how.tool_ratio is not None and own and own.value
+    is_worst = has_none and not by_ratio and "tcp_gain" not in table
+    last = stated.pop("measured_gain", None)
+    for key, (one, unit, digits) in stated.items():
+        _set_estimate(table, key, one, unit, digits)
+    gain, share = _units(part).gain.si, own.value if own else 0.0
+    if by_ratio and how.tool_ratio is not None:
+        note = words.text("identify-document-tool-ratio", ratio=how.tool_ratio)
+        _set(table, "tcp_gain", f"{how.tool_ratio * share:.5g} {gain}", note)
+    elif is_worst and mass:
         worst = max(abs(share), 1.0 / mass.value)
         note = words.text("identify-document-tool-worst")
         _set(table, "tcp_gain", f"{-worst if share >= 0.0 else worst:.5g} {gain}", note)
-    if mass and own:
-        _set_estimate(table, "measured_gain", own, gain)
-    return ["tcp_gain"] if assumed else []
+    if last:
+        _set_estimate(table, "measured_gain", *last)
+    return bool(by_ratio or is_worst)
 
 
 def _state_tables(part: IdentifiedPart, names: Mapping[str, str]) -> Any:
     """[[machine_states]]: what each state has of its own."""
-    tables, unit, taken = tomlkit.aot(), _units(part), set[str]()
+    tables, taken = tomlkit.aot(), set[str]()
     kept = [mode.name for mode in _kept(part)]
-    for place, state in enumerate(part.states):
-        without_folders = re.sub(r"[^,\s]*/", "", state.name)
-        name = "".join(letter for letter in without_folders if letter.isprintable())[-MOST_LETTERS:]
-        name = f"{name} ({place + 1})" if name in taken else name
+    for place, state in enumerate(part.states, start=1):
+        name = _printable(re.sub(r"[^,\s]*/", "", state.name))[-MOST_LETTERS:]
+        name = f"{name} ({place})" if name in taken else name
         taken.add(name)
         table: Any = tomlkit.table()
         table["name"] = name
         if part.moving_mass and state.moving_mass:
-            table["moving_mass"] = f"{state.moving_mass.value:.6g} {unit.mass.si}"
+            table["moving_mass"] = _written(state.moving_mass.value, _units(part).mass.si, 6)
         table["modes"] = tomlkit.aot()
         for seen in (mode for mode in state.modes if mode.name in kept):
             own: Any = tomlkit.table()
             own["name"] = names.get(seen.name, seen.name)
-            own["frequency"] = f"{seen.frequency_hz.value:.6g} Hz"
-            own["damping_ratio"] = float(f"{seen.damping_ratio.value:.4g}")
-            if part.base_excited and seen.tcp_gain and len(part.modes) > 1:
-                own["tcp_gain"] = float(f"{seen.tcp_gain.value:.4g}")
-            for key in ("tcp_gain", "measured_gain") if part.moving_mass else ():
-                if gain := getattr(seen, key):
-                    own[key] = f"{gain.value:.5g} {unit.gain.si}"
+            for key, (one, unit, digits) in _in_plant(seen, part).items():
+                own[key] = _written(one.value, unit, digits)
             table["modes"].append(own)
         tables.append(table)
     return tables
@@ -297,7 +303,6 @@ def _state_tables(part: IdentifiedPart, names: Mapping[str, str]) -> Any:
 
 def _statement(part: IdentifiedPart, evidence: str, names: Mapping[str, str]) -> Any:
     """[identified]: what was measured, for the sheet, and the file with the points."""
-    unit = _units(part)
     table: Any = tomlkit.table()
     table["date"] = part.created[:10]
     if part.band_hz:
@@ -305,29 +310,33 @@ def _statement(part: IdentifiedPart, evidence: str, names: Mapping[str, str]) ->
     if part.misfit is not None:
         table["misfit"] = float(f"{part.misfit:.3g}")
     if part.moving_mass:
-        table["moving_mass"] = _pair(part.moving_mass, unit.mass.si)
+        table["moving_mass"] = _pair(part.moving_mass, _units(part).mass.si)
     for key, one in (("delay", part.delay), ("lag", part.lag)):
         if one:
-            table[key] = [f"{one.value:.6g} s", f"{min(one.sigma, LONGEST_TIME):.3g} s"]
+            table[key] = _pair(one, "s", most=LONGEST_TIME)
     if evidence:
         table["evidence"] = evidence
         table["checksum"] = evidence_checksum(to_plain(part))
-    modes = part.modes[: 4 * MOST_MODES]
-    for key, rows in (
-        ("calibrate_shaper", [_proposal(one) for one in part.proposals]),
-        ("files", [_file(one) for one in part.sources[:MOST_FILES]]),
-        ("modes", [_stated_mode(one, part, names.get(one.name, one.name)) for one in modes]),
-    ):
-        if rows:
+    modes = [
+        {"name": names.get(mode.name, mode.name)}
+        | {
+            key: _pair(one, unit)
+            for key, (one, unit, _) in _stated(mode, part, "measured_gain", "tcp_gain").items()
+        }
+        for mode in part.modes[: 4 * MOST_MODES]
+    ]
+    files = [
+        {"name": _printable(one.name)[-LONGEST_FILE:], "sensor": one.sensor, "sha256": one.sha256}
+        for one in part.sources[:MOST_FILES]
+    ]
+    proposals = [_proposal(one) for one in part.proposals]
+    rows: dict[str, list[Any]] = {"calibrate_shaper": proposals, "files": files, "modes": modes}
+    for key, items in rows.items():
+        if items:
             table[key] = tomlkit.aot()
-        for row in rows:
+        for row in items:
             table[key].append(tomlkit.item(row))
     return table
-
-
-def _file(one: Any) -> dict[str, str]:
-    name = "".join(letter for letter in one.name if letter.isprintable())
-    return {"name": name[-LONGEST_FILE:], "sensor": one.sensor, "sha256": one.sha256}
 
 
 def _proposal(one: ShaperProposal) -> dict[str, str | float | bool]:
@@ -341,23 +350,18 @@ def _proposal(one: ShaperProposal) -> dict[str, str | float | bool]:
     }
 
 
-def _stated_mode(mode: MeasuredMode, part: IdentifiedPart, name: str) -> dict[str, Any]:
-    gain = "" if part.base_excited else _units(part).gain.si
-    found: dict[str, Any] = {
-        "name": name,
-        "frequency": _pair(mode.frequency_hz, "Hz"),
-        "damping_ratio": _pair(mode.damping_ratio, ""),
-    }
-    for key in ("measured_gain", "tcp_gain") if part.moving_mass or part.base_excited else ():
-        if one := getattr(mode, key):
-            found[key] = _pair(one, gain)
-    return found
+def _printable(text: str) -> str:
+    return "".join(letter for letter in text if letter.isprintable())
 
 
-def _pair(one: Estimate, unit: str) -> list[Any]:
+def _written(value: float, unit: str, digits: int) -> str | float:
+    return f"{value:.{digits}g} {unit}" if unit else float(f"{value:.{digits}g}")
+
+
+def _pair(one: Estimate, unit: str, *, most: float | None = None) -> list[Any]:
     """Value and standard error; one larger than the value says that nothing determines it."""
-    value, sigma = f"{one.value:.6g}", f"{min(one.sigma, abs(one.value)):.3g}"
-    return [f"{value} {unit}", f"{sigma} {unit}"] if unit else [float(value), float(sigma)]
+    sigma = min(one.sigma, abs(one.value) if most is None else most)
+    return [_written(one.value, unit, 6), _written(sigma, unit, 3)]
 
 
 def _heading(found: Identified, how: Writing) -> str:
@@ -382,11 +386,9 @@ def _units(part: IdentifiedPart) -> AxisUnits:
     return ROTARY if part.rotary else LINEAR
 
 
-def _set_estimate(table: Any, key: str, one: Estimate, unit: str, *, digits: int = 5) -> None:
-    value: str | float = (
-        f"{one.value:.{digits}g} {unit}" if unit else float(f"{one.value:.{digits}g}")
-    )
-    _set(table, key, value, f"± {2.0 * one.sigma:.2g} {unit}".rstrip())
+def _set_estimate(table: Any, key: str, one: Estimate, unit: str, digits: int) -> None:
+    comment = f"± {2.0 * one.sigma:.2g} {unit}".rstrip()
+    _set(table, key, _written(one.value, unit, digits), comment)
 
 
 def _set(table: Any, key: str, value: str | float, comment: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from mtcommission.identify.measurement import (
     Input,
     Sensor,
     Source,
+    Spectrum,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
@@ -49,16 +50,9 @@ def find_states(
     Raise InputError if a response has too few lines in the band.
     """
     fits = fit_states(evidence.responses, band_hz=band_hz, count=count)
-    spectra = []
-    if evidence.spectra:
-        from mtcommission.identify.fit.peaks import fit_spectrum  # slow to load
-
-        spectra = [fit_spectrum(spectrum) for spectrum in evidence.spectra]
-    return [
-        *map(_of_fit, fits),
-        *(_of_modes(one.spectrum.source, one.modes, one) for one in _best_of_files(spectra)),
-        *(_of_modes(one.source, one.estimates, one) for one in evidence.vibrations),
-    ]
+    spectra = [one for one in evidence.findings if isinstance(one, Spectrum)]
+    vibrations = [one for one in evidence.findings if isinstance(one, FreeVibration)]
+    return [*map(_of_fit, fits), *_of_spectra(spectra), *map(_of_vibration, vibrations)]
 
 
 def fit_states(
@@ -73,91 +67,62 @@ def fit_states(
     encoder file and the n-th tool file are one; files of one kind of sensor whose fits agree in
     all poles are one, and so are the points of a hammer test.
     """
-    groups = _pair_sensors(_group(responses))
+    groups = _group(responses)
     fits = [fit_state(group, band_hz=band_hz, count=count) for group in groups]
     if len(groups) < 2 or all(group[0].source.state for group in groups):
         return fits
     is_hammer = not any(one.has_rigid_body for fit in fits for one in fit.responses)
-    if not is_hammer and not _agree(fits):
+    if not is_hammer and not all(_agree(*pair) for pair in combinations(fits, 2)):
         return fits
     failed = _failed(fits) if is_hammer else []
-    pooled = [
-        response
-        for group, fit in zip(groups, fits, strict=True)
-        for response in group
-        if all(fit is not one for one in failed)
-    ]
-    whole = fit_state(pooled, band_hz=band_hz, count=count)
-    notes = tuple(
-        Message("identify-point-left-out", file=one.response.source.name)
-        for fit in failed
-        for one in fit.responses
-    )
-    if is_hammer or len(whole.modes) >= max(len(fit.modes) for fit in fits):
-        return [replace(whole, notes=(*whole.notes, *notes))]
-    return fits
+    kept = [group for group, fit in zip(groups, fits, strict=True) if fit not in failed]
+    whole = fit_state([one for group in kept for one in group], band_hz=band_hz, count=count)
+    if not is_hammer and len(whole.modes) < max(len(fit.modes) for fit in fits):
+        return fits
+    out = [one.response.source.name for fit in failed for one in fit.responses]
+    notes = [Message("identify-point-left-out", file=name) for name in out]
+    return [replace(whole, notes=(*whole.notes, *notes))]
 
 
 def _failed(fits: Sequence[Fitted]) -> list[Fitted]:
     """Points of a hammer test that alone obey no model while most do."""
     errors = [fit.model_error if fit.modes else 1.0 for fit in fits]
-    most = OUTLIER * float(np.median(errors))
-    return [
-        fit
-        for fit, error in zip(fits, errors, strict=True)
-        if error > max(most, LARGEST_ERROR) and len(fits) > 2
-    ]
+    most = max(OUTLIER * float(np.median(errors)), LARGEST_ERROR)
+    far = [fit for fit, error in zip(fits, errors, strict=True) if error > most]
+    return far if len(fits) > 2 else []
 
 
 def _group(responses: Sequence[FrequencyResponse]) -> list[list[FrequencyResponse]]:
-    groups: dict[str, list[FrequencyResponse]] = {}
+    """By state or file; the n-th of encoders with the n-th of tools where there are as many."""
+    by_state: dict[str, list[FrequencyResponse]] = {}
     for one in responses:
-        groups.setdefault(one.source.state or f"file {one.source.file}", []).append(one)
-    return list(groups.values())
-
-
-def _pair_sensors(groups: list[list[FrequencyResponse]]) -> list[list[FrequencyResponse]]:
-    """Join the n-th group of encoders with the n-th of tool sensors where there are as many."""
-    encoders = [group for group in groups if {one.sensor for one in group} == {Sensor.ENCODER}]
-    tools = [group for group in groups if {one.sensor for one in group} == {Sensor.TCP}]
+        by_state.setdefault(one.source.state or f"file {one.source.file}", []).append(one)
+    groups = list(by_state.values())
+    encoders, tools = (
+        [group for group in groups if {one.sensor for one in group} == {sensor}]
+        for sensor in (Sensor.ENCODER, Sensor.TCP)
+    )
     if len(encoders) != len(tools) or len(encoders) + len(tools) != len(groups):
         return groups
     return [[*a, *b] for a, b in zip(encoders, tools, strict=True)]
 
 
-def _agree(fits: Sequence[Fitted]) -> bool:
-    """Whether all fits show the same poles within their errors."""
-    return all(len(one.modes) == len(other.modes) for one, other in pairwise(fits)) and all(
-        _same(a.frequency_hz, b.frequency_hz) and _same(a.damping_ratio, b.damping_ratio)
-        for i, one in enumerate(fits)
-        for other in fits[:i]
+def _agree(one: Fitted, other: Fitted) -> bool:
+    """Whether two fits show the same poles within their errors."""
+    return len(one.modes) == len(other.modes) and all(
+        abs(x.value - y.value) <= SAME * float(np.hypot(x.sigma, y.sigma))
         for a, b in zip(one.modes, other.modes, strict=True)
+        for x, y in ((a.frequency_hz, b.frequency_hz), (a.damping_ratio, b.damping_ratio))
     )
-
-
-def _same(one: Estimate, other: Estimate) -> bool:
-    return abs(one.value - other.value) <= SAME * float(np.hypot(one.sigma, other.sigma))
-
-
-def _best_of_files(spectra: Sequence[FittedSpectrum]) -> list[FittedSpectrum]:
-    """Of the directions in one file, the one with the most power: that was shaken."""
-    best: dict[str, FittedSpectrum] = {}
-    for one in spectra:
-        file = one.spectrum.source.file
-        other = best.get(file)
-        if one.modes and (other is None or _power(one) > _power(other)):
-            best[file] = one
-    return list(best.values())
-
-
-def _power(one: FittedSpectrum) -> float:
-    return float(one.spectrum.density[one.is_used].max())
 
 
 def _of_fit(fit: Fitted) -> State:
     files = dict.fromkeys(one.response.source.file for one in fit.responses)
     responses = sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
-    masses = [one.inverse_mass for one in responses if one.has_rigid_body]
+    masses = [
+        Estimate(value=1 / b.value, sigma=b.sigma / b.value**2)
+        for b in (one.inverse_mass for one in responses if one.has_rigid_body)
+    ]
     modes = [
         MeasuredMode(
             frequency_hz=mode.frequency_hz,
@@ -167,14 +132,9 @@ def _of_fit(fit: Fitted) -> State:
         )
         for mode in fit.modes
     ]
-    mass = [Estimate(value=1 / b.value, sigma=b.sigma / b.value**2) for b in masses[:1]]
     name = fit.responses[0].response.source.state or ", ".join(files)
-    return State(
-        entry=MeasuredStateEntry(name=name, moving_mass=mass[0] if mass else None, modes=modes),
-        result=fit,
-        delay=responses[0].delay,
-        lag=responses[0].lag,
-    )
+    entry = MeasuredStateEntry(name=name, moving_mass=masses[0] if masses else None, modes=modes)
+    return State(entry=entry, result=fit, delay=responses[0].delay, lag=responses[0].lag)
 
 
 def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
@@ -187,10 +147,31 @@ def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
     return min(found, key=lambda gain: gain.relative, default=None)
 
 
-def _of_modes(
+def _of_spectra(spectra: Sequence[Spectrum]) -> list[State]:
+    """Of the directions in one file, the one with the most power: that was shaken."""
+    if not spectra:
+        return []
+    from mtcommission.identify.fit.peaks import fit_spectrum  # slow to load
+
+    best: dict[str, FittedSpectrum] = {}
+    for one in map(fit_spectrum, spectra):
+        other = best.get(one.spectrum.source.file)
+        if one.modes and (other is None or one.power > other.power):
+            best[one.spectrum.source.file] = one
+    return [_without_mass(one.spectrum.source, one.modes, one) for one in best.values()]
+
+
+def _of_vibration(one: FreeVibration) -> State:
+    modes = [
+        MeasuredMode(frequency_hz=mode.frequency_hz, damping_ratio=mode.damping_ratio)
+        for mode in sorted(one.modes, key=lambda mode: mode.frequency_hz.value)
+    ]
+    return _without_mass(one.source, modes, one)
+
+
+def _without_mass(
     source: Source, modes: Sequence[MeasuredMode], result: FittedSpectrum | FreeVibration
 ) -> State:
-    entry = MeasuredStateEntry(
-        name=source.state or source.name, moving_mass=None, modes=list(modes)
-    )
+    name = source.state or source.name
+    entry = MeasuredStateEntry(name=name, moving_mass=None, modes=list(modes))
     return State(entry=entry, result=result)

@@ -14,15 +14,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from mtcommission.identify.damped import regress
-from mtcommission.identify.measurement import FreeMode
+from mtcommission.identify.measurement import Array, FreeMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
-from mtcommission.verify.columns import Role
 from mtcommission.verify.planner import number_of, planned
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
 from mtcommission.verify.ringing import find_modes
 from mtcommission.verify.setpoint import Motion
-from mtcommission.verify.trace import Array, Channel, Trace, resolution
+from mtcommission.verify.trace import Channel, Role, Trace, resolution
 
 REST = 0.1
 """Of the rest before a move, what offset and noise are taken from [s]."""
@@ -41,15 +40,12 @@ CORRELATED = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Beside:
-    """One signal of one move.
-
-    ``deviation``: of a position, from the delayed setpoint, smoothed; else the signal itself.
-    """
+    """One signal of one move."""
 
     role: Role  # tool, encoder (also from a following error), acceleration of the tool, or force
     t: Array  # times of the samples, in the trace's time [s]
     measured: Array  # position relative to the rest before it, or force, shape (n,) [m, N]
-    deviation: Array  # shape (n,) [m]
+    deviation: Array  # of a position, from the delayed setpoint, smoothed; else the signal itself
     predicted: Array  # the same in every corner, shape (n_corners, n)
     raw: Array  # ``deviation`` before smoothing
     width: int  # samples that were smoothed over
@@ -130,7 +126,7 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
 
 def _as_position(mode: FreeMode) -> FreeMode:
     """A vibration seen by an accelerometer, its amplitude as a way [m]."""
-    return replace(mode, amplitude=mode.amplitude / (2.0 * pi * mode.frequency_hz) ** 2)
+    return replace(mode, amplitude=mode.amplitude / (2.0 * pi * mode.frequency_hz.value) ** 2)
 
 
 def unexplained(recorded: Iterable[Recorded], rebuilt: Rebuilt | None = None) -> float | None:
@@ -184,20 +180,20 @@ def _lay(
     shift: float,
 ) -> Beside:
     role, step = channel.role, channel.step
+    is_force, is_position = role is Role.FORCE, role not in (Role.FORCE, Role.ACCELERATION)
     late = motion.sample(t - rebuilt.controller.reference_delay - shift)[:, 0]
     column = {Role.FORCE: FORCE, Role.TOOL: TOOL, Role.ACCELERATION: TOOL}.get(role, ENCODER)
     predicted, deviation = prediction.at(t - shift, column), values
-    if role is Role.ACCELERATION:
-        predicted = np.gradient(np.gradient(predicted, step, axis=1), step, axis=1)
-    elif role is not Role.FORCE:
+    if is_position:
         predicted = predicted - late
         is_error = role is Role.FOLLOWING_ERROR
         deviation = -values if is_error else values - motion.start - late
+    elif not is_force:
+        predicted = np.gradient(np.gradient(predicted, step, axis=1), step, axis=1)
     before = t < motion.begin - step
-    if role is not Role.FORCE and before.sum() >= FEWEST:
+    if not is_force and before.sum() >= FEWEST:
         deviation = deviation - float(np.mean(deviation[before]))
-    is_position = role not in (Role.FORCE, Role.ACCELERATION)
-    width = 1 if role is Role.FORCE else _width(rebuilt, step)
+    width = 1 if is_force else _width(rebuilt, step)
     smooth = _smoothed(deviation, width)
     sigma, grain = _sigma(deviation, smooth, before, width), resolution(values)
     sigmas = max(sqrt(2.0 * log(max(t.size / width, 2.0))), LEAST_SIGMAS)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf, isfinite
-from typing import Protocol
 
 from mtcommission.messages.message import Message
 from mtcommission.requirements.register import read_requirement
@@ -53,31 +52,18 @@ class Check:
         parts = [f"{self.part.value} {self.move}"] if self.move else []
         return ": ".join([*parts, *([self.mode] if self.mode else []), self.key])
 
-    def doubted(self, reason: Message) -> Check:
-        """Return it as one that cannot be told, unless that is so already."""
-        if self.verdict is Verdict.UNKNOWN:
-            return self
+    @property
+    def fails(self) -> bool:
+        """Whether it does not hold."""
+        return self.verdict is Verdict.FAILS
+
+    def unknown(self, reason: Message) -> Check:
+        """Return it as one that cannot be told."""
         return replace(self, verdict=Verdict.UNKNOWN, reason=reason)
 
-
-class Judged(Protocol):
-    """Checks of one verification."""
-
-    @property
-    def checks(self) -> Sequence[Check]:
-        """Of every promise."""
-
-    @property
-    def verdict(self) -> Verdict:
-        """Over all of them."""
-
-    @property
-    def headline(self) -> Message:
-        """The verdict in words."""
-
-    @property
-    def warnings(self) -> Sequence[Message]:
-        """What there is to mind."""
+    def doubted(self, reason: Message) -> Check:
+        """Return it as one that cannot be told, unless that is so already."""
+        return self if self.verdict is Verdict.UNKNOWN else self.unknown(reason)
 
 
 KEPT = {
@@ -86,6 +72,46 @@ KEPT = {
     Verdict.UNKNOWN: Message("verify-within-noise"),
 }
 """Reasons where nothing but the numbers decides."""
+
+
+def judged(
+    key: str,
+    unit: str,
+    verdict: Verdict,
+    *,
+    predicted: Iterable[float],
+    seen: tuple[float, float],
+    limit: float = inf,
+    decides: bool = True,
+    part: Part = Part.MOVE,
+    move: int = 0,
+    mode: str = "",
+) -> Check:
+    """Return what was measured beside its prediction in every corner, the nominal machine first.
+
+    ``seen``: value and uncertainty; ``limit``: what is required, inf where nothing is.
+    """
+
+    def known(value: float) -> float | None:
+        return float(value) if isfinite(value) else None
+
+    values = list(predicted)
+    return Check(
+        key=key,
+        part=part,
+        move=move,
+        mode=mode,
+        unit=unit,
+        predicted=known(values[0]),
+        low=known(min(values)),
+        high=known(max(values)),
+        limit=known(limit),
+        measured=known(seen[0]),
+        uncertainty=known(seen[1]),
+        verdict=verdict,
+        reason=KEPT[verdict],
+        decides=decides,
+    )
 
 
 def what_of(check: Check) -> Message:

@@ -20,9 +20,9 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop
 from mtcommission.machine.identified import Estimate
 from mtcommission.verify.beside import Recorded
-from mtcommission.verify.columns import Role
 from mtcommission.verify.prediction import Rebuilt, cycles_of
 from mtcommission.verify.refine import Parameter
+from mtcommission.verify.trace import Role
 from mtcommission.verify.verify import Verification
 
 COUNTS = 3.0

@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.record.machine import Profile
 from mtcommission.sheet.document import (
     BigValue,
@@ -24,14 +25,11 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.plots import FOURTH, MAIN, OTHER, THIRD, Curve, Signals, line_plot
-from mtcommission.sheet.tables import Quantity, table
+from mtcommission.sheet.tables import Quantity, table, words_for
 from mtcommission.verify.beside import Recorded
-from mtcommission.verify.checks import Check, Judged, Verdict
-from mtcommission.verify.columns import Role
-from mtcommission.verify.feedforward import FeedForward
-from mtcommission.verify.refine import Refined
-from mtcommission.verify.renew import NewLimits
+from mtcommission.verify.checks import Check, Verdict
 from mtcommission.verify.report import (
+    Report,
     check_row,
     known_first,
     list_differences,
@@ -40,7 +38,7 @@ from mtcommission.verify.report import (
     say_reasons,
     say_verdict,
 )
-from mtcommission.verify.trace import Trace
+from mtcommission.verify.trace import Role, Trace
 from mtcommission.verify.verify import Verification
 
 T = TypeVar("T")
@@ -54,28 +52,31 @@ MOST_PLOTS = 6
 LARGE = ("settling time", "residual deviation", "peak deviation", "max force")
 """Checks of the first move that stand in the headline."""
 
+PANELS = {Role.FORCE: ("force", "N"), Role.ACCELERATION: ("acceleration-measured", "m/s^2")}
+"""Text and unit of a signal that is no position."""
 
-def print_verification(
-    found: Verification,
-    refined: Refined,
-    fed: FeedForward | None,
-    limits: NewLimits | None,
-    *,
-    created: str,
-    language: str,
-) -> str:
+
+def print_verification(told: Report, *, created: str, language: str) -> str:
     """Return the page, which works offline."""
-    record, machine = found.record, found.record.machine
-    words = Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
+    found, machine = told.found, told.found.record.machine
+    words = words_for(machine, language)
     large = [one for one in found.checks if one.key in LARGE][: len(LARGE)]
     parts: dict[str, Sequence[Block]] = {
-        "verdict": verdict_blocks(found, words, detail=say_detail(found, words), large=large),
+        "verdict": verdict_blocks(
+            found.checks,
+            words,
+            headline=found.headline,
+            is_met=found.verdict is Verdict.HOLDS,
+            warnings=found.warnings,
+            detail=say_detail(found, words),
+            large=large,
+        ),
         "overlay": [
             _plot(f"move-{place}", one, found, words)
             for place, one in enumerate(found.recorded[:MOST_PLOTS], start=1)
             if one.beside
         ],
-        "differences": list_differences(found, refined, fed, limits, words),
+        "differences": list_differences(told, words),
         "sources": [source_table(found.traces, _roles, words)],
     }
     return set_verification(
@@ -83,7 +84,7 @@ def print_verification(
         words,
         machine=machine.name,
         axes=[machine.axis],
-        profiles=[record.profile],
+        profiles=[found.record.profile],
         created=created,
     )
 
@@ -99,15 +100,14 @@ def set_verification(
 ) -> str:
     """Return the page of parts, by key of their heading."""
     say = words.text
+    hashes = (say("identity", name=one.name, hash=one.sha256[:12]) for one in profiles)
     page = document(
         words,
         script_note="identify-script-note",
         title=say("verify-title"),
         machine=machine,
         axis=f"{say('axis')} {', '.join(axes)}",
-        identity=", ".join(
-            say("identity", name=one.name, hash=one.sha256[:12]) for one in profiles
-        ),
+        identity=", ".join(hashes),
         created=created,
         disclaimer=say("verify-disclaimer"),
         sections=tuple(
@@ -120,28 +120,30 @@ def set_verification(
 
 
 def verdict_blocks(
-    found: Judged, words: Catalogue, *, detail: str, large: Sequence[Check]
+    checks: Sequence[Check],
+    words: Catalogue,
+    *,
+    headline: Message,
+    is_met: bool,
+    warnings: Sequence[Message],
+    detail: str,
+    large: Sequence[Check],
 ) -> list[Block]:
     """Return the headline with some large values, warnings, every check, and reasons."""
-    warnings = tuple(map(words.say, found.warnings))
-    headline = Headline(
-        is_met=found.verdict is Verdict.HOLDS,
-        verdict=words.say(found.headline),
-        detail=detail,
-        values=tuple(
-            BigValue(
-                label=say_check(check, words),
-                value=words.format.quantity(check.measured, check.unit),
-                aside=say_verdict(check.verdict, words),
-            )
-            for check in large
-        ),
+    values = tuple(
+        BigValue(
+            label=say_check(check, words),
+            value=words.format.quantity(check.measured, check.unit),
+            aside=say_verdict(check.verdict, words),
+        )
+        for check in large
     )
+    said, heading = tuple(map(words.say, warnings)), words.say(headline)
     return [
-        headline,
-        *([Bullets(items=warnings, tone=Tone.WARNING)] if warnings else []),
-        _checks(known_first(found.checks), words),
-        Bullets(items=tuple(say_reasons(found.checks, words))),
+        Headline(is_met=is_met, verdict=heading, detail=detail, values=values),
+        *([Bullets(items=said, tone=Tone.WARNING)] if said else []),
+        _checks(known_first(checks), words),
+        Bullets(items=tuple(say_reasons(checks, words))),
     ]
 
 
@@ -152,7 +154,7 @@ def _checks(checks: Sequence[Check], words: Catalogue) -> Table:
         for k, (head, width) in enumerate(widths.items())
         if head != "allowed" or any(one.limit is not None for one in checks)
     )
-    failed = tuple(k for k, one in enumerate(checks) if one.verdict is Verdict.FAILS)
+    failed = tuple(k for k, one in enumerate(checks) if one.fails)
     rows = [check_row(one, words) for one in checks]
     return replace(table(words, "verify-caption-checks", columns, rows), strong_rows=failed)
 
@@ -203,7 +205,3 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
         begin=motion.begin,
         verdict=found.headline,
     )
-
-
-PANELS = {Role.FORCE: ("force", "N"), Role.ACCELERATION: ("acceleration-measured", "m/s^2")}
-"""Text and unit of a signal that is no position."""

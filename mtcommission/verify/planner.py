@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 
 from mtcommission.errors import MtcommissionError
+from mtcommission.identify.measurement import Array
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -14,7 +15,6 @@ from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint, sample_setpo
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.verify.checks import Check, Verdict
 from mtcommission.verify.setpoint import Motion, Reached
-from mtcommission.verify.trace import Array
 
 SAME_SIZE = 0.02
 """Relative difference of travel and velocity up to which a move is the record's."""

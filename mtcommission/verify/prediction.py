@@ -8,6 +8,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.identify.measurement import Array
 from mtcommission.loop.analysis import mode_poles, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
@@ -18,7 +19,6 @@ from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.record.read_back import held_controller, read_held
 from mtcommission.record.record import Record
 from mtcommission.verify.setpoint import Motion
-from mtcommission.verify.trace import Array
 
 ComplexArray = NDArray[np.complex128]
 

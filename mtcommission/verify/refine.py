@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import hypot, pi, sqrt
 
 import numpy as np
@@ -155,30 +156,24 @@ def _modes(rebuilt: Rebuilt, recorded: Sequence[Recorded], near: Rebuilt) -> tup
         pole = near.poles[0, number]
         stiffer = mode.natural_frequency / abs(pole)
         damped = mode.damping_ratio / (-pole.real / abs(pole))
-        hertz = _mean([(one.frequency_hz, one.frequency_sigma_hz) for one in seen])
-        zeta = _mean([(one.damping_ratio, one.damping_sigma) for one in seen])
-        for key, unit, old, new in (
-            ("frequency", "Hz", known.frequency_hz, _scaled(hertz, stiffer, FREQUENCY_FLOOR)),
-            ("damping_ratio", "", known.damping_ratio, _scaled(zeta, damped, DAMPING_FLOOR)),
-        ):
-            parameters.append(Parameter(key=key, mode=mode.name, unit=unit, old=old, new=new))
+        hertz = _mean([one.frequency_hz for one in seen], stiffer, FREQUENCY_FLOOR)
+        zeta = _mean([one.damping_ratio for one in seen], damped, DAMPING_FLOOR)
+        row = partial(Parameter, mode=mode.name)
+        parameters += [
+            row(key="frequency", unit="Hz", old=known.frequency_hz, new=hertz),
+            row(key="damping_ratio", unit="", old=known.damping_ratio, new=zeta),
+        ]
     return tuple(parameters)
 
 
-def _scaled(one: Estimate, factor: float, floor: float) -> Estimate:
-    value = float(factor * one.value)
-    return Estimate(value=value, sigma=float(hypot(factor * one.sigma, floor * value)))
-
-
-def _mean(rows: Sequence[tuple[float, float]]) -> Estimate:
-    """Weighted mean; its error covers the scatter of the repetitions."""
-    values, sigmas = np.array(rows).T
-    weights = 1.0 / np.maximum(sigmas, 1e-12) ** 2
-    scatter = float(np.std(values)) / sqrt(len(rows))
-    return Estimate(
-        value=float(np.average(values, weights=weights)),
-        sigma=max(float(weights.sum()) ** -0.5, scatter),
-    )
+def _mean(seen: Sequence[Estimate], factor: float, floor: float) -> Estimate:
+    """Weighted mean times a factor; its error covers the scatter of the repetitions."""
+    values = np.array([one.value for one in seen])
+    weights = 1.0 / np.maximum([one.sigma for one in seen], 1e-12) ** 2
+    scatter = float(np.std(values)) / sqrt(len(seen))
+    value = factor * float(np.average(values, weights=weights))
+    sigma = factor * max(float(weights.sum()) ** -0.5, scatter)
+    return Estimate(value=value, sigma=hypot(sigma, floor * value))
 
 
 def _with(machine: Machine, parameters: tuple[Parameter, ...]) -> Machine:

@@ -3,21 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import to_json
+from mtcommission.messages.message import Message, to_json
 from mtcommission.record.shape import to_plain
 from mtcommission.sheet.document import Block, Column, Paragraph, Table, Tone, note
-from mtcommission.units.axis_units import LINEAR, ROTARY
+from mtcommission.sheet.tables import DASH, Quantity, table
 from mtcommission.verify.checks import Check, Verdict, what_of
-from mtcommission.verify.feedforward import FeedForward
-from mtcommission.verify.refine import Parameter, Refined
-from mtcommission.verify.renew import Limits, NewLimits
+from mtcommission.verify.feedforward import FeedForward, suggest_feedforward
+from mtcommission.verify.refine import Parameter, Refined, refine
+from mtcommission.verify.renew import NewLimits
 from mtcommission.verify.verify import Verification
 
-KNOWN = (Verdict.FAILS, Verdict.HOLDS)
-
 Entry = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What traces say of a record, of the machine and of its control."""
+
+    found: Verification
+    refined: Refined  # parameters as the traces show them
+    fed: FeedForward | None  # None where a trace shows no following error
+    limits: NewLimits | None = None  # what they lead to; None: not asked for
+
+
+def report(found: Verification) -> Report:
+    """Return what the traces of a verification say beyond its verdict."""
+    return Report(found=found, refined=refine(found), fed=suggest_feedforward(found))
 
 
 def say_verdict(verdict: Verdict, words: Catalogue) -> str:
@@ -39,34 +53,28 @@ def say_detail(found: Verification, words: Catalogue) -> str:
 
 def known_first(checks: Sequence[Check]) -> list[Check]:
     """Return checks, those that tell something first."""
-    return sorted(checks, key=lambda check: check.verdict not in KNOWN)
+    return sorted(checks, key=lambda check: check.verdict is Verdict.UNKNOWN)
+
+
+def _shown(value: float | None, unit: str, words: Catalogue, digits: int = 4) -> str:
+    """A value in its unit; a ratio per cent."""
+    if unit:
+        return words.format.quantity(value, unit, digits=digits)
+    return DASH if value is None else words.format.percent(value, digits=digits)
 
 
 def check_row(check: Check, words: Catalogue) -> tuple[str, ...]:
     """Return promise, prediction with its corners, bound, measured value and verdict."""
-    return say_check(check, words), *check_cells(check, words)
-
-
-def check_cells(check: Check, words: Catalogue) -> tuple[str, str, str, str]:
-    """Return prediction with its corners, bound, measured value and verdict."""
-    form = words.format
-
-    def value(number: float | None, digits: int = 4) -> str:
-        if check.unit == "":
-            return "–" if number is None else form.percent(number, digits=digits)
-        return form.quantity(number, check.unit, digits=digits)
-
-    predicted, measured = value(check.predicted), value(check.measured)
-    if check.low != check.high:
-        predicted += f" ({value(check.low)} … {value(check.high)})"
-    if check.measured is not None and check.uncertainty is not None:
-        measured += f" ± {value(check.uncertainty, 2)}"
-    return (
-        predicted,
-        "–" if check.limit is None else f"≤ {value(check.limit)}",
-        measured,
-        say_verdict(check.verdict, words),
+    predicted, low, high, limit, measured = (
+        _shown(value, check.unit, words)
+        for value in (check.predicted, check.low, check.high, check.limit, check.measured)
     )
+    if check.low != check.high:
+        predicted += f" ({low} … {high})"
+    if check.measured is not None and check.uncertainty is not None:
+        measured += f" ± {_shown(check.uncertainty, check.unit, words, 2)}"
+    allowed = DASH if check.limit is None else f"≤ {limit}"
+    return say_check(check, words), predicted, allowed, measured, say_verdict(check.verdict, words)
 
 
 def say_reasons(checks: Sequence[Check], words: Catalogue) -> list[str]:
@@ -79,19 +87,13 @@ def say_reasons(checks: Sequence[Check], words: Catalogue) -> list[str]:
     return [f"{verdict} ({why}): {', '.join(names)}" for (verdict, why), names in grouped.items()]
 
 
-def list_differences(
-    found: Verification,
-    refined: Refined,
-    fed: FeedForward | None,
-    limits: NewLimits | None,
-    words: Catalogue,
-) -> list[Block]:
+def list_differences(told: Report, words: Catalogue) -> list[Block]:
     """Return what is different from the record: parameters, and the limits that follow."""
-    say, blocks = words.text, list[Block]()
+    say, blocks, refined, fed = words.text, list[Block](), told.refined, told.fed
     if refined.parameters:
         blocks.append(_parameters("parameter", refined.parameters, words))
-    if found.unexplained is not None:
-        blocks.append(note(say("verify-unexplained", share=found.unexplained)))
+    if told.found.unexplained is not None:
+        blocks.append(note(say("verify-unexplained", share=told.found.unexplained)))
     before, after = refined.unexplained_before, refined.unexplained_after
     if before is not None and after is not None and refined.parameters:
         tested = say("verify-tested", moves=refined.tested, before=before, after=after)
@@ -103,77 +105,65 @@ def list_differences(
         old, new = (words.format.axis(value, "m", digits=3) for value in (fed.before, fed.after))
         brings = say("verify-feedforward-brings", moves=fed.tested, before=old, after=new)
         blocks.append(note(brings))
-    if limits is not None:
-        blocks.append(_limits(limits, words))
-        if limits.failure:
-            failure = say("warning", warning=words.say(limits.failure))
+    if told.limits is not None:
+        blocks.append(_limits(told.limits, words))
+        if told.limits.failure:
+            failure = say("warning", warning=words.say(told.limits.failure))
             blocks.append(Paragraph(text=failure, tone=Tone.WARNING))
     return blocks
 
 
 def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Table:
     """Name, old and new value of each, and what to make of it."""
-    say, form, rows = words.text, words.format, []
-    for one in values:
 
-        def value(number: float, digits: int = 4, unit: str = one.unit) -> str:
-            if unit == "":
-                return form.percent(number, digits=digits)
-            return form.quantity(number, unit, digits=digits)
+    def name(one: Parameter) -> str:
+        what = words.text(f"verify-parameter-{one.key.replace('_', '-')}")
+        return words.text("of-mode", name=what, mode=one.mode) if one.mode else what
 
-        what = say(f"verify-parameter-{one.key.replace('_', '-')}")
-        meaning = say(f"verify-parameter-is-{'changed' if one.has_changed else 'same'}")
-        rows.append(
-            (
-                say("of-mode", name=what, mode=one.mode) if one.mode else what,
-                value(one.old),
-                f"{value(one.new.value)} ± {value(2.0 * one.new.sigma, 2)}",
-                meaning,
-            )
-        )
-    return Table(
-        caption=say(f"verify-caption-{kind}s"),
-        columns=(
-            Column(head=say(f"verify-head-{kind}"), width=1.6),
-            Column(head=say("verify-head-old"), is_number=True),
-            Column(head=say("verify-head-new"), is_number=True, width=1.6),
-            Column(head=say("meaning"), width=1.6),
-        ),
-        rows=tuple(rows),
-        strong_rows=tuple(place for place, one in enumerate(values) if one.has_changed),
+    def new(one: Parameter) -> str:
+        value, error = _shown(one.new.value, one.unit, words), 2.0 * one.new.sigma
+        return f"{value} ± {_shown(error, one.unit, words, 2)}"
+
+    def meaning(one: Parameter) -> Message:
+        return Message(f"verify-parameter-is-{'changed' if one.has_changed else 'same'}")
+
+    columns = (
+        Quantity(f"verify-head-{kind}", name, width=1.6),
+        Quantity("verify-head-old", lambda one: _shown(one.old, one.unit, words), ""),
+        Quantity("verify-head-new", new, "", width=1.6),
+        Quantity("meaning", meaning, width=1.6),
     )
+    caption = f"verify-caption-{kind}s"
+    return table(words, caption, columns, values, strong=lambda one: one.has_changed)
+
+
+LIMITS = (
+    Quantity("verify-limit-acceleration", "acceleration", "m/s^2"),
+    Quantity("verify-limit-jerk", "jerk", "m/s^3"),
+    Quantity("verify-limit-settling", "settling_time", "s", "not-settled"),
+    Quantity("verify-limit-met", "met"),
+)
 
 
 def _limits(limits: NewLimits, words: Catalogue) -> Table:
     """Acceleration, jerk, settling time and verdict, old beside new."""
-    say, form, unit = words.text, words.format, ROTARY if words.rotary else LINEAR
-
-    def column(one: Limits | None) -> list[str]:
-        if one is None:
-            return ["–"] * 4
-        return [
-            form.quantity(one.acceleration, unit.acceleration.si),
-            form.quantity(one.jerk, unit.jerk.si),
-            form.quantity(one.settling_time, "s", missing=say("not-settled")),
-            say("yes" if one.met else "no"),
-        ]
-
-    names = [say(f"verify-limit-{key}") for key in ("acceleration", "jerk", "settling", "met")]
+    both, heads = (limits.old, limits.new), ("verify-head-old", "verify-head-new")
     return Table(
-        caption=say("verify-caption-limits"),
+        caption=words.text("verify-caption-limits"),
         columns=(
             Column(head="", width=1.4),
-            Column(head=say("verify-head-old"), is_number=True),
-            Column(head=say("verify-head-new"), is_number=True),
+            *(Column(head=words.text(head), is_number=True) for head in heads),
         ),
-        rows=tuple(zip(names, column(limits.old), column(limits.new), strict=True)),
+        rows=tuple(
+            (one.head(words), *(one.show(own, words) if own else DASH for own in both))
+            for one in LIMITS
+        ),
     )
 
 
-def verification_entry(
-    found: Verification, refined: Refined, fed: FeedForward | None, limits: NewLimits | None
-) -> Entry:
+def verification_entry(told: Report) -> Entry:
     """Return what was found as JSON has it; SI, ``limit`` null where nothing is required."""
+    found, refined, fed, limits = told.found, told.refined, told.fed, told.limits
     by_key = {check.key: check.measured for check in found.checks}
     setpoint = ("velocity", "acceleration", "jerk")
     return {
@@ -189,8 +179,8 @@ def verification_entry(
         "modes": [
             {
                 "name": mode.name,
-                "frequency_hz": seen.frequency_hz,
-                "damping_ratio": seen.damping_ratio,
+                "frequency_hz": seen.frequency_hz.value,
+                "damping_ratio": seen.damping_ratio.value,
                 "amplitude": seen.amplitude,
                 "move": number,
             }
@@ -220,9 +210,8 @@ def verification_entry(
 
 
 def _parameter(one: Parameter) -> Entry:
-    new, sigma = one.new.value, one.new.sigma
-    changed = one.has_changed
-    return {"old": one.old, "new": new, "sigma": sigma, "unit": one.unit, "changed": changed}
+    new = {"new": one.new.value, "sigma": one.new.sigma}
+    return {"old": one.old, **new, "unit": one.unit, "changed": one.has_changed}
 
 
 def check_entry(check: Check) -> Entry:

@@ -22,9 +22,8 @@ from mtcommission.identify.damped import Regression, regress
 from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
 from mtcommission.plant.plant import Plant
-from mtcommission.verify.columns import Role
 from mtcommission.verify.setpoint import runs
-from mtcommission.verify.trace import Trace
+from mtcommission.verify.trace import Role, Trace
 
 REACH = 4.0
 """Half width of the weights in their standard deviations."""

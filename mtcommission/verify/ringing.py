@@ -8,13 +8,13 @@ blind. All oscillating ones are free then, since another mode moves the servo's 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import hypot, inf, pi
 
 import numpy as np
 
 from mtcommission.identify.damped import fit_damped, weigh
 from mtcommission.identify.measurement import Array, FreeMode
+from mtcommission.machine.identified import Estimate
 from mtcommission.verify.prediction import Rebuilt
 
 FEWEST, MOST = 64, 2000
@@ -83,11 +83,13 @@ def find_modes(
 
 def _with_bias(one: FreeMode, known: FreeMode, pole: complex, size: float) -> FreeMode:
     """A mode with the error of the fit itself."""
-    hertz, zeta = abs(pole) / (2 * pi), -pole.real / abs(pole)
-    return replace(
-        one,
-        frequency_sigma_hz=hypot(one.frequency_sigma_hz, known.frequency_hz - hertz),
-        damping_sigma=hypot(one.damping_sigma, known.damping_ratio - zeta),
+
+    def doubted(own: Estimate, seen: Estimate, true: float) -> Estimate:
+        return Estimate(value=own.value, sigma=hypot(own.sigma, seen.value - true))
+
+    return FreeMode(
+        frequency_hz=doubted(one.frequency_hz, known.frequency_hz, abs(pole) / (2 * pi)),
+        damping_ratio=doubted(one.damping_ratio, known.damping_ratio, -pole.real / abs(pole)),
         amplitude=size * one.amplitude,
     )
 
@@ -142,5 +144,5 @@ def _fit(
         for number, one, error in zip(start, fitted.modes, fitted.errors, strict=False)
         if left <= max(0.5 * noise, NO_VIBRATION * one.amplitude)
         and one.amplitude >= SIGNIFICANT * error
-        and one.frequency_sigma_hz <= SURE * one.frequency_hz
+        and one.frequency_hz.relative <= SURE
     }

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from hashlib import sha256
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mtcommission.identify.formats.contents import TimeContents, refuse
-from mtcommission.identify.formats.recognise import read_contents
-from mtcommission.identify.formats.text import read_measured
+from mtcommission.identify.formats.contents import Column, TimeContents, refuse
+from mtcommission.identify.formats.recognise import read_contents, read_measured
+from mtcommission.identify.given import Given
 from mtcommission.identify.meaning.clock import read_clock
+from mtcommission.identify.meaning.columns import Course, Meaning, read_columns
+from mtcommission.identify.measurement import FORCES, Array, Sensor, Signal
 from mtcommission.messages.message import Message
-from mtcommission.verify.columns import Axis, Role, read_meanings
-
-Array = NDArray[np.float64]
 
 SAME_TRAVEL = 0.5
 """Relative difference between what setpoint and encoder travel that no following error explains:
@@ -35,7 +34,31 @@ ABSURD = 1e30
 WHOLE = 0.05
 """Distance from a whole multiple of the step, as share of it, that rounding may have."""
 
+
+class Role(StrEnum):
+    """What a column of a trace holds; the value is our name of it."""
+
+    SETPOINT = "x_ref"
+    SETPOINT_VELOCITY = "v_ref"
+    ENCODER = "encoder"
+    VELOCITY = "velocity"
+    FOLLOWING_ERROR = "following_error"
+    TOOL = "tcp"
+    ACCELERATION = "acceleration"
+    FORCE = "force"
+
+
 _MEASURED = (Role.ENCODER, Role.FOLLOWING_ERROR, Role.TOOL, Role.ACCELERATION)
+_ROLES = {
+    (Signal.POSITION, Course.SETPOINT): Role.SETPOINT,
+    (Signal.VELOCITY, Course.SETPOINT): Role.SETPOINT_VELOCITY,
+    (Signal.POSITION, Course.ERROR): Role.FOLLOWING_ERROR,
+    (Signal.POSITION, Course.ACTUAL): Role.ENCODER,
+    (Signal.VELOCITY, Course.ACTUAL): Role.VELOCITY,
+    (Signal.ACCELERATION, Course.ACTUAL): Role.ACCELERATION,
+    **{(signal, Course.ACTUAL): Role.FORCE for signal in FORCES},
+}
+"""Of a column that is no position of the tool; others are of no use to a trace."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,10 +79,8 @@ class Channel:
 
     def between(self, begin: float, end: float) -> tuple[Array, Array]:
         """Return times and values from a time up to another one."""
-        t = self.t
-        inside = slice(
-            *np.searchsorted(t, [begin - 1e-6 * self.step, end + 1e-6 * self.step]).tolist()
-        )
+        t, slack = self.t, 1e-6 * self.step
+        inside = slice(*np.searchsorted(t, [begin - slack, end + slack]).tolist())
         return t[inside], self.values[inside]
 
 
@@ -92,53 +113,53 @@ class Trace:
         return next(one for one in self.channels if one.role is Role.SETPOINT)
 
 
-def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
+def read_trace(name: str, given: Given) -> Trace:
     """Return what a file holds.
 
     Raises
     ------
     InputError
-        It is no record over time, has no setpoint, nothing measured, or contradicts itself.
+        It is no record over time, has no setpoint, nothing measured, or contradicts itself: a name
+        that is none of ours, a unit that does not fit, two columns for one role.
     """
     data = read_measured(name)
-    contents = read_contents(data, said, where=name)
+    contents = read_contents(data, given.columns, where=name)
     items = [item for item in contents.items if isinstance(item, TimeContents) and item.columns]
     if not items:
         raise refuse(name, "verify-no-time-record")
     columns = [column for item in items for column in item.columns]
-    names = tuple(column.name for column in columns)
-    meanings = read_meanings(columns, said, axis, where=name)
-    remarks = [*contents.remarks, *(m.remark for m in meanings if m and m.remark)]
+    used, assumed = _roles(columns, given, where=name)
+    remarks = [*contents.remarks, *assumed]
     channels: list[Channel] = []
     gaps: list[tuple[float, float]] = []
     for item in items:
-        own, meanings = meanings[: len(item.columns)], meanings[len(item.columns) :]
-        if not any(own):
+        own = [column for column in item.columns if id(column) in used]
+        if not own:
             continue
-        clock = read_clock(item, said, where=name)
+        clock = read_clock(item, given.columns, where=name)
         remarks += [Message("verify-gap", begin=a, end=b) for a, b in clock.gaps]
         remarks += clock.remarks
         gaps += clock.gaps
-        for meaning, column in zip(own, item.columns, strict=True):
-            if meaning:
-                values, error = clock.sample(column.values)
-                if not np.all(np.abs(values) < ABSURD):
-                    raise refuse(name, "identify-series-not-finite", name=column.name)
-                channels.append(
-                    Channel(
-                        role=meaning.role,
-                        name=column.name,
-                        start=float(clock.times[0]),
-                        step=clock.step,
-                        values=meaning.scale * values,
-                        error=abs(meaning.scale) * error,
-                    )
+        for column in own:
+            role, scale = used[id(column)]
+            values, error = clock.sample(column.values)
+            if not np.all(np.abs(values) < ABSURD):
+                raise refuse(name, "identify-series-not-finite", name=column.name)
+            channels.append(
+                Channel(
+                    role=role,
+                    name=column.name,
+                    start=float(clock.times[0]),
+                    step=clock.step,
+                    values=scale * values,
+                    error=abs(scale) * error,
                 )
-    used = {one.name for one in channels}
-    if unused := tuple(one for one in names if one not in used):
+            )
+    names = tuple(column.name for column in columns)
+    if unused := tuple(one for one in names if one not in [own.name for own in channels]):
         remarks.append(Message("identify-ignored", names=unused))
     if all(one.role is not Role.SETPOINT for one in channels):
-        setpoint, remark = _other_setpoint(channels, names, where=name)
+        setpoint, remark = _other_setpoint({one.role: one for one in channels}, names, where=name)
         channels.insert(0, setpoint)
         remarks.append(remark)
     if not any(one.role in _MEASURED for one in channels):
@@ -154,11 +175,54 @@ def read_trace(name: str, said: Mapping[str, str], axis: Axis) -> Trace:
     )
 
 
+def _roles(
+    columns: Sequence[Column], given: Given, *, where: str
+) -> tuple[dict[int, tuple[Role, float]], list[Message]]:
+    """Role and SI value per unit of the columns that are of use, and what was assumed of them."""
+    found = []
+    for column, one in zip(columns, read_columns(columns, given.columns, where=where), strict=True):
+        if one and (role := _ROLES.get((one.signal, one.course))):
+            at_tool = role is Role.ENCODER and one.sensor is Sensor.TCP
+            found.append((column, Role.TOOL if at_tool else role, one))
+    said = {role for _, role, one in found if one.is_said}
+    found = [row for row in found if row[2].is_said or row[1] not in said]
+    used, remarks = {}, []
+    for column, role, one in found:
+        scale, remark = _at_axis(column, role, one, given, where=where)
+        used[id(column)] = role, scale
+        remarks += [remark] if remark else []
+    for role in Role:
+        same = tuple(column.name for column, own, _ in found if own is role)
+        if len(same) > 1:
+            raise refuse(where, "verify-two-columns", role=role.value, names=same)
+    return used, remarks
+
+
+def _at_axis(
+    column: Column, role: Role, one: Meaning, given: Given, *, where: str
+) -> tuple[float, Message | None]:
+    """SI value at the axis per unit, and what was taken for it."""
+    name, unit = column.name, column.unit
+    if one.is_assumed:
+        scale = given.constant if role is Role.FORCE and given.constant else 1.0
+        return scale, Message("verify-si-assumed", name=name)
+    if one.signal is Signal.CURRENT:
+        if given.constant is None:
+            raise refuse(where, "verify-constant-missing", name=name)
+        return one.scale * given.constant, None
+    if one.rotary == given.rotary:
+        return one.scale, None
+    turn = given.motor_turn
+    if given.rotary or turn == 0.0:
+        raise refuse(where, "verify-other-motion", name=name, unit=unit)
+    factor = turn if one.signal in FORCES else 1.0 / turn
+    return one.scale * factor, Message("verify-at-motor", name=name, unit=unit)
+
+
 def _other_setpoint(
-    channels: Iterable[Channel], names: tuple[str, ...], *, where: str
+    by_role: Mapping[Role, Channel], names: tuple[str, ...], *, where: str
 ) -> tuple[Channel, Message]:
     """A setpoint's position from its velocity, or from position and following error."""
-    by_role = {one.role: one for one in channels}
     if rate := by_role.get(Role.SETPOINT_VELOCITY):
         sums = np.concatenate([[0.0], np.cumsum(rate.values[1:] + rate.values[:-1])])
         position = replace(rate, role=Role.SETPOINT, values=0.5 * rate.step * sums)
@@ -183,10 +247,8 @@ def _check_travel(
             at = np.interp(one.t, setpoint.t, setpoint.values)
             slope = float(np.polyfit(at - at.mean(), one.values, 1)[0]) if np.ptp(at) else 1.0
             if abs(abs(slope) - 1.0) > SAME_TRAVEL:
-                reference = setpoint.name
-                raise refuse(
-                    where, "verify-other-travel", name=one.name, reference=reference, ratio=slope
-                )
+                kind, reference = "verify-other-travel", setpoint.name
+                raise refuse(where, kind, name=one.name, reference=reference, ratio=slope)
             if slope < 0.0:
                 remarks.append(Message("verify-reversed", name=one.name))
                 one = replace(one, values=-one.values)

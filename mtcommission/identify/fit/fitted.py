@@ -9,21 +9,23 @@ from numpy.typing import NDArray
 
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
-from mtcommission.identify.measurement import FrequencyResponse, Sensor, Spectrum
+from mtcommission.identify.measurement import (
+    Array,
+    ComplexArray,
+    FrequencyResponse,
+    Sensor,
+    Spectrum,
+)
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FittedMode:
     """A mode with common poles."""
 
-    # frequency_hz, damping_ratio: f [Hz] and ζ [-].
-    frequency_hz: Estimate
-    damping_ratio: Estimate
+    frequency_hz: Estimate  # f [Hz]
+    damping_ratio: Estimate  # ζ [-]
     # Residue in each response, in their order, polarity put right [1/kg; 1/(kg m²) on a rotary
     # axis; - for a base-excited one].
     gains: tuple[Estimate, ...]
@@ -42,7 +44,6 @@ class FittedResponse:
     has_rigid_body: bool
     delay: Estimate  # tau [s]
     lag: Estimate | None  # T [s]; None where none shows
-    residual: Estimate  # R, polarity put right [m/N]
     # poles, gains: Of the model, as measured.
     poles: Poles
     gains: Array
@@ -50,13 +51,9 @@ class FittedResponse:
 
     def model(self, frequency_hz: Array) -> ComplexArray:
         """Return the model's response, as measured with its polarity, shape (n,)."""
-        return predict(
-            frequency_hz,
-            self.poles,
-            self.gains,
-            place=self.place,
-            derivative=self.response.output.derivative,
-        )
+        derivative = self.response.output.derivative
+        own = self.poles, self.gains
+        return predict(frequency_hz, *own, place=self.place, derivative=derivative)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -86,4 +83,8 @@ class FittedSpectrum:
     # By frequency, with their shares at the tool; two within the window's width show as one.
     modes: tuple[MeasuredMode, ...]
     density: Array  # The model on the fitted lines
-    scatter: float  # Standard deviation of ln P about the model [-]
+
+    @property
+    def power(self) -> float:
+        """Its largest density."""
+        return float(self.spectrum.density[self.is_used].max())

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mtcommission.identify.fit.lines import Lines, neighbours
+from mtcommission.identify.fit.lines import Lines, count_values, neighbours
 from mtcommission.identify.fit.projection import Projected
-
-Array = NDArray[np.float64]
+from mtcommission.identify.measurement import Array
 
 NEIGHBOURS = 21
 """Lines over which the scatter of the residuals is taken (empirical)."""
@@ -31,15 +29,16 @@ def smooth_errors(responses: Sequence[Lines]) -> list[Lines]:
     found = []
     for lines in responses:
         size = np.abs(lines.values)
-        relative = lines.error / size
         least = np.maximum(size, np.median(neighbours(size, 5), axis=1))
-        found.append(lines.weigh(_smooth(relative) * least))
+        found.append(lines.weigh(_smooth_share(lines) * least))
     return found
 
 
-def _smooth(relative: Array) -> Array:
-    spread: Array = np.sqrt(np.maximum(0.5 * relative**2, neighbours(relative**2, 5).mean(axis=1)))
-    return spread
+def _smooth_share(lines: Lines) -> Array:
+    """The relative error of each line, as its neighbours allow."""
+    squares = (lines.error / np.abs(lines.values)) ** 2
+    mean = neighbours(squares, 5).mean(axis=1)
+    return np.asarray(np.sqrt(np.maximum(0.5 * squares, mean)))
 
 
 def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines], float]:
@@ -49,30 +48,23 @@ def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines
     everywhere and smooth over frequency, is added so that the misfit becomes 1. Where a stretch of
     lines scatters more than the rest, its errors grow. Neither makes an error smaller.
     """
-    models = [
-        lines.values + residual * lines.error
-        for lines, residual in zip(responses, fit.residuals, strict=True)
-    ]
-    relative = [_smooth(lines.error / np.abs(lines.values)) for lines in responses]
-    noise = [e * np.abs(model) for e, model in zip(relative, models, strict=True)]
-    course = [
-        _course(lines.frequency_hz, np.abs(model))
-        for lines, model in zip(responses, models, strict=True)
-    ]
-    squares = [
-        np.abs(model - lines.values) ** 2 for lines, model in zip(responses, models, strict=True)
-    ]
-    count = sum(2 * lines.size for lines in responses)
-    share = _excess_share(*map(np.concatenate, (squares, noise, course)), count=count)
+    rows = []
+    for lines, residual in zip(responses, fit.residuals, strict=True):
+        missed = residual * lines.error
+        size = np.abs(lines.values + missed)
+        rows.append((np.abs(missed) ** 2, _smooth_share(lines) * size, _course(lines, size)))
+    q, e, c = map(np.concatenate, zip(*rows, strict=True))
+    share = _excess_share(q, e, c, count_values(responses))
     found = []
-    for lines, q, e, c in zip(responses, squares, noise, course, strict=True):
-        error = np.hypot(e, share * c)
-        local = neighbours(np.minimum(q / error**2, LARGEST_SHARE), NEIGHBOURS).mean(axis=1) / 2
+    for lines, (squares, noise, course) in zip(responses, rows, strict=True):
+        error = np.hypot(noise, share * course)
+        own = np.minimum(squares / error**2, LARGEST_SHARE)
+        local = neighbours(own, NEIGHBOURS).mean(axis=1) / 2
         found.append(lines.weigh(error * np.sqrt(np.maximum(1.0, local))))
     return found, share
 
 
-def _excess_share(squares: Array, noise: Array, course: Array, *, count: int) -> float:
+def _excess_share(squares: Array, noise: Array, course: Array, count: int) -> float:
     """The share by which Σ squares/(noise² + share² course²) falls to the count; 0: it is below.
 
     Falling and convex in share², so that Newton's steps from 0 never pass the root.
@@ -87,14 +79,13 @@ def _excess_share(squares: Array, noise: Array, course: Array, *, count: int) ->
     return float(np.sqrt(power))
 
 
-def _course(frequency_hz: Array, size: Array) -> Array:
+def _course(lines: Lines, size: Array) -> Array:
     """|H| without its dips: at an antiresonance the model errs as much as beside it."""
-    log_f = np.log(frequency_hz)
+    log_f = np.log(lines.frequency_hz)
     low = np.searchsorted(log_f, log_f - SMOOTHED_OVER)
     high = np.searchsorted(log_f, log_f + SMOOTHED_OVER, side="right")
     median = np.array([np.median(size[a:b]) for a, b in zip(low, high, strict=True)])
-    course: Array = np.maximum(size, median)
-    return course
+    return np.asarray(np.maximum(size, median))
 
 
 def correlation_length(fit: Projected) -> float:

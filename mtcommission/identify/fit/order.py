@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.fit.delay import align, slope_of_phase
-from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.lines import Lines, count_values, ends_of, spacing_at
 from mtcommission.identify.fit.noise import correlation_length, judge_errors, smooth_errors
 from mtcommission.identify.fit.projection import (
     Poles,
     Projected,
-    Variances,
-    count_parameters,
     find_variances,
     project,
     refine,
+    weighed_rows,
 )
-from mtcommission.identify.fit.search import Candidates
-
-Array = NDArray[np.float64]
+from mtcommission.identify.measurement import Array, ComplexArray
 
 LEAST_GAIN = 10.0
 """A mode stays if the Bayesian information criterion falls by more than this.
@@ -61,6 +56,18 @@ TRIED = 3
 """Modes, the least sure first, without which a fit is tried."""
 MOST = 10
 """Terms of a fit, background and modes."""
+PHASE_STEP = 0.04
+"""Distance of the two lines whose phases are compared, in the highest frequency."""
+LONGEST = 5e-3
+"""Longest delay at which a fit begins [s]."""
+AROUND = (-3, -2, -1, 1, 2, 3)
+"""Delays tried beside the known one, in sixteenths of the highest frequency's period."""
+RATIOS = (0.003, 0.012, 0.045, 0.15)
+"""Damping ratios of the candidates; least squares finds those between."""
+GRID_STEP = 1.6
+"""Distance of the candidates' frequencies, in ζ f."""
+MOST_LINES = 3000
+"""Of a response with more, every second, third, ... line is searched."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,113 +76,145 @@ class Ordered:
 
     lines: list[Lines]  # The responses in their final weights
     fit: Projected  # Of least squares
-    is_mode: tuple[bool, ...]  # For each pole, whether it is a mode; else background
+    is_mode: NDArray[np.bool_]  # For each pole, whether it is a mode; else background
     model_error: float  # Share of |H| that the model misses beyond what the coherence says [-]
     correlation: float  # Neighbouring lines that err together
+
+    @property
+    def is_good(self) -> bool:
+        """Whether there are only modes, and residuals that are noise: small, or white."""
+        is_noise = self.model_error < SUSPICIOUS or self.correlation < WHITE
+        return bool(self.is_mode.all()) and is_noise
 
 
 def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ordered:
     """Return the fit with the modes for which there is evidence."""
-    slopes = np.array([slope_of_phase(lines) for lines in responses])
-    candidates, none = Candidates(responses), np.zeros(len(responses))
-    choose = partial(_choose, responses, candidates, count)
-    found = choose(slopes, lags=none, holds_delay=False)
-    found = _with_lags(responses, candidates, found, count)
-    if _is_good(found):
-        return found
-    # Background, or more misfit than noise: the search may have gone astray with the delay.
-    tried = [found]
-    for delays, lags in ((slopes, none), (none, none), (none, none + LONG_LAG)):
-        if _is_good(tried[-1]):
-            break
-        tried.append(choose(delays, lags=lags, holds_delay=not lags.any()))
-    smooth = smooth_errors(responses)
-
-    def worth(one: Ordered) -> float:
-        again = refine(smooth, one.fit.poles, steps=5)
-        return criterion(smooth, again, correlation=found.correlation)
-
-    return min(tried, key=worth)
+    return _Search(responses, count).choose()
 
 
-def _with_lags(
-    responses: Sequence[Lines], candidates: Candidates, found: Ordered, count: int | None
-) -> Ordered:
-    """The modes with a lag in place of background, if there is evidence for it."""
-    smooth, poles = smooth_errors(responses), found.fit.poles
-    halves, sharp = 0.5 * np.maximum(poles.delays, 0.0), poles.zeta < BROADEST
-    starts = (halves, np.maximum(halves, FIRST_LAG)), (0.0 * halves, np.full(halves.size, LONG_LAG))
-    fit = min(
-        (
-            refine(smooth, Poles(poles.drag, *start, poles.omega[sharp], poles.zeta[sharp]))
-            for start in starts
-        ),
-        key=lambda one: one.cost,
-    )
-    without = criterion(smooth, refine(smooth, poles, steps=5), correlation=found.correlation)
-    if without - criterion(smooth, fit, correlation=found.correlation) < LEAST_GAIN:
-        return found
-    fit = _grow(smooth, candidates, fit, MOST if count is None else count, count)
-    return _settle(responses, smooth, fit, count)
+class _Search:
+    """Responses as coherence weighs them, and how many modes are asked for."""
+
+    def __init__(self, responses: Sequence[Lines], count: int | None) -> None:
+        self.responses, self.smooth = responses, smooth_errors(responses)
+        self.count, self.most = count, MOST if count is None else count
+        self.candidates = _Candidates(responses)
+
+    def choose(self) -> Ordered:
+        slopes = np.array([_slope_of_phase(lines) for lines in self.responses])
+        none = np.zeros(len(self.responses))
+        found = self._with_lags(self._from(slopes, none))
+        # Background, or more misfit than noise: the search may have gone astray with the delay.
+        tried = [found]
+        for delays, lags in ((slopes, none), (none, none), (none, none + LONG_LAG)):
+            if tried[-1].is_good:
+                break
+            tried.append(self._from(delays, lags, holds_delay=not lags.any()))
+        if len(tried) == 1:
+            return found
+        return min(tried, key=lambda one: self._worth(one.fit.poles, found.correlation))
+
+    def _worth(self, poles: Poles, correlation: float) -> float:
+        again = refine(self.smooth, poles, steps=5)
+        return _criterion(self.smooth, again, correlation=correlation)
+
+    def _from(self, delays: Array, lags: Array, *, holds_delay: bool = False) -> Ordered:
+        """The fit that grows from some delays and lags."""
+        start = Poles(0.0, delays, lags, np.zeros(0), np.zeros(0))
+        even = _per_octave(self.smooth)
+        rough = self._grow(even, project(even, start), holds_delay=holds_delay)
+        return self._settle(self._grow(self.smooth, rough))
+
+    def _with_lags(self, found: Ordered) -> Ordered:
+        """The modes with a lag in place of background, if there is evidence for it."""
+        smooth, poles = self.smooth, found.fit.poles
+        halves, sharp = 0.5 * np.maximum(poles.delays, 0.0), poles.zeta < BROADEST
+        starts = (
+            (halves, np.maximum(halves, FIRST_LAG)),
+            (0.0 * halves, np.full(halves.size, LONG_LAG)),
+        )
+        modes = poles.omega[sharp], poles.zeta[sharp]
+        tried = [refine(smooth, Poles(poles.drag, *start, *modes)) for start in starts]
+        fit = min(tried, key=lambda one: one.cost)
+        gain = self._worth(poles, found.correlation)
+        gain -= _criterion(smooth, fit, correlation=found.correlation)
+        return found if gain < LEAST_GAIN else self._settle(self._grow(smooth, fit))
+
+    def _grow(
+        self, responses: Sequence[Lines], best: Projected, *, holds_delay: bool = False
+    ) -> Projected:
+        """Add the mode that takes most of the misfit away until none is worth it."""
+
+        def improve(poles: Poles) -> Projected:
+            start = poles if holds_delay else _align(responses, poles)
+            return refine(responses, start, steps=25, tolerance=1e-4, holds_delay=holds_delay)
+
+        best = improve(best.poles)
+        while best.poles.omega.size < self.most:
+            before = _criterion(responses, best)
+            tried: list[Projected] = []
+            for omega, zeta in self.candidates.best(responses, best, most=3):
+                new = improve(best.poles.add(omega, zeta))
+                if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
+                    continue
+                tried.append(new)
+                if _criterion(responses, new) < before - CLEAR_GAIN:
+                    break
+            if not tried:
+                break
+            new = min(tried, key=lambda fit: fit.cost)
+            if self.count is None and _criterion(responses, new) >= before - LEAST_GAIN:
+                break
+            best = new
+        return best
+
+    def _settle(self, fit: Projected) -> Ordered:
+        """Judge errors by what is left, and drop modes that nothing determines then."""
+        fit = self._prune(self.smooth, fit)
+        lines, share = judge_errors(self.responses, fit)
+        fit = self._prune(lines, refine(lines, fit.poles))
+        while self.count is None and (doubtful := _doubtful(lines, fit)) is not None:
+            fit = refine(lines, fit.poles.drop(doubtful))
+        return Ordered(lines, fit, _are_modes(lines, fit), share, correlation_length(fit))
+
+    def _prune(self, responses: Sequence[Lines], best: Projected) -> Projected:
+        """Drop modes without which the fit is as good, the weakest first."""
+        best = refine(responses, best.poles)
+        while best.poles.omega.size > (self.count or 0):
+            # Modes of the least gains in their standard errors.
+            surest = np.abs(best.gains) / find_variances(responses, best).each_gain
+            order = np.argsort(np.sum(np.minimum(surest[:, 1:-1], CERTAIN) ** 2, axis=0))
+            less = [
+                refine(responses, best.poles.drop(int(mode)), steps=15, tolerance=1e-4)
+                for mode in order[:TRIED]
+            ]
+            weakest = int(np.argmin([one.cost for one in less]))
+            if self.count is None and not _too_near(best.poles):
+                correlation = correlation_length(best)
+                with_it = _criterion(responses, best, correlation=correlation)
+                without = _criterion(responses, less[weakest], correlation=correlation)
+                if without - with_it > LEAST_GAIN:
+                    shown = [_evidence(responses, best, one) for one in less]
+                    if min(shown) > LEAST_EVIDENCE:
+                        break
+                    weakest = int(np.argmin(shown))
+            best = refine(responses, less[weakest].poles)
+        return best
 
 
-def _is_good(found: Ordered) -> bool:
-    """Only modes, and residuals that are noise: small, or white."""
-    is_noise = found.model_error < SUSPICIOUS or found.correlation < WHITE
-    return all(found.is_mode) and is_noise
-
-
-def _choose(
-    responses: Sequence[Lines],
-    candidates: Candidates,
-    count: int | None,
-    delays: Array,
-    *,
-    lags: Array,
-    holds_delay: bool,
-) -> Ordered:
-    smooth = smooth_errors(responses)
-    start = Poles(0.0, delays, lags, np.zeros(0), np.zeros(0))
-    most = MOST if count is None else count
-    even = _per_octave(smooth)
-    rough = _grow(even, candidates, project(even, start), most, count, holds_delay=holds_delay)
-    fit = _grow(smooth, candidates, rough, most, count)
-    return _settle(responses, smooth, fit, count)
-
-
-def _settle(
-    responses: Sequence[Lines], smooth: Sequence[Lines], fit: Projected, count: int | None
-) -> Ordered:
-    """Judge errors by what is left, and drop modes that nothing determines then."""
-    fit = _prune(smooth, fit, count)
-    lines, share = judge_errors(responses, fit)
-    fit = _prune(lines, refine(lines, fit.poles), count)
-    while count is None and (doubtful := _doubtful(lines, fit)) is not None:
-        fit = refine(lines, fit.poles.drop(doubtful))
-    return Ordered(lines, fit, _modes(lines, fit), share, correlation_length(fit))
-
-
-def criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float = 1.0) -> float:
-    """Return the Bayesian information criterion of a fit, noise of unknown size."""
-    size, parameters = _size(responses), count_parameters(fit)
-    cost = max(fit.cost, 1e-12 * size)
-    return float(size / correlation * np.log(cost / size) + parameters * np.log(size / correlation))
-
-
-def _size(responses: Sequence[Lines]) -> int:
-    return sum(2 * lines.size for lines in responses)
+def _criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float = 1.0) -> float:
+    """The Bayesian information criterion of a fit, noise of unknown size."""
+    size = count_values(responses)
+    cost, n = max(fit.cost, 1e-12 * size), size / correlation
+    return float(n * np.log(cost / size) + fit.parameters * np.log(n))
 
 
 def _evidence(responses: Sequence[Lines], fit: Projected, less: Projected) -> float:
     """χ² between two fits without the two lines that tell most."""
-    gains = np.concatenate(
-        [
-            np.abs(a) ** 2 - np.abs(b) ** 2
-            for a, b in zip(less.residuals, fit.residuals, strict=True)
-        ]
-    )
-    variance = max(fit.cost / _size(responses), 1e-12)
-    return float((gains.sum() - np.sort(gains)[-2:].sum()) / variance)
+    after, before = (np.abs(np.concatenate(one.residuals)) ** 2 for one in (fit, less))
+    gains = np.sort(before - after)
+    variance = max(fit.cost / count_values(responses), 1e-12)
+    return float(gains[:-2].sum() / variance)
 
 
 def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
@@ -188,79 +227,6 @@ def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
     return found
 
 
-def _grow(
-    responses: Sequence[Lines],
-    candidates: Candidates,
-    best: Projected,
-    most: int,
-    count: int | None,
-    *,
-    holds_delay: bool = False,
-) -> Projected:
-    """Add the mode that takes most of the misfit away until none is worth it."""
-    best = _improve(responses, best.poles, holds_delay=holds_delay)
-    while best.poles.omega.size < most:
-        least = np.inf if count is not None else criterion(responses, best) - LEAST_GAIN
-        tried: list[Projected] = []
-        for omega, zeta in candidates.best(responses, best, most=3):
-            new = _improve(responses, best.poles.add(omega, zeta), holds_delay=holds_delay)
-            if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
-                continue
-            tried.append(new)
-            if criterion(responses, new) < criterion(responses, best) - CLEAR_GAIN:
-                break
-        if not tried:
-            break
-        new = min(tried, key=lambda fit: fit.cost)
-        if criterion(responses, new) >= least:
-            break
-        best = new
-    return best
-
-
-def _improve(responses: Sequence[Lines], poles: Poles, *, holds_delay: bool) -> Projected:
-    start = poles if holds_delay else align(responses, poles)
-    return refine(responses, start, steps=25, tolerance=1e-4, holds_delay=holds_delay)
-
-
-def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Projected:
-    """Drop modes without which the fit is as good, the weakest first."""
-    best = refine(responses, best.poles)
-    while best.poles.omega.size > (count or 0):
-        less = [
-            refine(responses, best.poles.drop(mode), steps=15, tolerance=1e-4)
-            for mode in _least_sure(responses, best)
-        ]
-        shown = [_evidence(responses, best, one) for one in less]
-        weakest = int(np.argmin([one.cost for one in less]))
-        if count is None and _too_near(best.poles):
-            best = refine(responses, less[weakest].poles)
-            continue
-        correlation = correlation_length(best)
-        with_it = criterion(responses, best, correlation=correlation)
-        without = criterion(responses, less[weakest], correlation=correlation)
-        if count is None and without - with_it > LEAST_GAIN:
-            if min(shown) > LEAST_EVIDENCE:
-                break
-            weakest = int(np.argmin(shown))
-        best = refine(responses, less[weakest].poles)
-    return best
-
-
-def _least_sure(responses: Sequence[Lines], fit: Projected) -> list[int]:
-    """Modes of the least gains in their standard errors, and those too near to another."""
-    n = fit.poles.omega.size
-    surest = np.abs(fit.gains[:, 1:-1]) / _gain_errors(find_variances(responses, fit))
-    order = np.argsort(np.sum(np.minimum(surest, CERTAIN) ** 2, axis=0))
-    return [int(k) for k in order[: min(n, TRIED)]]
-
-
-def _gain_errors(variances: Variances) -> Array:
-    """Standard errors of all gains for residuals of variance 1, shape (n_responses, n_modes)."""
-    found: Array = np.diagonal(variances.gains, axis1=1, axis2=2)[:, 1:-1]
-    return np.sqrt(np.maximum(found, 1e-300))
-
-
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     """The least sure mode that nothing determines; None if all are determined.
 
@@ -268,46 +234,121 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     response has a gain beyond its error, or it is a spike between two lines, sharper than any
     structure.
     """
-    n = fit.poles.omega.size
-    if not n:
+    if not fit.poles.omega.size:
         return None
     variances = find_variances(responses, fit)
-    size = _size(responses)
-    spare = max(size - count_parameters(fit), 1)
+    spare = max(count_values(responses) - fit.parameters, 1)
     factor = np.sqrt(max(fit.cost / spare, 1.0) * correlation_length(fit))
-    by_omega = factor * np.array([variances.of_mode(k, n)[0] for k in range(n)])
-    surest = np.max(np.abs(fit.gains[:, 1:-1]) / (factor * _gain_errors(variances)), axis=0)
-    f = fit.poles.omega / (2 * np.pi)
-    spacing = np.array([min(_spacing(lines, one) for lines in responses) for one in f])
-    is_spike = (fit.poles.zeta < SHARPEST) & (2 * fit.poles.zeta * f < 0.5 * spacing)
-    known_to = np.maximum(2.0 * fit.poles.zeta * f, PLACED * spacing)
-    is_unsure = (by_omega * f > known_to) | (surest < LEAST_CERTAINTY) | is_spike
+    surest = np.max(np.abs(fit.gains) / (factor * variances.each_gain), axis=0)[1:-1]
+    f, zeta = fit.poles.frequency_hz, fit.poles.zeta
+    spacing = np.array([min(spacing_at(one.frequency_hz, hz) for one in responses) for hz in f])
+    is_spike = (zeta < SHARPEST) & (2 * zeta * f < 0.5 * spacing)
+    known_to = np.maximum(2.0 * zeta * f, PLACED * spacing)
+    is_unsure = factor * variances.of_modes[0] * f > known_to
+    is_unsure |= (surest < LEAST_CERTAINTY) | is_spike
     # Background need not be sure: it only stands for what lies about the band.
-    is_unsure &= np.array(_modes(responses, fit), dtype=bool)
-    if not is_unsure.any():
-        return None
-    return int(np.argmin(np.where(is_unsure, surest, np.inf)))
-
-
-def _spacing(lines: Lines, frequency_hz: float) -> float:
-    f = lines.frequency_hz
-    at = int(np.clip(np.searchsorted(f, frequency_hz), 1, f.size - 1))
-    return float(f[at] - f[at - 1])
+    is_unsure &= _are_modes(responses, fit)
+    return int(np.argmin(np.where(is_unsure, surest, np.inf))) if is_unsure.any() else None
 
 
 def _too_near(poles: Poles) -> bool:
     """Whether two poles lie in one peak."""
     order = np.argsort(poles.omega)
-    omega = poles.omega[order]
-    width = 2.0 * poles.zeta[order] * omega
+    omega, zeta = poles.omega[order], poles.zeta[order]
+    width = 2.0 * zeta * omega
     apart = SEPARATION * (width[1:] + width[:-1])
-    both_sharp = np.maximum(poles.zeta[order][1:], poles.zeta[order][:-1]) < BROADEST
+    both_sharp = np.maximum(zeta[1:], zeta[:-1]) < BROADEST
     return bool(np.any((np.diff(omega) < apart) & both_sharp))
 
 
-def _modes(responses: Sequence[Lines], fit: Projected) -> tuple[bool, ...]:
-    low = min(float(lines.frequency_hz[0]) for lines in responses)
-    high = max(float(lines.frequency_hz[-1]) for lines in responses)
-    f = fit.poles.omega / (2 * np.pi)
-    chosen = (fit.poles.zeta < BROADEST) & (f > 1.05 * low) & (f < 0.98 * high)
-    return tuple(bool(one) for one in chosen)
+def _are_modes(responses: Sequence[Lines], fit: Projected) -> NDArray[np.bool_]:
+    (low, high), f = ends_of(responses), fit.poles.frequency_hz
+    return np.asarray((fit.poles.zeta < BROADEST) & (f > 1.05 * low) & (f < 0.98 * high))
+
+
+# Where a fit begins
+
+
+def _slope_of_phase(lines: Lines) -> float:
+    """A delay from the median slope of the phase over the upper four fifths [s].
+
+    A mode turns the phase within its width only, so that half of all pairs of lines see none; what
+    is left is the delay.
+    """
+    f = lines.frequency_hz
+    step = PHASE_STEP * f[-1]
+    low = np.flatnonzero((f > 0.2 * f[-1]) & (f < f[-1] - step))
+    if low.size < 3:
+        return 0.0
+    high = np.searchsorted(f, f[low] + step)
+    turn = np.angle(lines.values[high] * np.conj(lines.values[low]))
+    slope = turn / (2 * np.pi * (f[high] - f[low]))
+    return float(np.clip(-np.median(slope), 0.0, LONGEST))
+
+
+def _align(responses: Sequence[Lines], poles: Poles) -> Poles:
+    """The poles with the best delay of each response among some near-by ones.
+
+    The cost has a minimum at each turn of the phase; least squares alone stays in the nearest.
+    """
+    delays = poles.delays.copy()
+    for place, lines in enumerate(responses):
+        unit = 1.0 / (16.0 * lines.frequency_hz[-1])
+        tried = delays[place] + unit * np.array([0, *AROUND])
+        costs = [project([lines], poles.of(place, delay=d)).cost for d in tried]
+        delays[place] = tried[int(np.argmin(costs))]
+    return replace(poles, delays=delays)
+
+
+class _Candidates:
+    """Poles on a grid, against which residuals are matched."""
+
+    def __init__(self, responses: Sequence[Lines]) -> None:
+        low, high = (2 * np.pi * end for end in ends_of(responses))
+        counts = [max(2, int(np.log(high / low) / np.log1p(GRID_STEP * z))) for z in RATIOS]
+        self.omega = np.concatenate([np.geomspace(low, high, count) for count in counts])
+        self.zeta = np.repeat(RATIOS, counts)
+        self.shapes = {id(one.frequency_hz): one.s[_searched(one)] for one in responses}
+        for grid, s in self.shapes.items():
+            # 1/(s² + 2 ζ ω s + ω²), shape (n_lines, n_candidates)
+            denominators: ComplexArray = s[:, None] * (2 * self.zeta * self.omega)
+            denominators += (s * s)[:, None] + self.omega**2
+            self.shapes[grid] = np.reciprocal(denominators, out=denominators)
+        self.powers = {grid: one.real**2 + one.imag**2 for grid, one in self.shapes.items()}
+
+    def best(
+        self, responses: Sequence[Lines], known: Projected, *, most: int
+    ) -> list[tuple[float, float]]:
+        """ω and ζ of the modes that would lower the misfit most, best first.
+
+        The misfit that a mode of given pole takes away is (c · r)²/(c · c), with c its column less
+        what b, the known modes and R can do: a matched filter on all poles of a grid, so that a
+        mode between two lines is found by its flanks.
+        """
+        fall = np.zeros(self.omega.size)
+        for place, (lines, residual) in enumerate(zip(responses, known.residuals, strict=True)):
+            grid, chosen = id(lines.frequency_hz), _searched(lines)
+            rows = weighed_rows(lines, known.poles, place)[:, chosen]
+            # The last row is the weight alone: that of R.
+            weight, half = rows[-1], rows.shape[1]
+            stacked = np.concatenate([rows.real, rows.imag], axis=1).T
+            q, _ = np.linalg.qr(stacked / np.linalg.norm(stacked, axis=0))
+            turned = np.column_stack([q[:half] + 1j * q[half:], residual[chosen]])
+            turned *= np.conj(weight)[:, None]
+            along = (np.conj(turned.T) @ self.shapes[grid]).real
+            before = np.abs(weight) ** 2 @ self.powers[grid]
+            after = before - np.sum(along[:-1] ** 2, axis=0)
+            good = after > 1e-6 * before
+            fall[good] += along[-1, good] ** 2 / after[good]
+        found: list[tuple[float, float]] = []
+        for i in np.argsort(fall)[::-1]:
+            w, z = float(self.omega[i]), float(self.zeta[i])
+            if all(abs(np.log(w / other)) > max(0.02, z + y) for other, y in found):
+                found.append((w, z))
+                if len(found) == most:
+                    break
+        return found
+
+
+def _searched(lines: Lines) -> slice:
+    return slice(None, None, 1 + lines.size // MOST_LINES)

@@ -14,19 +14,16 @@ share would do: then the sum is what is known.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
 from mtcommission.identify.fit.fitted import FittedSpectrum
-from mtcommission.identify.measurement import Spectrum
+from mtcommission.identify.measurement import Array, Spectrum
 from mtcommission.machine.identified import Estimate, MeasuredMode
-
-Array = NDArray[np.float64]
 
 LOBE_TO_DEVIATION = 0.18
 """Standard deviation of a bell as narrow as the main lobe of a Hann window's power, in that
@@ -53,6 +50,7 @@ SUM_OF_SHARES = 0.8
 far the sum may be off, about 0.3 (empirical: 0.9 to 1.1 where measured printers decide)."""
 MOST = 5
 """Peaks of a spectrum."""
+FEWEST_LINES = 30
 UNKNOWN_CORRELATION = 2.0
 """Neighbouring lines of a windowed spectrum that scatter together."""
 
@@ -71,17 +69,11 @@ def fit_spectrum(spectrum: Spectrum) -> FittedSpectrum:
     """Return the modes that a spectrum shows, each with its intervals."""
     f, density = spectrum.frequency_hz, spectrum.density
     is_used = (f >= BAND_HZ[0]) & (f <= BAND_HZ[1]) & (density > 0.0)
-    if np.count_nonzero(is_used) < 30:
-        empty = np.zeros(0)
-        return FittedSpectrum(
-            spectrum=spectrum,
-            is_used=np.zeros_like(is_used),
-            modes=(),
-            density=empty,
-            scatter=np.inf,
-        )
-    f, used = f[is_used], density[is_used] / density[is_used].max()
-    y = np.log(used + INDIFFERENT)
+    found = FittedSpectrum(spectrum=spectrum, is_used=is_used, modes=(), density=np.zeros(0))
+    if np.count_nonzero(is_used) < FEWEST_LINES:
+        return replace(found, is_used=np.zeros_like(is_used))
+    f, largest = f[is_used], float(density[is_used].max())
+    y = np.log(density[is_used] / largest + INDIFFERENT)
     step = float(np.median(np.diff(f)))
     lobe = spectrum.resolution_hz or 4.0 * step
     grid = _Grid(f=f, y=y, step=step, deviation=LOBE_TO_DEVIATION * lobe)
@@ -90,10 +82,7 @@ def fit_spectrum(spectrum: Spectrum) -> FittedSpectrum:
         tried = [
             _least_squares(grid, np.vstack([best.modes, new]), best.size, best.slope)
             for start in _largest_misfits(grid, best)
-            for new in (
-                [np.log(start), np.log(0.04), 0.5],
-                [np.log(start), np.log(0.1), 1.0],
-            )
+            for new in ([np.log(start), np.log(0.04), 0.5], [np.log(start), np.log(0.1), 1.0])
         ]
         better = [
             one
@@ -106,23 +95,15 @@ def fit_spectrum(spectrum: Spectrum) -> FittedSpectrum:
         if not better:
             break
         best = min(better, key=lambda one: one.cost)
-    return FittedSpectrum(
-        spectrum=spectrum,
-        is_used=is_used,
-        modes=_peaks(grid, best),
-        density=(np.exp(best.model) - INDIFFERENT) * float(density[is_used].max()),
-        scatter=float(np.sqrt(best.cost / f.size)),
-    )
+    model = (np.exp(best.model) - INDIFFERENT) * largest
+    return replace(found, modes=_peaks(grid, best), density=model)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
-    modes: Array
-    """ln f, ln ζ and γ of each mode, shape (n_modes, 3)."""
-    size: float
-    """ln C at the middle of the band."""
-    slope: float
-    """α."""
+    modes: Array  # ln f, ln ζ and γ of each mode, shape (n_modes, 3)
+    size: float  # ln C at the middle of the band
+    slope: float  # α
     model: Array
     cost: float
     jacobian: Array
@@ -135,8 +116,7 @@ def _density(grid: _Grid, modes: Array, size: float, slope: float) -> Array:
         transfer += share * r**2 / (1.0 - r**2 + 2j * np.exp(ratio) * r)
     smeared = gaussian_filter1d(np.abs(transfer) ** 2, grid.deviation / grid.step, mode="nearest")
     middle = float(np.sqrt(grid.f[0] * grid.f[-1]))
-    found: Array = smeared * np.exp(size) * (grid.f / middle) ** slope
-    return found
+    return np.asarray(smeared * np.exp(size) * (grid.f / middle) ** slope)
 
 
 def _unpack(theta: Array) -> tuple[Array, float, float]:
@@ -152,8 +132,7 @@ def _least_squares(grid: _Grid, modes: Array, size: float, slope: float) -> _Fit
     start = np.concatenate([modes.ravel(), [size, slope]])
 
     def model(theta: Array) -> Array:
-        logs: Array = np.log(_density(grid, *_unpack(theta)) + INDIFFERENT)
-        return logs
+        return np.log(_density(grid, *_unpack(theta)) + INDIFFERENT)
 
     def residual(theta: Array) -> Array:
         off = SUM_OF_SHARES * (float(theta[2:-2:3].sum()) - 1.0) if count else 0.0

@@ -19,10 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.fit.lines import Lines
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from mtcommission.identify.fit.lines import Lines, ends_of
+from mtcommission.identify.measurement import Array, ComplexArray
 
 DAMPING_ENDS = (2e-4, 0.3)
 """Damping ratios that are tried."""
@@ -51,6 +49,11 @@ class Poles:
     omega: Array
     zeta: Array
 
+    @property
+    def frequency_hz(self) -> Array:
+        """Natural frequencies, shape (n_modes,) [Hz]."""
+        return np.asarray(self.omega / (2 * np.pi))
+
     def add(self, omega: float, zeta: float) -> Poles:
         """Return the poles and one more mode."""
         return replace(self, omega=np.append(self.omega, omega), zeta=np.append(self.zeta, zeta))
@@ -59,33 +62,35 @@ class Poles:
         """Return the poles without one mode."""
         return replace(self, omega=np.delete(self.omega, mode), zeta=np.delete(self.zeta, mode))
 
-    def of(self, place: int, *, delay: float | None = None) -> Poles:
-        """Return the poles for one response alone, with another delay where one is given."""
-        own = self.delays[place] if delay is None else delay
-        return replace(self, delays=np.array([own]), lags=self.lags[place : place + 1])
+    def of(self, place: int, *, delay: float) -> Poles:
+        """Return the poles for one response alone, with another delay."""
+        return replace(self, delays=np.array([delay]), lags=self.lags[place : place + 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Projected:
     """The best that some poles can do."""
 
-    poles: Poles  # The poles
+    poles: Poles
     gains: Array  # b, g_k and R of each response, shape (n_responses, n_modes + 2)
-    # (model - measured) / standard error of each response, complex.
-    residuals: tuple[ComplexArray, ...]
+    residuals: tuple[ComplexArray, ...]  # (model - measured) / standard error of each response
     cost: float  # Sum of their squared magnitudes
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers were fitted."""
+        poles, lags = self.poles, int(np.count_nonzero(self.poles.lags))
+        return 1 + poles.delays.size + lags + self.gains.size + 2 * poles.omega.size
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Basis:
     """One response at some poles: weighed shapes, their inner products, the best gains."""
 
-    shapes: ComplexArray
-    """Before they were weighed."""
+    shapes: ComplexArray  # Before they were weighed
     rows: ComplexArray
     scale: Array
-    inverse: Array
-    """Of the inner products of the rows, each scaled to 1."""
+    inverse: Array  # Of the inner products of the rows, each scaled to 1
     gains: Array
     residual: ComplexArray
     cost: float
@@ -93,8 +98,7 @@ class _Basis:
 
 def _inner(one: ComplexArray, other: ComplexArray) -> Array:
     """Sums over real and imaginary parts of rows: complex lines count as two real ones."""
-    found: Array = one.view(np.float64) @ other.view(np.float64).T
-    return found
+    return np.asarray(one.view(np.float64) @ other.view(np.float64).T)
 
 
 def weighed_rows(lines: Lines, poles: Poles, place: int) -> ComplexArray:
@@ -132,35 +136,24 @@ def _solve(lines: Lines, shapes: ComplexArray, weight: ComplexArray) -> _Basis:
     return _Basis(shapes, rows, scale, inverse, gains, residual, cost)
 
 
-def count_parameters(fit: Projected) -> int:
-    """Return how many numbers were fitted."""
-    poles, n = fit.poles, fit.poles.delays.size
-    return 1 + n + int(np.count_nonzero(poles.lags)) + fit.gains.size + 2 * poles.omega.size
-
-
 def project(responses: Sequence[Lines], poles: Poles) -> Projected:
     """Return masses, gains and residual terms that fit best for some poles."""
     return _projected(poles, _solve_all(responses, poles))
 
 
 def _solve_all(responses: Sequence[Lines], poles: Poles) -> list[_Basis]:
-    known: dict[int, ComplexArray] = {}
-    bases = []
-    for place, lines in enumerate(responses):
-        grid = id(lines.frequency_hz)
-        if grid not in known:
-            known[grid] = _shapes(lines.s, poles)
-        bases.append(_solve(lines, known[grid], _weight(lines, poles, place)))
-    return bases
+    known = {id(one.frequency_hz): one.s for one in responses}
+    shapes = {grid: _shapes(s, poles) for grid, s in known.items()}
+    return [
+        _solve(lines, shapes[id(lines.frequency_hz)], _weight(lines, poles, place))
+        for place, lines in enumerate(responses)
+    ]
 
 
 def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
-    return Projected(
-        poles,
-        np.array([basis.gains for basis in bases]),
-        tuple(basis.residual for basis in bases),
-        sum(basis.cost for basis in bases),
-    )
+    gains = np.array([basis.gains for basis in bases])
+    residuals = tuple(basis.residual for basis in bases)
+    return Projected(poles, gains, residuals, sum(basis.cost for basis in bases))
 
 
 def _slopes(lines: Lines, poles: Poles, place: int, basis: _Basis) -> ComplexArray:
@@ -180,10 +173,10 @@ def _slopes(lines: Lines, poles: Poles, place: int, basis: _Basis) -> ComplexArr
     return rate
 
 
-def _own(place: int, n_responses: int, n_modes: int) -> NDArray[np.intp]:
+def _own(place: int, poles: Poles) -> NDArray[np.intp]:
     """Which of all parameters a response has: c, its delay and lag, all modes."""
-    first = 1 + 2 * n_responses
-    return np.array([0, 1 + place, 1 + n_responses + place, *range(first, first + 2 * n_modes)])
+    n, first = poles.delays.size, 1 + 2 * poles.delays.size
+    return np.array([0, 1 + place, 1 + n + place, *range(first, first + 2 * poles.omega.size)])
 
 
 def _pack(poles: Poles) -> Array:
@@ -197,33 +190,33 @@ def _unpack(theta: Array, n_responses: int) -> Poles:
     return Poles(float(theta[0]), delays, lags, omega, zeta)
 
 
-def _ends(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array]:
-    count, lags = poles.omega.size, np.minimum(poles.lags, LAG_ENDS[0])
-    low_hz = min(float(lines.frequency_hz[0]) for lines in responses)
-    high_hz = max(float(lines.frequency_hz[-1]) for lines in responses)
-    n = len(responses)
+def _bounds(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array, Array]:
+    """Least and largest value of each parameter, and its longest step."""
+    n, count, (low_hz, high_hz) = len(responses), poles.omega.size, ends_of(responses)
     slow, fast = np.log(2 * np.pi * low_hz / 2), np.log(2 * np.pi * high_hz * 3.0)
     drag = 2 * np.pi * max(3.0 * low_hz, 10.0)
     least, most = np.log(DAMPING_ENDS)
-    low = [0.0, *[DELAY_ENDS[0]] * n, *lags.tolist(), *[slow] * count, *[least] * count]
+    lags = np.minimum(poles.lags, LAG_ENDS[0]).tolist()
+    low = [0.0, *[DELAY_ENDS[0]] * n, *lags, *[slow] * count, *[least] * count]
     high = [drag, *[DELAY_ENDS[1]] * n, *[LAG_ENDS[1]] * n, *[fast] * count, *[most] * count]
-    return np.array(low), np.array(high)
+    reach = [np.inf, *[LONGEST_DELAY_STEP] * 2 * n, *[LONGEST_STEP] * 2 * count]
+    return np.array(low), np.array(high), np.array(reach)
 
 
 def _normal(
     responses: Sequence[Lines], poles: Poles, bases: Sequence[_Basis]
-) -> tuple[Array, Array]:
-    """Jᵀ J and Jᵀ r of the projected residuals."""
-    n, count = len(responses), poles.omega.size
-    size = 1 + 2 * n + 2 * count
-    square, slope = np.zeros((size, size)), np.zeros(size)
+) -> tuple[Array, Array, list[ComplexArray]]:
+    """Jᵀ J and Jᵀ r of the projected residuals, and the slopes of each response."""
+    size = 1 + 2 * len(responses) + 2 * poles.omega.size
+    square, slope, rates = np.zeros((size, size)), np.zeros(size), []
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
         rate = _slopes(lines, poles, place, basis)
         along = _inner(basis.rows, rate) / basis.scale[:, None]
-        own = _own(place, n, count)
+        own = _own(place, poles)
         square[np.ix_(own, own)] += _inner(rate, rate) - along.T @ basis.inverse @ along
         slope[own] += _inner(rate, basis.residual)
-    return square, slope
+        rates.append(rate)
+    return square, slope, rates
 
 
 def refine(
@@ -236,26 +229,21 @@ def refine(
 ) -> Projected:
     """Return the poles of least squares near some others."""
     n = len(responses)
-    low, high = _ends(responses, poles)
+    low, high, reach = _bounds(responses, poles)
     theta = np.clip(_pack(poles), low, high)
     poles = _unpack(theta, n)
     bases = _solve_all(responses, poles)
-    best = _projected(poles, bases)
-    reach = np.full(theta.size, LONGEST_STEP)
-    reach[0] = np.inf
-    reach[1 : 1 + 2 * n] = LONGEST_DELAY_STEP
-    damping = 1e-3
+    best, damping = _projected(poles, bases), 1e-3
     for _ in range(steps):
-        square, slope = _normal(responses, best.poles, bases)
+        square, slope, _ = _normal(responses, best.poles, bases)
+        diagonal = np.diag(square)
         free = ~(((theta <= low) & (slope > 0)) | ((theta >= high) & (slope < 0)))
         free[1 : 1 + n] &= not holds_delay
-        diagonal = np.diag(square).copy()
         free &= diagonal > 0.0
         inner, gradient = square[np.ix_(free, free)], slope[free]
         lowered = 0.0
         while damping < 1e8:
-            damped = inner + np.diag(damping * diagonal[free])
-            step = np.linalg.solve(damped, -gradient)
+            step = np.linalg.solve(inner + np.diag(damping * diagonal[free]), -gradient)
             tried = theta.copy()
             tried[free] += np.clip(step, -reach[free], reach[free])
             tried = np.clip(tried, low, high)
@@ -285,13 +273,19 @@ class Variances:
         """Return the standard error of a weighed sum of b, g_k and R of a response."""
         return float(np.sqrt(max(chosen @ self.gains[place] @ chosen, 0.0)))
 
-    def of_mode(self, mode: int, n_modes: int) -> tuple[float, float]:
-        """Return the standard errors of ln ω and ln ζ of a mode."""
-        first = self.poles.shape[0] - 2 * n_modes + mode
-        variances = self.poles[first, first], self.poles[first + n_modes, first + n_modes]
+    @property
+    def each_gain(self) -> Array:
+        """Standard errors of b, g_k and R, shape (n_responses, n_modes + 2)."""
+        found = np.diagonal(self.gains, axis1=1, axis2=2)
+        return np.asarray(np.sqrt(np.maximum(found, 1e-300)))
+
+    @property
+    def of_modes(self) -> Array:
+        """Standard errors of ln ω and ln ζ of each mode, shape (2, n_modes)."""
+        count = self.gains.shape[1] - 2
+        found = np.diag(self.poles)[self.poles.shape[0] - 2 * count :].reshape(2, count)
         # A negative one is rounding of a huge one: nothing determines that pole.
-        omega, zeta = (float(np.sqrt(one)) if one > 0.0 else np.inf for one in variances)
-        return omega, zeta
+        return np.asarray(np.sqrt(np.where(found > 0.0, found, np.inf)))
 
 
 def find_variances(
@@ -302,28 +296,24 @@ def find_variances(
     Of the full Jacobian: the poles' part is the inverse of its Schur complement, which is that of
     the projected one; the gains carry the poles' errors along.
     """
-    n, count = len(responses), fit.poles.omega.size
     bases = _solve_all(responses, fit.poles)
-    square, _ = _normal(responses, fit.poles, bases)
+    square, _, rates = _normal(responses, fit.poles, bases)
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
     with np.errstate(over="ignore"):  # a pole that no line sees
         related = np.nan_to_num(square / np.outer(scale, scale))
     inverse = np.linalg.pinv(related, rcond=1e-13, hermitian=True)
     poles = inverse / np.outer(scale, scale)
-    owns = [_own(place, n, count) for place in range(n)]
-    rates = [
-        _slopes(lines, fit.poles, place, basis)
-        for place, (lines, basis) in enumerate(zip(responses, bases, strict=True))
-    ]
+    owns = [_own(place, fit.poles) for place in range(len(responses))]
     alongs = [
         basis.inverse @ (_inner(basis.rows, rate) / basis.scale[:, None])
         for basis, rate in zip(bases, rates, strict=True)
     ]
-    high = max(float(lines.frequency_hz[-1]) for lines in responses)
-    gains = np.empty((n, count + 2, count + 2))
-    for place, (basis, along, own) in enumerate(zip(bases, alongs, owns, strict=True)):
-        total = basis.inverse + along @ poles[np.ix_(own, own)] @ along.T
-        gains[place] = total / np.outer(basis.scale, basis.scale)
+    _, high = ends_of(responses)
+    gains = np.array([
+        (basis.inverse + along @ poles[np.ix_(own, own)] @ along.T)
+        / np.outer(basis.scale, basis.scale)
+        for basis, along, own in zip(bases, alongs, owns, strict=True)
+    ])  # fmt: skip
     covariance = poles.copy()
     for lines, basis, rate, along, own in zip(responses, bases, rates, alongs, owns, strict=True):
         lacking = basis.rows[-1] * (curvature * basis.gains[-1]) * (lines.frequency_hz / high) ** 2
@@ -342,11 +332,6 @@ def predict(
     frequency_hz: Array, poles: Poles, gains: Array, *, place: int, derivative: int
 ) -> ComplexArray:
     """Return H of one response, shape (n,)."""
-    lines = Lines(
-        frequency_hz=frequency_hz,
-        values=np.zeros(frequency_hz.size, dtype=np.complex128),
-        error=np.ones(frequency_hz.size),
-        derivative=derivative,
-    )
-    found: ComplexArray = gains @ weighed_rows(lines, poles, place)
-    return found
+    values, error = np.zeros(frequency_hz.size, dtype=complex), np.ones(frequency_hz.size)
+    lines = Lines(frequency_hz=frequency_hz, values=values, error=error, derivative=derivative)
+    return np.asarray(gains @ weighed_rows(lines, poles, place))

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.identify.measurement import (
-    AllDirections,
-    Array,
-    ComplexArray,
-    Output,
-    Sensor,
-)
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import AllDirections, Array, ComplexArray, Sensor
 from mtcommission.messages.message import Message, Value
 
 Lines = NDArray[np.int64]
@@ -25,9 +20,8 @@ NO_LINES: Lines = np.zeros(0, dtype=np.int64)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Column:
-    """A series of numbers with the name and unit that the file gives it."""
+    """A series of numbers with the name and unit that the file gives it, "" where it has none."""
 
-    # name, unit: As they stand there; "" where there is none.
     name: str
     unit: str
     values: Array  # Shape (n,), in that unit
@@ -40,10 +34,9 @@ class TimeContents:
 
     label: str = ""  # Which record of the file it is; "" for the only one
     clock: Array | None = None  # Times of the samples, shape (n,) [s]; None where the file has none
-    # Step of the clock [s] where ``clock`` is None; 0 where the file states none.
-    sample_time: float = 0.0
+    sample_time: float = 0.0  # Step where ``clock`` is None [s]; 0 where the file states none
     columns: tuple[Column, ...]  # All but the clock
-    lines: Lines  # Line of each sample in the file, shape (n,) or empty
+    lines: Lines = field(default_factory=lambda: NO_LINES)  # Of each sample, shape (n,) or empty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,25 +44,17 @@ class ResponseContents:
     """A complex response by frequency."""
 
     label: str = ""  # Which response of the file it is; "" for the only one
-    # frequency_hz, values: Shape (n_lines,) [Hz; unit of the file].
-    frequency_hz: Array
-    values: ComplexArray
-    unit: str = ""  # Output per input, e.g. ``"rad/s/A"``; "" where the file has none.
-    # SI value of one unit of the file, if the format fixes it; else the unit tells.
-    scale: float | None = None
-    # input, output, sensor: If the format tells, else "" or None; input as on the command line.
-    input: str = ""
-    output: Output | None = None
-    sensor: Sensor | None = None
-    # Whether angles and torques are meant; None where only the unit tells.
-    rotary: bool | None = None
-    # Angle of the motor per travel of a linear axis [rad/m]; 0 where the file has none.
-    motor_turn: float = 0.0
+    frequency_hz: Array  # Shape (n_lines,)
+    values: ComplexArray  # Shape (n_lines,), in the unit of the file
+    unit: str = ""  # Output per input, e.g. ``"rad/s/A"``; "" where the file has none
+    scale: float | None = None  # SI value of one unit of the file; None: the unit tells
+    rotary: bool | None = None  # Whether angles and torques are meant; None: the unit tells
+    said: Given = field(default_factory=Given)  # What the format tells of input, output, sensor
     # coherence, averages, resolution_hz: As in ``FrequencyResponse``.
     coherence: Array | None = None
     averages: float | None = None
     resolution_hz: float | None = None
-    lines: Lines  # Line of each value in the file, shape (n_lines,) or empty
+    lines: Lines = field(default_factory=lambda: NO_LINES)  # Of each value, (n_lines,) or empty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,12 +62,11 @@ class SpectrumContents:
     """Power of an acceleration by frequency."""
 
     label: str  # Which spectrum of the file it is
-    # frequency_hz, density: Shape (n_lines,) [Hz; unit of the file].
-    frequency_hz: Array
-    density: Array
+    frequency_hz: Array  # Shape (n_lines,)
+    density: Array  # Shape (n_lines,), in the unit of the file
     resolution_hz: float | None  # As in ``Spectrum``
     lines: Lines  # Line of each value in the file, shape (n_lines,)
-    all_directions: AllDirections | None = None  # As in ``Spectrum``
+    all_directions: AllDirections  # As in ``Spectrum``
 
 
 Item = TimeContents | ResponseContents | SpectrumContents
@@ -96,8 +80,7 @@ class FileContents:
     items: tuple[Item, ...]  # What it holds, at least one
     measured_on: str = ""  # ISO date; "" where the file has none
     state: str = ""  # State of the machine that the file names; "" where it names none
-    # What the file says where the command line may say it: sensor, input, output, constant.
-    said: tuple[tuple[str, str], ...] = ()
+    said: Given = field(default_factory=Given)  # What its comments say of input, output, sensor
     remarks: tuple[Message, ...] = ()  # What was left out, and what the file says that matters
 
 

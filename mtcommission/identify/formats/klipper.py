@@ -35,6 +35,7 @@ RESPONSE_WORDS = frozenset({"re", "im", "real", "imag", "magnitude", "mag", "pha
 _AXES = ("psd_x", "psd_y", "psd_z")
 _SUM = "psd_xyz"
 _NO_SPECTRA = (_SUM, "accel_per_hz")
+_RAW = "time,accel_x,accel_y,accel_z"
 
 
 def header_of(lines: Sequence[str]) -> str:
@@ -46,7 +47,7 @@ def header_of(lines: Sequence[str]) -> str:
         names = plain.lstrip("#")
         others = set(words_of(names.partition(",")[2]))
         is_power = names.startswith("freq,") and not others & RESPONSE_WORDS
-        return names if is_power or names.startswith("time,accel_x,accel_y,accel_z") else ""
+        return names if is_power or names.startswith(_RAW) else ""
     return ""
 
 
@@ -55,8 +56,7 @@ def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
 
     Raise InputError where its numbers cannot be read.
     """
-    header = header_of(lines)
-    names = [name.strip().strip('"') for name in header.split(",")]
+    names = [name.strip().strip('"') for name in header_of(lines).split(",")]
     return _raw(lines, where=where) if names[0] == "time" else _power(lines, names, where=where)
 
 
@@ -65,41 +65,35 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
     width = ends[0] if ends else len(names)
     start = next(n for n, line in enumerate(lines) if line.lstrip("#").startswith("freq,")) + 1
     cut = [",".join(line.split(",")[:width]) for line in lines[start:]]
-    table = read_table(cut, where=where, first_line=start + 1)
-    if table.values.shape[1] != width:
-        got = table.values.shape[1]
-        raise refuse(where, "identify-row-length", line=int(table.lines[0]), got=got, wanted=width)
+    table = read_table(cut, where=where, first_line=start + 1, columns=width)
     frequency, power = _evened(table.values[:, 0]), table.values[:, 1:]
     if (power < 0.0).any():
         row = int(np.argmax((power < 0.0).any(axis=1)))
         raise refuse(where, "identify-negative-power", line=int(table.lines[row]))
-    spacing = (frequency[-1] - frequency[0]) / max(frequency.size - 1, 1)
-    spectra = names[1:width]
-    axes = [name for name in spectra if name in _AXES]
-    remarks = []
+    spectra, remarks = dict(zip(names[1:width], power.T, strict=True)), list(table.remarks)
+    kept = [name for name in spectra if name not in _NO_SPECTRA]
+    axes = [name for name in kept if name in _AXES]
     if axes:
-        loudest = max(axes, key=lambda name: float(power[:, spectra.index(name)].max()))
-        spectra_kept = [loudest]
-        remarks.append(Message("identify-loudest-axis", name=loudest))
-    else:
-        spectra_kept = [name for name in spectra if name not in _NO_SPECTRA]
+        kept = [max(axes, key=lambda name: float(spectra[name].max()))]
+        remarks.append(Message("identify-loudest-axis", name=kept[0]))
+    if not kept:
+        raise refuse(where, "identify-no-response", found=tuple(names))
+    spacing = (frequency[-1] - frequency[0]) / max(frequency.size - 1, 1)
     items = tuple(
         SpectrumContents(
             label=name,
             frequency_hz=frequency,
-            density=power[:, spectra.index(name)],
+            density=spectra[name],
             resolution_hz=HALF_POWER_BINS * spacing if axes else None,
             lines=table.lines,
             all_directions=AllDirections(
                 frequency_hz=table.values[:, 0],
-                density=power[:, spectra.index(_SUM if _SUM in spectra else name)],
+                density=spectra.get(_SUM, spectra[name]),
                 is_divided=bool(ends),
             ),
         )
-        for name in spectra_kept
+        for name in kept
     )
-    if not items:
-        raise refuse(where, "identify-no-response", found=tuple(names))
     format_ = Message("identify-format-klipper-power")
     return FileContents(format=format_, items=items, remarks=tuple(remarks))
 
@@ -109,22 +103,15 @@ def _evened(frequency_hz: Array) -> Array:
     number = np.arange(frequency_hz.size)
     even = np.polyval(np.polyfit(number, frequency_hz, 1), number) if number.size > 1 else number
     is_even = bool(np.all(np.abs(even - frequency_hz) <= ROUNDING_HZ))
-    found: Array = np.maximum(even, 0.0) if is_even else frequency_hz
-    return found
+    return np.asarray(np.maximum(even, 0.0) if is_even else frequency_hz)
 
 
 def _raw(lines: Sequence[str], *, where: str) -> FileContents:
-    table = read_table(lines, where=where)
-    if table.values.shape[1] != 4:
-        got = table.values.shape[1]
-        raise refuse(where, "identify-row-length", line=int(table.lines[0]), got=got, wanted=4)
+    table = read_table(lines, where=where, columns=4)
     columns = tuple(
-        Column(
-            name=f"accel_{axis}", unit="mm/s^2", values=table.values[:, place], sensor=Sensor.TCP
-        )
-        for place, axis in enumerate("xyz", start=1)
+        Column(name=f"accel_{axis}", unit="mm/s^2", values=values, sensor=Sensor.TCP)
+        for axis, values in zip("xyz", table.values.T[1:], strict=True)
     )
-    remarks = (Message("identify-cut", line=table.cut_line),) if table.cut_line else ()
     record = TimeContents(clock=table.values[:, 0], columns=columns, lines=table.lines)
     format_ = Message("identify-format-klipper-raw")
-    return FileContents(format=format_, items=(record,), remarks=remarks)
+    return FileContents(format=format_, items=(record,), remarks=table.remarks)

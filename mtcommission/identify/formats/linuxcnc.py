@@ -35,7 +35,6 @@ def read_halscope(lines: Sequence[str], *, where: str) -> FileContents:
         Column(name=name or str(place + 1), unit=unit, values=table.values[:, place])
         for place, (name, unit) in enumerate(heads)
     )
-    remarks = (Message("identify-cut", line=table.cut_line),) if table.cut_line else ()
     record = TimeContents(sample_time=period, columns=columns, lines=table.lines)
     format_ = Message("identify-format-halscope")
-    return FileContents(format=format_, items=(record,), remarks=remarks)
+    return FileContents(format=format_, items=(record,), remarks=table.remarks)

@@ -6,12 +6,14 @@ Structure read in a measurement (../tests/data/identify) and in Trace-Tools (E. 
 ``m_pMeasCoherence``; a trace has ``traceData/dataFrame/dataSignal`` and records
 ``rec time= f1= ...``, in which a missing value keeps the last one. A public session
 (eliasrhoden/Sinumerik-Ctrl at 467a421, AST_AX7.xml) holds its frequencies in Hz, up to half the
-sampling rate, where its auto-tuning measured to.
+sampling rate, where its auto-tuning measured to. Numbers are big-endian doubles in base 85: digits,
+small letters, capitals and 23 marks count from 0 to 84; five of them make 32 bits, a point stands
+for a word of zeros (found by decoding).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from math import pi
 from xml.etree.ElementTree import Element, ParseError, fromstring
@@ -20,18 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import Refused
-from mtcommission.identify.formats.base85 import decode_doubles
 from mtcommission.identify.formats.contents import (
-    NO_LINES,
     Column,
     FileContents,
     ResponseContents,
     TimeContents,
     refuse,
 )
+from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import Array, ComplexArray, Output, Sensor
 from mtcommission.messages.message import Message
 
+ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"
 PLANT, COHERENCE = "m_pPlant", "m_pMeasCoherence"
 SETPOINT = "setpoint"
@@ -71,8 +73,8 @@ def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileConten
     raise refuse(where, "identify-xml-unknown", root=root.tag[:60])
 
 
-def _named(root: Element, name: str) -> Iterator[Element]:
-    return (element for element in root.iter() if element.get("name") == name)
+def _named(root: Element, name: str) -> list[Element]:
+    return [element for element in root.iter() if element.get("name") == name]
 
 
 def _text(root: Element, name: str) -> str:
@@ -81,11 +83,43 @@ def _text(root: Element, name: str) -> str:
 
 def _number(root: Element, name: str) -> float:
     """The number of that name; 0 where there is none, or no measurement gives it."""
-    try:
-        value = float(_text(root, name))
-    except ValueError:
-        return 0.0
-    return value if abs(value) < ABSURD else 0.0
+    return next((value for value in _numbers(_named(root, name)[:1]) if abs(value) < ABSURD), 0.0)
+
+
+def _numbers(elements: Iterable[Element]) -> list[float]:
+    found = []
+    for element in elements:
+        try:
+            found.append(float(element.text or ""))
+        except ValueError:
+            found.append(0.0)
+    return found
+
+
+def decode_doubles(text: str) -> Array:
+    """Return the numbers in a text.
+
+    Raise Refused where a sign is none of the alphabet, or the text ends inside a number.
+
+    Examples
+    --------
+    >>> decode_doubles("..")
+    array([0.])
+    """
+    pieces = "".join(text.split()).split(".")
+    plain = (5 * ALPHABET[0]).join(pieces)
+    if not plain.isascii() or any(len(piece) % 5 for piece in pieces):
+        raise Refused(Message("identify-series-cut"))
+    digits = _DIGITS[np.frombuffer(plain.encode(), dtype=np.uint8)]
+    if (digits < 0).any():
+        raise Refused(Message("identify-series-sign"))
+    words = digits.reshape(-1, 5) @ 85 ** np.arange(4, -1, -1, dtype=np.int64)
+    if words.size % 2 or (words > 0xFFFFFFFF).any():
+        raise Refused(Message("identify-series-cut"))
+    return np.frombuffer(words.astype(">u4").tobytes(), dtype=">f8").astype(np.float64)
+
+
+_DIGITS = np.array([ALPHABET.find(chr(sign)) for sign in range(256)], dtype=np.int64)
 
 
 def _series(parent: Element, name: str, *, where: str) -> Array:
@@ -96,18 +130,25 @@ def _series(parent: Element, name: str, *, where: str) -> Array:
         try:
             values = decode_doubles(array.findtext("raw") or "")
         except Refused as error:
-            raise refuse(
-                where, "identify-series-broken", name=name, reason=error.message
-            ) from error
+            reason = error.message
+            raise refuse(where, "identify-series-broken", name=name, reason=reason) from error
         complex_ = array.get("elementtype") == "ComplexNumber"
         length = int(_number(array, "m_length")) * (2 if complex_ else 1)
         if values.size != length and _text(array, "m_length"):
-            raise refuse(where, "identify-series-short", name=name, got=values.size, wanted=length)
+            raise _short(where, name, values.size, length)
         return values
     length, end = int(_number(parent, f"{name}.length")), _number(parent, f"{name}.end")
     if 1 < length <= 10**7:
         return np.linspace(_number(parent, f"{name}.start"), end, length)
-    raise refuse(where, "identify-series-missing", name=name)
+    raise _missing(where, name)
+
+
+def _short(where: str, name: str, got: int, wanted: int) -> Exception:
+    return refuse(where, "identify-series-short", name=name, got=got, wanted=wanted)
+
+
+def _missing(where: str, name: str) -> Exception:
+    return refuse(where, "identify-series-missing", name=name)
 
 
 def _complex_series(parent: Element, *, where: str) -> tuple[Array, ComplexArray]:
@@ -117,9 +158,18 @@ def _complex_series(parent: Element, *, where: str) -> tuple[Array, ComplexArray
     if pairs.size == frequency.size:  # a series of real numbers
         return frequency, pairs.astype(np.complex128)
     if pairs.size != 2 * frequency.size:
-        name, got, wanted = "m_FrequencyVector", frequency.size, pairs.size // 2
-        raise refuse(where, "identify-series-short", name=name, got=got, wanted=wanted)
+        raise _short(where, "m_FrequencyVector", frequency.size, pairs.size // 2)
     return frequency, pairs.view(np.complex128)
+
+
+def _good_lines(
+    frequency: Array, values: ComplexArray, *, name: str, where: str
+) -> NDArray[np.bool_]:
+    """Lines with numbers: 0 / 0 at 0 Hz is one without."""
+    good = np.isfinite(values) & np.isfinite(frequency)
+    if not good.size or good.mean() < MOSTLY_GOOD:
+        raise refuse(where, "identify-series-not-finite", name=name)
+    return good
 
 
 def _is_rotary(root: Element) -> bool:
@@ -139,114 +189,115 @@ def _motor_turn(root: Element) -> float:
 
 
 def _measurement(root: Element, *, where: str) -> FileContents:
+    """One response by its spectra; where these are missing, its two signals over time."""
     pair = next(root.iter("PrimaryFreqRespSigNodeData"), None)
-    nodes = list(root.iter("PlatformSignalNode"))
-    by_id = {int(_number(node, "m_iUniqueInstanceId")): node for node in nodes}
     if pair is None:
-        raise refuse(where, "identify-series-missing", name="PrimaryFreqRespSigNodeData")
+        raise _missing(where, "PrimaryFreqRespSigNodeData")
+    by_id = {
+        int(_number(node, "m_iUniqueInstanceId")): node for node in root.iter("PlatformSignalNode")
+    }
     ends = [int(_number(pair, f"m_i{end}SigNodeUniqueInstanceID")) for end in ("Input", "Output")]
     if not set(ends) <= set(by_id):
-        raise refuse(where, "identify-series-missing", name="PlatformSignalNode")
-    first, last = (by_id[end] for end in ends)
-    names = [str(int(_number(node, "m_uNodeId"))) for node in (first, last)]
-    cross = _cross_spectrum(last, names[0], where=where)
-    if cross is None:
-        record = _time_series(first, last, names, where=where)
-        format_ = Message("identify-format-sinumerik-measurement")
-        return FileContents(format=format_, items=(record,), measured_on=_measured_on(root))
-    frequency, spectrum, count = cross
-    inner = [_auto_spectrum(node, where=where) for node in (first, last)]
-    if any(one.size != spectrum.size for one in inner):
-        raise refuse(where, "identify-series-short", name="CrossSpectrum", got=inner[0].size,
-                     wanted=spectrum.size)  # fmt: skip
+        raise _missing(where, "PlatformSignalNode")
+    nodes = [by_id[end] for end in ends]
+    names = [str(int(_number(node, "m_uNodeId"))) for node in nodes]
+    cross = [
+        info
+        for info in nodes[1].iter("SigNodeCrossSpectrumInfo")
+        if info.get("name") != "m_autospectrumInfo" and _text(info, "m_uSignodeId") == names[0]
+    ]
+    item: ResponseContents | TimeContents
+    if cross:
+        item = _by_spectra(root, nodes, cross[0], where=where)
+        item = replace(item, label=" → ".join(names))
+    else:
+        item = _time_series(nodes, names, where=where)
+    return FileContents(
+        format=Message("identify-format-sinumerik-measurement"),
+        items=(item,),
+        measured_on=_measured_on(root),
+    )
+
+
+def _by_spectra(
+    root: Element, nodes: list[Element], cross: Element, *, where: str
+) -> ResponseContents:
+    frequency, spectrum = _complex_series(cross, where=where)
+    powers = []
+    for node in nodes:
+        infos = _named(node, "m_autospectrumInfo")
+        if not infos:
+            raise _missing(where, "m_autospectrumInfo")
+        powers.append(_complex_series(infos[0], where=where)[1].real.copy())
+    if any(one.size != spectrum.size for one in powers):
+        raise _short(where, "CrossSpectrum", powers[0].size, spectrum.size)
     with np.errstate(all="ignore"):
-        values = spectrum.conj() / inner[0]  # the file has input times the output's conjugate
-        coherence = np.abs(spectrum) ** 2 / (inner[0] * inner[1])
+        values = spectrum.conj() / powers[0]  # the file has input times the output's conjugate
+        coherence = np.abs(spectrum) ** 2 / (powers[0] * powers[1])
     good = _good_lines(frequency, values * coherence, name="CrossSpectrum", where=where)
     good &= frequency > 0.0
-    is_setpoint = abs(float(np.median(np.abs(values[good][:8]))) - 1.0) < UNITY if good.any() else 0
-    response = ResponseContents(
-        label=f"{names[0]} → {names[1]}",
+    lowest = np.abs(values[good][:8])
+    is_setpoint = lowest.size and abs(float(np.median(lowest)) - 1.0) < UNITY
+    return ResponseContents(
         frequency_hz=frequency[good],
         values=values[good],
         scale=1.0,
-        input=SETPOINT if is_setpoint else "",
-        output=Output.VELOCITY if is_setpoint else None,
-        sensor=Sensor.ENCODER,
+        said=Given(
+            input=SETPOINT if is_setpoint else "",
+            output=Output.VELOCITY if is_setpoint else None,
+            sensor=Sensor.ENCODER,
+            motor_turn=_motor_turn(root),
+        ),
         rotary=_is_rotary(root),
-        motor_turn=_motor_turn(root),
         coherence=np.clip(coherence[good], 0.0, 1.0),
-        averages=float(max(count, 1)),
+        averages=float(max(int(_number(cross, "m_uNumSpectraInAvg")), 1)),
         resolution_hz=0.0,  # a periodic excitation, averaged over whole periods
-        lines=NO_LINES,
     )
-    format_ = Message("identify-format-sinumerik-measurement")
-    return FileContents(format=format_, items=(response,), measured_on=_measured_on(root))
 
 
-def _cross_spectrum(
-    node: Element, other: str, *, where: str
-) -> tuple[Array, ComplexArray, int] | None:
-    for info in node.iter("SigNodeCrossSpectrumInfo"):
-        if info.get("name") == "m_autospectrumInfo" or _text(info, "m_uSignodeId") != other:
-            continue
-        return (
-            *_complex_series(info, where=where),
-            int(_number(info, "m_uNumSpectraInAvg")),
-        )
-    return None
-
-
-def _auto_spectrum(node: Element, *, where: str) -> Array:
-    info = next(_named(node, "m_autospectrumInfo"), None)
-    if info is None:
-        raise refuse(where, "identify-series-missing", name="m_autospectrumInfo")
-    return _complex_series(info, where=where)[1].real.copy()
-
-
-def _time_series(first: Element, last: Element, names: list[str], *, where: str) -> TimeContents:
+def _time_series(nodes: list[Element], names: list[str], *, where: str) -> TimeContents:
     columns, step = [], 0.0
-    for node, name in zip((first, last), names, strict=True):
+    for node, name in zip(nodes, names, strict=True):
         series = next(node.iter("TimeSeries"), None)
         if series is None:
-            raise refuse(where, "identify-series-missing", name="TimeSeries")
+            raise _missing(where, "TimeSeries")
         values = _series(series, "m_ValueVector", where=where)
         if not np.isfinite(values).all():
             raise refuse(where, "identify-series-not-finite", name="TimeSeries")
         step = _number(series, "m_TimeVector.end") / max(values.size - 1, 1)
         columns.append(Column(name=name, unit="", values=values))
-    if columns[0].values.size != columns[1].values.size:
-        sizes = [column.values.size for column in columns]
-        raise refuse(where, "identify-series-short", name="TimeSeries", got=sizes[1],
-                     wanted=sizes[0])  # fmt: skip
-    return TimeContents(sample_time=step, columns=tuple(columns), lines=NO_LINES)
+    wanted, got = (column.values.size for column in columns)
+    if wanted != got:
+        raise _short(where, "TimeSeries", got, wanted)
+    return TimeContents(sample_time=step, columns=tuple(columns))
 
 
 def _session(root: Element, response: str, *, where: str) -> FileContents:
-    speed = next(_named(root, "m_SpeedControllerList"), root)
+    """The last plant that was measured, or the response that is asked for."""
+    speed = next(iter(_named(root, "m_SpeedControllerList")), root)
     plants = _measured(speed, PLANT)
     if not plants and not response:
-        raise refuse(where, "identify-series-missing", name=PLANT)
+        raise _missing(where, PLANT)
     count = len(plants)
     named = {f"{PLANT}[{n}]" if count > 1 else PLANT: one for n, one in enumerate(plants, 1)}
     taken = list(named)[-1] if named else ""
     for one in _measured(root):
         if (name := one.get("name", "")) and name not in (PLANT, COHERENCE):
             named.setdefault(name, one)
-    chosen = response or taken
-    if chosen not in named:
+    if (response or taken) not in named:
         raise refuse(where, "identify-no-such-response", got=response, names=", ".join(named))
-    unit, remarks = _frequency_unit(root, speed, named[chosen], where=where)
+    chosen = named[response or taken]
+    unit, remarks = _frequency_unit(root, speed, chosen, where=where)
     if axis := _text(root, "m_szAxisName"):
         remarks.append(Message("identify-axis-of-file", name=axis))
     if not response and len(named) > 1:
         others = ", ".join(name for name in named if name != taken)
         kind = "identify-response-taken" if count == 1 else "identify-last-response-taken"
         remarks.append(Message(kind, name=taken, others=others, file=where))
-    item = _response_of(root, speed, named[chosen], label=response, where=where)
+    item = _response_of(root, speed, chosen, where=where)
     return FileContents(
         format=Message("identify-format-sinumerik-session"),
-        items=(replace(item, frequency_hz=unit * item.frequency_hz),),
+        items=(replace(item, label=response, frequency_hz=unit * item.frequency_hz),),
         measured_on=_measured_on(root),
         remarks=tuple(remarks),
     )
@@ -267,32 +318,25 @@ def _frequency_unit(
     Raise InputError where the last line is that in neither Hz nor rad/s.
     """
     last = float(np.max(_series(response, "m_FrequencyVector", where=where), initial=0.0))
-    steps = [
-        step
-        for parent, name in ((speed, "m_dUpdateTimeSeconds"), (root, "m_dSamplingInterval"))
-        for step in map(_as_float, _named(parent, name))
-        if 1e-7 < step < 1.0
-    ]
+    cycles = (*_named(speed, "m_dUpdateTimeSeconds"), *_named(root, "m_dSamplingInterval"))
+    steps = [step for step in _numbers(cycles) if 1e-7 < step < 1.0]
     if not steps:
         return 1.0, [Message("identify-hz-assumed", last=last)]
     for unit in (1.0, 1.0 / (2 * pi)):
         if any(abs(2.0 * step * unit * last - 1.0) < AT_NYQUIST for step in steps):
             return unit, []
-    raise refuse(
-        where, "identify-frequency-neither", last=last, nyquist=0.5 / min(steps), step=min(steps)
-    )
+    kind, step = "identify-frequency-neither", min(steps)
+    raise refuse(where, kind, last=last, nyquist=0.5 / step, step=step)
 
 
 def _response_of(
-    root: Element, speed: Element, element: Element, *, label: str, where: str
+    root: Element, speed: Element, element: Element, *, where: str
 ) -> ResponseContents:
     """A response, and for motor speed per torque what it is, with the coherence beside it."""
     name = element.get("name", "")
     frequency, values = _complex_series(element, where=where)
     good = _good_lines(frequency, values, name=name, where=where)
-    found = ResponseContents(
-        label=label, frequency_hz=frequency[good], values=values[good], lines=NO_LINES
-    )
+    found = ResponseContents(frequency_hz=frequency[good], values=values[good])
     if name != PLANT:  # only its name is known: input and output are for the user to say
         return found
     beside = next((one for one in speed.iter() if element in list(one)), speed)
@@ -300,74 +344,55 @@ def _response_of(
     for one in _measured(beside, COHERENCE) or _measured(speed, COHERENCE):
         _, gamma = _complex_series(one, where=where)
         if gamma.size == values.size:
-            coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))
-    linear = not _is_rotary(root)
-    averages = max((_as_float(e) for e in _named(root, "m_uNumberOfAverages")), default=0.0)
+            coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))[good]
+    rotary = _is_rotary(root)
     return replace(
         found,
         scale=1.0,
-        input="force" if linear else "torque",
-        output=Output.VELOCITY,
-        sensor=Sensor.ENCODER,
-        rotary=not linear,
-        motor_turn=_motor_turn(root),
-        coherence=coherence[good] if coherence is not None else None,
-        averages=averages or None,
+        said=Given(
+            input="torque" if rotary else "force",
+            output=Output.VELOCITY,
+            sensor=Sensor.ENCODER,
+            motor_turn=_motor_turn(root),
+        ),
+        rotary=rotary,
+        coherence=coherence,
+        averages=max(_numbers(_named(root, "m_uNumberOfAverages")), default=0.0) or None,
     )
-
-
-def _good_lines(
-    frequency: Array, values: ComplexArray, *, name: str, where: str
-) -> NDArray[np.bool_]:
-    """Lines with numbers: 0 / 0 at 0 Hz is one without."""
-    good = np.isfinite(values) & np.isfinite(frequency)
-    if not good.size or good.mean() < MOSTLY_GOOD:
-        raise refuse(where, "identify-series-not-finite", name=name)
-    return good
-
-
-def _as_float(element: Element) -> float:
-    try:
-        return float(element.text or "")
-    except ValueError:
-        return 0.0
 
 
 def _trace(root: Element, *, where: str) -> FileContents:
     frame = root.find(".//dataFrame")
     signals = list(frame.iter("dataSignal")) if frame is not None else []
     if frame is None or not signals:
-        raise refuse(where, "identify-series-missing", name="dataSignal")
+        raise _missing(where, "dataSignal")
     shown = {one.get("key"): one for one in root.iter("signal") if one.get("key")}
-    keys = [one.get("id", "") for one in signals]
-    fields = keys if all(key.startswith("f") for key in keys) else []
-    fields = fields or [f"f{place}" for place in range(1, len(signals) + 1)]
+    fields = [one.get("id", "") for one in signals]
+    if not all(key.startswith("f") for key in fields):
+        fields = [f"f{place}" for place in range(1, len(signals) + 1)]
     rows: list[list[float]] = []
-    last = [np.nan] * (len(fields) + 1)
+    row = [np.nan] * (len(fields) + 1)
     for record in frame.iter("rec"):
-        row = list(last)
+        row = list(row)
         for place, name in enumerate(("time", *fields)):
-            text = record.get(name)
-            if text is None:
+            if (text := record.get(name)) is None:
                 continue
             try:
                 row[place] = float(text)
             except ValueError as error:
-                raise refuse(
-                    where, "identify-record-broken", got=text[:40], row=len(rows) + 1
-                ) from error
-        last = row
+                kind, at = "identify-record-broken", len(rows) + 1
+                raise refuse(where, kind, got=text[:40], row=at) from error
         rows.append(row)
     values = np.asarray(rows, dtype=np.float64).reshape(-1, len(fields) + 1)
     whole = np.isfinite(values).all(axis=1)
     values = values[int(np.argmax(whole)) :] if whole.any() else values[:0]
     if values.shape[0] < 2 or not np.isfinite(values).all():
-        raise refuse(where, "identify-series-missing", name="rec")
+        raise _missing(where, "rec")
     columns = []
-    for place, one in enumerate(signals, start=1):
+    for place, (one, key) in enumerate(zip(signals, fields, strict=True), start=1):
         more = shown.get(one.get("key"), one)
-        name = more.get("name") or one.get("name") or more.get("description") or fields[place - 1]
+        name = more.get("name") or one.get("name") or more.get("description") or key
         unit = next((v for k, v in (*one.items(), *more.items()) if "unit" in k.casefold()), "")
         columns.append(Column(name=name, unit=unit, values=values[:, place]))
-    record_ = TimeContents(clock=values[:, 0], columns=tuple(columns), lines=NO_LINES)
+    record_ = TimeContents(clock=values[:, 0], columns=tuple(columns))
     return FileContents(format=Message("identify-format-sinumerik-trace"), items=(record_,))

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -28,14 +29,6 @@ _FULL_STAMP = 10**15
 _NO_UNIT = frozenset({"", "(none)", "none"})
 
 
-@dataclass(slots=True)
-class _Clock:
-    """A column of times, and the channels that share it."""
-
-    place: int
-    channels: list[int] = field(default_factory=list)
-
-
 def is_twincat(lines: Sequence[str]) -> bool:
     """Return whether some lines are an export of TwinCAT Scope."""
     return any(STEP in line for line in lines[:HEAD_LINES])
@@ -47,74 +40,69 @@ def read_twincat(lines: Sequence[str], *, where: str) -> FileContents:
     Raise InputError where its heads or numbers cannot be read.
     """
     steps = next(place for place, line in enumerate(lines) if STEP in line)
-    after = lines[steps].split(STEP, 1)[1]
-    separator = after[:1] or "\t"
+    separator = lines[steps].split(STEP, 1)[1][:1] or "\t"
     separator = separator if separator in "\t,;" else " "
-    stamps = [cell.strip() == STEP for cell in lines[steps].split(separator)]
+    is_clock = [cell.strip() == STEP for cell in lines[steps].split(separator)]
     rows = (line.split(separator) for line in lines[:HEAD_LINES])
-    heads = {cells[0].strip(): cells for cells in rows if len(cells) == len(stamps)}
+    heads = {cells[0].strip(): cells for cells in rows if len(cells) == len(is_clock)}
     if "Name" not in heads:
-        raise refuse(where, "identify-twincat-heads", line=steps + 1, wanted=len(stamps))
-    names, units = heads["Name"], heads.get("Unit", [""] * len(stamps))
-    start = _first_row(lines, separator, steps, len(stamps))
-    if start < 0:
-        raise refuse(where, "identify-no-table", lines=len(lines), first=lines[0].strip()[:60])
-    cells = _cells(lines[start:], separator, len(stamps), where=where, first_line=start + 1)
+        raise refuse(where, "identify-twincat-heads", line=steps + 1, wanted=len(is_clock))
+    names, units = heads["Name"], heads.get("Unit", [""] * len(is_clock))
+    cells = _read_cells(lines, separator, steps + 1, len(is_clock), where=where)
     items: list[TimeContents] = []
-    for clock in _clocks(stamps):
-        filled = [row for row, line in enumerate(cells) if line[clock.place]]
-        if not clock.channels or not filled:
+    clocks = [place for place, one in enumerate(is_clock) if one]
+    for clock, behind in zip(clocks, [*clocks[1:], len(is_clock)], strict=True):
+        column_of = partial(_Cells, cells, [at for at, row in cells.items() if row[clock]])
+        own = column_of(clock)
+        if behind == clock + 1 or not own.lines:
             continue
-        lines_of = np.asarray([start + 1 + row for row in filled], dtype=np.int64)
-        times = _times([cells[r][clock.place] for r in filled], lines_of, clock.place, where=where)
+        times = own.times(where=where)
         columns = tuple(
             Column(
                 name=names[place].strip(),
                 unit=_unit(units[place]),
-                values=_values([cells[r][place] for r in filled], lines_of, place, where=where),
+                values=column_of(place).values(where=where),
             )
-            for place in clock.channels
+            for place in range(clock + 1, behind)
         )
-        same = next(
-            (i for i, one in enumerate(items) if np.array_equal(_clock_of(one), times)), None
-        )
-        if same is not None:  # a column of times for each channel
-            items[same] = replace(items[same], columns=(*items[same].columns, *columns))
+        same = [k for k, one in enumerate(items) if np.array_equal(one.clock, times)]  # type: ignore[arg-type]
+        if same:  # a column of times for each channel
+            other = items[same[0]]
+            items[same[0]] = replace(other, columns=(*other.columns, *columns))
             continue
-        label = columns[0].name
-        items.append(TimeContents(label=label, clock=times, columns=columns, lines=lines_of))
+        at = np.asarray(own.lines, dtype=np.int64)
+        items.append(TimeContents(label=columns[0].name, clock=times, columns=columns, lines=at))
     if not items:
         raise refuse(where, "identify-no-table", lines=len(lines), first=lines[0].strip()[:60])
     if len(items) == 1:
         items = [replace(items[0], label="")]
-    remarks = []
-    if any(cell.strip() not in ("1", "ScaleFactor") for cell in heads.get("ScaleFactor", [])):
-        remarks.append(Message("identify-twincat-scaled"))
+    factors = {cell.strip() for cell in heads.get("ScaleFactor", [])} - {"1", "ScaleFactor"}
     return FileContents(
-        format=Message("identify-format-twincat"), items=tuple(items), remarks=tuple(remarks)
+        format=Message("identify-format-twincat"),
+        items=tuple(items),
+        remarks=(Message("identify-twincat-scaled"),) if factors else (),
     )
 
 
-def _clock_of(record: TimeContents) -> Array:
-    return record.clock if record.clock is not None else np.zeros(0)
-
-
-def _clocks(stamps: Sequence[bool]) -> list[_Clock]:
-    clocks: list[_Clock] = []
-    for place, is_clock in enumerate(stamps):
-        if is_clock:
-            clocks.append(_Clock(place))
-        elif clocks:
-            clocks[-1].channels.append(place)
-    return clocks
-
-
-def _first_row(lines: Sequence[str], separator: str, steps: int, width: int) -> int:
-    for place in range(steps + 1, len(lines)):
-        cells = lines[place].split(separator)
-        if len(cells) == width and np.isfinite([_number(cell) for cell in cells[:2]]).all():
-            return place
-    return -1
+def _read_cells(
+    lines: Sequence[str], separator: str, start: int, width: int, *, where: str
+) -> dict[int, list[str]]:
+    """The cells of each row of numbers, by its line."""
+    found: dict[int, list[str]] = {}
+    for at, line in enumerate(lines[start:], start=start + 1):
+        cells = [cell.strip() for cell in line.split(separator)]
+        if not found:
+            if len(cells) == width and np.isfinite(list(map(_number, cells[:2]))).all():
+                found[at] = cells
+            continue
+        if not line.strip() or line.strip().casefold() == LAST_LINE:
+            break
+        if len(cells) > width:
+            raise refuse(where, "identify-row-length", line=at, got=len(cells), wanted=width)
+        found[at] = cells + [""] * (width - len(cells))  # slower channels end earlier
+    if not found:
+        raise refuse(where, "identify-no-table", lines=len(lines), first=lines[0].strip()[:60])
+    return found
 
 
 def _number(cell: str) -> float:
@@ -125,54 +113,33 @@ def _number(cell: str) -> float:
         return np.nan
 
 
-def _cells(
-    lines: Sequence[str], separator: str, width: int, *, where: str, first_line: int
-) -> list[list[str]]:
-    rows = []
-    for number, line in enumerate(lines):
-        if not line.strip() or line.strip().casefold() == LAST_LINE:
-            break
-        cells = [cell.strip() for cell in line.split(separator)]
-        if len(cells) > width:
-            at = first_line + number
-            raise refuse(where, "identify-row-length", line=at, got=len(cells), wanted=width)
-        rows.append(cells + [""] * (width - len(cells)))  # slower channels end earlier
-    return rows
+@dataclass(frozen=True, slots=True)
+class _Cells:
+    """A column in the rows in which its clock stands."""
 
+    rows: dict[int, list[str]]
+    lines: list[int]
+    place: int
 
-def _values(
-    cells: Sequence[str],
-    lines: np.ndarray[tuple[int], np.dtype[np.int64]],
-    place: int,
-    *,
-    where: str,
-) -> Array:
-    values = np.asarray([_number(cell) for cell in cells])
-    if not np.isfinite(values).all():
-        row = int(np.argmin(np.isfinite(values)))
-        kind = "identify-no-number" if np.isnan(values[row]) else "identify-not-finite"
-        line, got = int(lines[row]), cells[row][:40]
-        raise refuse(where, kind, line=line, column=place + 1, got=got)
-    return values
+    @property
+    def texts(self) -> list[str]:
+        return [self.rows[at][self.place] for at in self.lines]
 
+    def values(self, *, where: str) -> Array:
+        values = np.asarray([_number(cell) for cell in self.texts])
+        if not np.isfinite(values).all():
+            row = int(np.argmin(np.isfinite(values)))
+            kind = "identify-no-number" if np.isnan(values[row]) else "identify-not-finite"
+            got = self.texts[row][:40]
+            raise refuse(where, kind, line=self.lines[row], column=self.place + 1, got=got)
+        return values
 
-def _times(
-    cells: Sequence[str],
-    lines: np.ndarray[tuple[int], np.dtype[np.int64]],
-    place: int,
-    *,
-    where: str,
-) -> Array:
-    """Times from the first [s]; full stamps are subtracted as integers, a double would round."""
-    if (
-        cells
-        and all(cell.isdigit() for cell in (cells[0], cells[-1]))
-        and int(cells[0]) > _FULL_STAMP
-        and all(cell.isdigit() for cell in cells)
-    ):
-        first = int(cells[0])
-        return np.asarray([int(cell) - first for cell in cells], dtype=np.float64) * TICK
-    return 1e-3 * _values(cells, lines, place, where=where)
+    def times(self, *, where: str) -> Array:
+        """Times from the first [s]; full stamps are subtracted as integers, a double rounds."""
+        stamps = [int(cell) for cell in self.texts if cell.isdecimal()]
+        if len(stamps) < len(self.lines) or stamps[0] <= _FULL_STAMP:
+            return 1e-3 * self.values(where=where)
+        return np.asarray([one - stamps[0] for one in stamps], dtype=np.float64) * TICK
 
 
 def _unit(cell: str) -> str:

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from mtcommission.identify.formats.contents import (
-    NO_LINES,
     Column,
     FileContents,
     Item,
@@ -22,6 +21,7 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
+from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import Array, Output
 from mtcommission.messages.message import Message
 
@@ -30,8 +30,9 @@ MOST_SETS = 500
 
 _FRF, _COHERENCE, _TIME = 4, 6, 1
 _OUTPUTS = {8: Output.POSITION, 11: Output.VELOCITY, 12: Output.ACCELERATION}
-_FORCES = frozenset({9, 13})
+_INPUTS = {9: "force", 13: "force", 12: "acceleration"}
 _PLAIN = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N"}
+_FORCES = (9, 13)
 _TURNING_FROM = 4
 """Directions 4 to 6 are rotations."""
 
@@ -49,27 +50,26 @@ def read_uff(data: bytes, *, where: str) -> FileContents:
     Raise InputError where pyuff cannot read it, or it has no function of use here.
     """
     sets = _sets(data, where=where)
-    scale = next((one for one in sets if one.get("type") == 164), {})
+    units = next((one for one in sets if one.get("type") == 164), {})
+    length, force = (float(units.get(name) or 0.0) for name in ("length", "force"))
     functions = [one for one in sets if one.get("type") == 58]
-    coherences = {
-        _ends(one): np.real(_data(one)).astype(np.float64)
-        for one in functions
-        if one.get("func_type") == _COHERENCE
-    }
+
+    def of_kind(kind: int) -> list[Set]:
+        return [one for one in functions if one.get("func_type") == kind]
+
+    coherences = {_ends(one): np.real(_data(one)).astype(np.float64) for one in of_kind(_COHERENCE)}
     items: list[Item] = [
-        _response(one, coherences.get(_ends(one)), scale, where=where)
-        for one in functions
-        if one.get("func_type") == _FRF
+        _response(one, coherences.get(_ends(one)), length, force, where=where)
+        for one in of_kind(_FRF)
     ]
     if not items:
-        items = _records([one for one in functions if one.get("func_type") == _TIME], scale)
+        items = _records(of_kind(_TIME), length, force)
     if not items:
         kinds = tuple(sorted({str(one.get("func_type", one.get("type"))) for one in sets}))
         raise refuse(where, "identify-uff-nothing", found=kinds)
     on = str(functions[0].get("id3", "")).strip()
-    return FileContents(
-        format=Message("identify-format-uff"), items=tuple(items), measured_on=on[:40]
-    )
+    format_ = Message("identify-format-uff")
+    return FileContents(format=format_, items=tuple(items), measured_on=on[:40])
 
 
 def _sets(data: bytes, *, where: str) -> list[Set]:
@@ -105,65 +105,54 @@ def _abscissa(one: Set) -> Array:
     return np.asarray(one.get("x", ()), dtype=np.float64)
 
 
-def _response(one: Set, coherence: Array | None, scale: Set, *, where: str) -> ResponseContents:
-    values, hertz = _data(one).astype(np.complex128), _abscissa(one)
-    if values.size != hertz.size or values.size != int(one.get("num_pts") or 0):
-        wanted = int(one.get("num_pts") or 0)
-        raise refuse(
-            where, "identify-series-short", name=_label(one), got=values.size, wanted=wanted
-        )
-    above, below = _kind(one, "ordinate"), _kind(one, "orddenom")
-    unit, factor = _unit_of(one, scale)
-    turns = max(abs(_ends(one)[1]), abs(_ends(one)[3])) >= _TURNING_FROM
-    fits = coherence is not None and coherence.size == values.size
+def _kind(one: Set, axis: str) -> int:
+    return int(one.get(f"{axis}_spec_data_type") or 0)
+
+
+def _unit(one: Set, axis: str) -> str:
+    unit = str(one.get(f"{axis}_axis_units_lab") or "").strip()
+    return "" if unit.casefold() == "none" else unit
+
+
+def _response(
+    one: Set, coherence: Array | None, length: float, force: float, *, where: str
+) -> ResponseContents:
+    """A response; its unit by the labels, else by the factors; neither, and SI is not claimed."""
+    values, hertz, wanted = _data(one).astype(np.complex128), _abscissa(one), one.get("num_pts")
+    if values.size != hertz.size or values.size != int(wanted or 0):
+        name, got, points = _label(one), values.size, int(wanted or 0)
+        raise refuse(where, "identify-series-short", name=name, got=got, wanted=points)
+    below, factor = _kind(one, "orddenom"), None
+    unit, per = (_unit(one, axis) for axis in ("ordinate", "orddenom"))
+    if unit and per:
+        unit = f"({unit})/({per})"
+    elif "/" not in unit:
+        unit = ""
+        if length > 0.0 and force > 0.0:
+            factor = force / length if below in _FORCES else 1.0
     return ResponseContents(
         label=_label(one),
         frequency_hz=hertz,
         values=values,
         unit=unit,
         scale=factor,
-        input="force" if below in _FORCES else "acceleration" if below == 12 else "",
-        output=_OUTPUTS.get(above),
-        rotary=turns,
-        coherence=coherence if fits else None,
-        lines=NO_LINES,
+        said=Given(input=_INPUTS.get(below, ""), output=_OUTPUTS.get(_kind(one, "ordinate"))),
+        rotary=max(abs(_ends(one)[1]), abs(_ends(one)[3])) >= _TURNING_FROM,
+        coherence=coherence if coherence is not None and coherence.size == values.size else None,
     )
 
 
-def _kind(one: Set, axis: str) -> int:
-    return int(one.get(f"{axis}_spec_data_type") or 0)
-
-
-def _unit_of(one: Set, scale: Set) -> tuple[str, float | None]:
-    """Unit by the labels, else the factor by dataset 164; neither, and SI is not claimed."""
-    labels = [
-        str(one.get(f"{axis}_axis_units_lab") or "").strip() for axis in ("ordinate", "orddenom")
-    ]
-    if all(label and label.casefold() != "none" for label in labels):
-        return f"({labels[0]})/({labels[1]})", None
-    if labels[0] and "/" in labels[0]:
-        return labels[0], None
-    length, force = (float(scale.get(name) or 0.0) for name in ("length", "force"))
-    if length > 0.0 and force > 0.0:
-        return "", force / length if _kind(one, "orddenom") in _FORCES else 1.0
-    return "", None
-
-
-def _records(series: Sequence[Set], scale: Set) -> list[Item]:
+def _records(series: Sequence[Set], length: float, force: float) -> list[Item]:
     """Time responses with one clock as one record."""
     whole = [one for one in series if _abscissa(one).size == _data(one).size > 1]
-    first = [one for one in whole if np.array_equal(_abscissa(one), _abscissa(whole[0]))]
-    length, force = (float(scale.get(name) or 0.0) for name in ("length", "force"))
     columns = []
-    for one in first:
-        label = str(one.get("ordinate_axis_units_lab") or "").strip()
-        kind = _kind(one, "ordinate")
-        unit = "" if label.casefold() == "none" else label
+    for one in whole:
+        if not np.array_equal(_abscissa(one), _abscissa(whole[0])):
+            continue
+        kind, unit = _kind(one, "ordinate"), _unit(one, "ordinate")
         values = np.real(_data(one)).astype(np.float64)
         factor = force if kind in _FORCES else length
         if not unit and kind in _PLAIN and factor > 0.0:
             unit, values = _PLAIN[kind], values / factor
         columns.append(Column(name=_label(one), unit=unit, values=values))
-    if not columns:
-        return []
-    return [TimeContents(clock=_abscissa(first[0]), columns=tuple(columns), lines=NO_LINES)]
+    return [TimeContents(clock=_abscissa(whole[0]), columns=tuple(columns))] if columns else []

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.identify.formats.contents import Lines, TimeContents, refuse
@@ -47,8 +46,7 @@ class Clock:
     def even(self) -> Array:
         """Even times, shape (m,) [s]."""
         count = int((self.times[-1] - self.times[0]) / self.step + 1e-6) + 1
-        found: Array = self.times[0] + self.step * np.arange(count, dtype=np.float64)
-        return found
+        return np.asarray(self.times[0] + self.step * np.arange(count))
 
     @property
     def is_even(self) -> bool:
@@ -77,34 +75,26 @@ class Clock:
             return values, 0.0
         from scipy.interpolate import CubicSpline  # slow to load, and most clocks are even
 
-        sampled: Array = CubicSpline(self.times, values)(self.even)
         # Every other sample from its neighbours errs more than the sample between them.
         half = CubicSpline(self.times[::2], values[::2])(self.times[1:-1:2])
-        return sampled, float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
+        error = float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
+        return np.asarray(CubicSpline(self.times, values)(self.even)), error
 
     def require_even(self, *, where: str) -> None:
         """Raise InputError where samples are missing."""
         steps = np.diff(self.times)
         usual = float(np.median(steps))
         worst = int(np.argmax(np.abs(steps - usual)))
-        if not self.is_even and abs(steps[worst] - usual) > JITTER * usual:
-            raise refuse(
-                where,
-                "identify-uneven",
-                line=_line(self.lines, worst + 1),
-                usual=usual,
-                got=float(steps[worst]),
-                at=float(self.times[worst]),
-            )
+        got, at = float(steps[worst]), float(self.times[worst])
+        if not self.is_even and abs(got - usual) > JITTER * usual:
+            line = _line(self.lines, worst + 1)
+            raise refuse(where, "identify-uneven", line=line, usual=usual, got=got, at=at)
 
 
 def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -> Clock:
     """Return the clock of a record; ``said``: ``--columns``, which may state the sample time.
 
-    Raises
-    ------
-    InputError
-        There is none, it does not rise, or its step is none of an axis.
+    Raise InputError where there is none, it does not rise, or its step is none of an axis.
     """
     size = contents.columns[0].values.size if contents.columns else 0
     if size < LEAST_SAMPLES:
@@ -115,8 +105,6 @@ def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -
             raise refuse(where, "identify-no-sample-time")
         times: Array = step * np.arange(size, dtype=np.float64)
     else:
-        if not (np.abs(contents.clock) < LATEST).all():
-            raise refuse(where, "identify-series-not-finite", name=CLOCK)
         times = _rising(contents.clock, contents.lines, where=where)
         steps = np.diff(times)
         step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
@@ -135,10 +123,12 @@ def _said_step(said: Mapping[str, str]) -> float:
 
 def _rising(clock: Array, lines: Lines, *, where: str) -> Array:
     """Times that rise; those printed with too few digits are spread evenly between."""
+    if not (np.abs(clock) < LATEST).all():
+        raise refuse(where, "identify-series-not-finite", name=CLOCK)
     steps = np.diff(clock)
     if (steps > 0.0).all():
         return clock
-    even: NDArray[np.float64] = np.linspace(clock[0], clock[-1], clock.size)
+    even: Array = np.linspace(clock[0], clock[-1], clock.size)
     grain = float(steps.max())
     if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
         at = int(np.argmax(steps <= 0.0))

@@ -39,6 +39,12 @@ class Meaning:
     is_said: bool = False  # whether ``--columns`` does
     is_assumed: bool = False  # whether there is no unit, and SI is meant
 
+    @property
+    def seen(self) -> Signal:
+        """What identification makes of it: an excitation or a motion's setpoint is a reference."""
+        is_set = self.course is Course.SETPOINT and self.signal in MOTIONS
+        return Signal.REFERENCE if is_set or self.course is Course.EXCITATION else self.signal
+
 
 _SET, _ENCODER, _TCP = Course.SETPOINT, Sensor.ENCODER, Sensor.TCP
 OWN = {

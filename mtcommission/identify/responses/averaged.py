@@ -18,11 +18,12 @@ System Identification, 2nd ed., 2.5, 2.6.4; overlap: F. J. Harris, Proc. IEEE 66
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import Array, ComplexArray, Output
+from mtcommission.identify.measurement import Array, ComplexArray, FrequencyResponse, Output
 from mtcommission.identify.responses.excitation import NEIGHBOURS, excited_band
 from mtcommission.messages.message import Message
 
@@ -73,35 +74,28 @@ class Signals:
     input: Array
     output: Array
     reference: Array | None  # Recorded excitation, shape (n,); None where there is none
-    is_difference: bool  # Whether the output is a difference
+    response: FrequencyResponse  # What it will be, without lines yet
+
+    @property
+    def is_difference(self) -> bool:
+        """Whether the output is a difference."""
+        return self.response.output is Output.POSITION
 
     def frequencies(self, length: int) -> Array:
         """Return the lines of a transform of so many samples [Hz]."""
         return np.fft.rfftfreq(length, self.step).astype(np.float64)
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Lines:
-    """A response by line, and what it is worth."""
-
-    # frequency_hz, values, coherence: Shape (n_lines,).
-    frequency_hz: Array
-    values: ComplexArray
-    coherence: Array
-    averages: float  # Independent ones
-    resolution_hz: float  # Half-power width of the window [Hz]; 0 for whole periods
-
-
-Estimate = tuple[Lines, list[Message]]
-"""A response, and how it was found."""
+    def kept(self, length: int) -> NDArray[np.bool_]:
+        """Return which of these lines may be kept."""
+        f = self.frequencies(length)
+        return np.asarray((f > 0.0) & (f <= HIGHEST_SHARE / self.step))
 
 
 def prepare(
-    step: float, input_: Array, output: Array, reference: Array | None, *, kind: Output
+    step: float, input_: Array, output: Array, reference: Array | None, response: FrequencyResponse
 ) -> Signals:
     """Return signals without their means, a position as differences."""
-    is_difference = kind is Output.POSITION
-    if is_difference:
+    if response.output is Output.POSITION:
         output, input_ = np.diff(output), input_[:-1]
     if reference is not None:
         reference = reference[: input_.size] - reference[: input_.size].mean()
@@ -110,11 +104,11 @@ def prepare(
         input=input_ - input_.mean(),
         output=output - output.mean(),
         reference=reference,
-        is_difference=is_difference,
+        response=response,
     )
 
 
-def by_windows(signals: Signals) -> Estimate:
+def by_windows(signals: Signals) -> FrequencyResponse:
     """Return a response from a record that repeats nothing.
 
     The window is lengthened from a twelfth of the record until the sharpest peak is resolved, but
@@ -124,32 +118,28 @@ def by_windows(signals: Signals) -> Estimate:
     longest = 2 * size // (FEWEST_SEGMENTS + 1)
     length = min(2 * size // (FIRST_SEGMENTS + 1), int(MOST_LINES / HIGHEST_SHARE))
     while True:
-        lines, segments, is_joint = _by_windows(signals, length)
-        narrowest = _narrowest_width(signals, lines)
+        found, segments, is_joint = _by_windows(signals, length)
+        narrowest = _narrowest_width(found)
         window = length * signals.step
         is_resolved = narrowest == 0.0 or 1.0 / window <= SPACING_OF_WIDTH * narrowest
         if is_resolved or length >= longest:
             break
         length = min(longest, int(1.5 * length))
-    said = [
-        Message(
-            "identify-by-welch",
-            window=window,
-            segments=segments,
-            averages=lines.averages,
-            spacing=1.0 / window,
-        )
-    ]
+    how = {"window": window, "averages": found.averages, "spacing": 1.0 / window}
+    said = [Message("identify-by-welch", segments=segments, **how)]
     if not is_resolved:
         said.append(Message("identify-welch-too-coarse", spacing=1.0 / window, width=narrowest))
     if is_joint:
-        return lines, [*said, Message("identify-joint-estimate")]
-    doubtful = float((lines.coherence < BIASED_BELOW).mean()) if lines.coherence.size else 1.0
+        return found.say(*said, Message("identify-joint-estimate"))
+    coherence = found.coherence
+    doubtful = 1.0
+    if coherence is not None and coherence.size:
+        doubtful = float((coherence < BIASED_BELOW).mean())
     kind = "identify-no-reference" if signals.reference is None else "identify-reference-silent"
-    return lines, [*said, Message(kind, share=doubtful)]
+    return found.say(*said, Message(kind, share=doubtful))
 
 
-def by_periods(signals: Signals, period: int) -> Estimate:
+def by_periods(signals: Signals, period: int) -> FrequencyResponse:
     """Return a response, in the excited lines, from a record that repeats."""
     count = signals.input.size // period
     first = signals.input.size - count * period
@@ -160,27 +150,26 @@ def by_periods(signals: Signals, period: int) -> Estimate:
     said = []
     if count > 2 and _is_unsettled(U, Y):
         U, Y, said = U[1:], Y[1:], [Message("identify-period-left-out")]
-    used, frequency = len(U), signals.frequencies(period)
+    used = len(U)
     power = np.abs(U.mean(axis=0)) ** 2
     spread = _smooth(U.var(axis=0, ddof=1), used)
     excited = (power > EXCITED * spread / used) & excited_band(power)
-    excited &= (frequency > 0.0) & (frequency <= HIGHEST_SHARE / signals.step)
-    excited &= np.abs(Y.mean(axis=0)) > 0.0
+    excited &= signals.kept(period) & (np.abs(Y.mean(axis=0)) > 0.0)
     U, Y = U[:, excited], Y[:, excited]
-    lines = _average(signals, frequency[excited], np.ones_like(U), U, Y, repeats=True)
+    frequency = signals.frequencies(period)[excited]
+    found = _average(signals, frequency, np.ones_like(U), U, Y, repeats=True)
     how = Message("identify-by-periods", count=used, period=period * signals.step)
-    return lines, [how, *said]
+    return found.say(how, *said)
 
 
-def by_blows(signals: Signals, blows: Sequence[int]) -> Estimate:
+def by_blows(signals: Signals, blows: Sequence[int]) -> FrequencyResponse:
     """Return a response, in the band that they excite, from blows that begin at some samples."""
     lead = int(BEFORE / signals.step)
     starts = [max(blow - lead, 0) for blow in blows]
     gaps = np.diff([*starts, signals.input.size])
-    whole = gaps[:-1].min() if len(starts) > 1 else gaps[0]
+    length = whole = int(gaps[:-1].min() if len(starts) > 1 else gaps[0])
     if gaps[-1] < 0.7 * whole:  # the last one was cut
         starts = starts[:-1]
-        length = int(whole)
     else:
         length = int(min(whole, gaps[-1]))
     u, y = (
@@ -190,32 +179,26 @@ def by_blows(signals: Signals, blows: Sequence[int]) -> Estimate:
     u = u - np.median(u, axis=1, keepdims=True)
     y = y - np.median(y[:, -max(length // 10, 1) :], axis=1, keepdims=True)
     tail = np.abs(y[:, -max(length // 20, 1) :]).max(axis=1) / np.abs(y).max(axis=1)
-    frequency, U, Y = signals.frequencies(length), np.fft.rfft(u, axis=1), np.fft.rfft(y, axis=1)
+    U, Y = np.fft.rfft(u, axis=1), np.fft.rfft(y, axis=1)
     power = _mean(U, U).real
-    kept = (frequency > 0.0) & (frequency <= HIGHEST_SHARE / signals.step)
-    kept &= (power > USEFUL * power[1:].max()) & (_mean(Y, Y).real > 0.0)
-    lines = _average(signals, frequency[kept], U[:, kept], U[:, kept], Y[:, kept])
+    kept = signals.kept(length) & (power > USEFUL * power[1:].max()) & (_mean(Y, Y).real > 0.0)
+    frequency = signals.frequencies(length)[kept]
+    found = _average(signals, frequency, U[:, kept], U[:, kept], Y[:, kept])
     count, left_over = len(starts), float(tail.max())
     said = [Message("identify-by-blows", count=count, duration=length * signals.step)]
     if left_over > LEFT_OVER:
         said.append(Message("identify-not-died-away", share=left_over))
     if count == 1:
         said.append(Message("identify-single-blow"))
-    return lines, said
+    return found.say(*said)
 
 
-def segments_of(values: Array, length: int) -> ComplexArray:
-    """Return the transforms of Hann-windowed segments, shape (n_segments, n_lines)."""
+def _segments(values: Array, length: int) -> ComplexArray:
+    """Transforms of Hann-windowed segments, shape (n_segments, n_lines)."""
     parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: max(length // 2, 1)]
     parts = parts - parts.mean(axis=1, keepdims=True)
     hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
-    transformed: ComplexArray = np.fft.rfft(parts * hann, axis=1)
-    return transformed
-
-
-def averages_of(segments: int) -> float:
-    """Return how many independent averages segments with half overlap are worth."""
-    return segments / (1.0 + 2.0 * OVERLAP_CORRELATION * (segments - 1) / segments)
+    return np.asarray(np.fft.rfft(parts * hann, axis=1))
 
 
 def _average(
@@ -228,7 +211,7 @@ def _average(
     averages: float = 0.0,
     resolution_hz: float = 0.0,
     repeats: bool = False,
-) -> Lines:
+) -> FrequencyResponse:
     """The response in some lines; transforms of shape (n_parts, n_lines)."""
     S_rr, S_ru = _mean(R, R).real, _mean(R, U)
     with np.errstate(all="ignore"):
@@ -242,7 +225,8 @@ def _average(
     frequency, H = frequency[good], H[good]
     if signals.is_difference:
         H = H / (np.exp(2j * np.pi * frequency * signals.step) - 1.0)
-    return Lines(
+    return replace(
+        signals.response,
         frequency_hz=frequency,
         values=H,
         coherence=gamma2[good],
@@ -252,8 +236,7 @@ def _average(
 
 
 def _mean(one: ComplexArray, other: ComplexArray) -> ComplexArray:
-    mean: ComplexArray = (one.conj() * other).mean(axis=0)
-    return mean
+    return np.asarray((one.conj() * other).mean(axis=0))
 
 
 def _smooth(values: Array, periods: int) -> Array:
@@ -261,34 +244,33 @@ def _smooth(values: Array, periods: int) -> Array:
     if periods >= FEW_PERIODS or values.size < NEIGHBOURS:
         return values
     padded = np.pad(values, NEIGHBOURS // 2, mode="edge")
-    smooth: Array = np.convolve(padded, np.ones(NEIGHBOURS) / NEIGHBOURS, mode="valid")
-    return smooth
+    return np.convolve(padded, np.ones(NEIGHBOURS) / NEIGHBOURS, mode="valid")
 
 
 def _is_unsettled(U: ComplexArray, Y: ComplexArray) -> bool:
-    def off(Z: ComplexArray) -> Array:
-        steady = Z[1:].mean(axis=0)
-        distance: Array = np.linalg.norm(Z[:, 1:] - steady[1:], axis=1)
-        return distance
+    for Z in (U[:, 1:], Y[:, 1:]):
+        off = np.linalg.norm(Z - Z[1:].mean(axis=0), axis=1)
+        if off[0] > UNSETTLED * np.median(off[1:]):
+            return True
+    return False
 
-    return any(distance[0] > UNSETTLED * np.median(distance[1:]) for distance in (off(U), off(Y)))
 
-
-def _by_windows(signals: Signals, length: int) -> tuple[Lines, int, bool]:
+def _by_windows(signals: Signals, length: int) -> tuple[FrequencyResponse, int, bool]:
     """The response, the number of segments, and whether the recorded excitation was used."""
-    frequency = signals.frequencies(length)
-    # Hann's window spreads what is near 0 Hz into the first two lines.
-    kept = (frequency <= HIGHEST_SHARE / signals.step) & (np.arange(frequency.size) >= 2)
-    U = segments_of(signals.input, length)[:, kept]
-    Y = segments_of(signals.output, length)[:, kept]
+    frequency, kept = signals.frequencies(length), signals.kept(length)
+    kept[:2] = False  # Hann's window spreads what is near 0 Hz into the first two lines
+    U = _segments(signals.input, length)[:, kept]
+    Y = _segments(signals.output, length)[:, kept]
     R, is_joint = U, False
     if signals.reference is not None:
-        recorded = segments_of(signals.reference, length)[:, kept]
+        recorded = _segments(signals.reference, length)[:, kept]
         if _carries(recorded, U, Y):
             R, is_joint = recorded, True
-    averages, width = averages_of(len(U)), HALF_POWER_BINS / (length * signals.step)
-    lines = _average(signals, frequency[kept], R, U, Y, averages=averages, resolution_hz=width)
-    return lines, len(U), is_joint
+    # Segments with half overlap are not worth as many independent ones.
+    averages = len(U) / (1.0 + 2.0 * OVERLAP_CORRELATION * (len(U) - 1) / len(U))
+    width = HALF_POWER_BINS / (length * signals.step)
+    found = _average(signals, frequency[kept], R, U, Y, averages=averages, resolution_hz=width)
+    return found, len(U), is_joint
 
 
 def _carries(R: ComplexArray, U: ComplexArray, Y: ComplexArray) -> bool:
@@ -300,21 +282,21 @@ def _carries(R: ComplexArray, U: ComplexArray, Y: ComplexArray) -> bool:
     return bool(moved.size) and float(np.median(moved)) > CARRIES
 
 
-def _narrowest_width(signals: Signals, lines: Lines) -> float:
+def _narrowest_width(found: FrequencyResponse) -> float:
     """Half-power width of the sharpest clear peak [Hz], freed of the window's own; 0: none."""
-    if lines.frequency_hz.size < 5:
+    f, coherence = found.frequency_hz, found.coherence
+    if f.size < 5 or coherence is None:
         return 0.0
     from scipy.signal import find_peaks, peak_widths  # slow to load
 
-    spacing = float(np.median(np.diff(lines.frequency_hz)))
     # Times f the velocity's peaks stand on a level ground, and a position's nearly so.
-    power = 1 if not signals.is_difference else 2
-    size = 20.0 * np.log10(np.abs(lines.values) * lines.frequency_hz**power)
+    power = 2 if found.output is Output.POSITION else 1
+    size = 20.0 * np.log10(np.abs(found.values) * f**power)
     peaks, _ = find_peaks(size, prominence=LEAST_PEAK_DB)
-    peaks = peaks[lines.coherence[peaks] > CLEAR]
+    peaks = peaks[coherence[peaks] > CLEAR]
     if not peaks.size:
         return 0.0
-    ease = 10.0 ** (size / 10.0)
-    widths = peak_widths(ease, peaks, rel_height=0.5)[0] * spacing
-    own = np.maximum(widths - lines.resolution_hz, 0.2 * widths)
+    widths = peak_widths(10.0 ** (size / 10.0), peaks, rel_height=0.5)[0]
+    widths *= float(np.median(np.diff(f)))
+    own = np.maximum(widths - (found.resolution_hz or 0.0), 0.2 * widths)
     return float(own.min())
