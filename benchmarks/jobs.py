@@ -157,24 +157,15 @@ def parts(repeats: int) -> list[Job]:
     from mtcommission.loop.tuning.tuning import tune_loop
     from mtcommission.plant.plant import build_plant
     from mtcommission.profile.read import read_profile
-    from mtcommission.study.robustness import run_monte_carlo
-    from mtcommission.study.settings import RobustnessSettings
 
     machine = read_profile(PROFILE)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    limits = choose_limits(machine, plant, tuned).limits
     calls: dict[str, Callable[[], object]] = {
         "tune the cascade": lambda: tune_loop(machine),
         "search for limits": lambda: choose_limits(machine, plant, tuned),
         "search for limits and the map to be printed": lambda: choose_limits(
             machine, plant, tuned
         ).chart(),
-        "Monte Carlo, 1 000 machines": lambda: run_monte_carlo(
-            machine, tuned, limits, RobustnessSettings(samples=1000)
-        ),
-        "Monte Carlo, 10 000 machines": lambda: run_monte_carlo(
-            machine, tuned, limits, RobustnessSettings(samples=10_000)
-        ),
     }
     return [_job(name, "part", _times(call, repeats)) for name, call in calls.items()]
 

@@ -80,9 +80,7 @@ class Commissioning:
     @property
     def improvements(self) -> tuple[Improvement, ...]:
         """What single changes would bring, the most first; computed when asked for."""
-        return find_improvements(
-            self.machine, self.loop, self.choice, self.comparisons, self.settings.tuning
-        )
+        return find_improvements(self.machine, self.loop, self.choice, self.settings.tuning)
 
     @property
     def tuned(self) -> TunedLoop:
@@ -167,10 +165,7 @@ def commission(
     progress(Message("stage-machining-modes"))
     modes = find_limits_by_mode(machine, tuned, choice)
     progress(Message("stage-comparison"))
-    comparisons = tuple(
-        compare_move(machine, tuned, item, result, robust=within.robust)
-        for item, within, result in zip(optima, within_band, choice.moves, strict=True)
-    )
+    comparisons = tuple(compare_move(machine, tuned, item, choice.limits) for item in optima)
     progress(Message("robustness-heading"))
     sized = {
         "way-recommended": choice.limits,

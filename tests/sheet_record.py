@@ -219,7 +219,7 @@ def unsettled_record() -> Json:
         item["settling_time"] = None
     for comparison in record["comparisons"][0]["controls"]:
         comparison["transfer_time"] = None
-    robustness = record["robustness"] = record["robustness"] | {"monte_carlo": None}
+    robustness = record["robustness"]
     error = robustness["frequency_error"]
     error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
     for item in (error, robustness["damping_error"]):

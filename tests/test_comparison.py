@@ -1,21 +1,24 @@
-"""The paper's comparison, the fed-forward optimum and the continuous approximation."""
+"""The paper's comparison: setpoints in the loop beside the optimum on the plant."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
+from mtcommission.optimal.solution import TimeOptimum
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.optimum import ComparedControl, compare_controls, feed_forward
+from mtcommission.study.optimum import ComparedControl, compare_controls, state_claims
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.94, jerk=41.2)
@@ -59,40 +62,25 @@ def test_the_papers_two_claims_hold(rows: tuple[ComparedControl, ...]) -> None:
     assert optimal.overshoot < 1e-9
 
 
-def test_samples_of_an_optimum_are_those_of_an_integrator(
-    plant: Plant, optimum: TimeOptimum
-) -> None:
-    """The fed-forward force is derived from these states; a lost impulse would drift."""
-    step = 125e-6
-    states = sample_evenly(plant, optimum.arcs, step=step, until=0.06)
-    state = np.zeros(plant.order)
-    for arc in optimum.arcs:
-        force = 2e3 if arc.control == Bang(1) else -2e3
-        first = int(np.ceil(arc.t_start / step))
-        inside = np.arange(first, int(np.ceil(arc.t_end / step))) * step
-        solved = solve_ivp(
-            lambda _, x, force=force: plant.A @ x + plant.B * force,
-            (arc.t_start, arc.t_end),
-            state,
-            t_eval=np.append(inside, arc.t_end),
-            rtol=1e-10,
-            atol=1e-14,
-            method="DOP853",
-        )
-        scale = np.max(np.abs(states), axis=0)
-        assert np.allclose(
-            states[first : first + inside.size], solved.y.T[:-1], atol=1e-7 * scale, rtol=0
-        )
-        state = solved.y[:, -1]
-    assert np.allclose(states[-1], [0, states[-1, 1], 0, 0, 0.1, 0, 0], atol=1e-9)
+def compared(transfer: float, overshoot: float) -> ComparedControl:
+    return ComparedControl(
+        name=Message("way-recommended"),
+        transfer_time=transfer,
+        overshoot=overshoot,
+        peaks=np.zeros(1),
+        max_force=1.0,
+        heat=1.0,
+        work=1.0,
+    )
 
 
-def test_fed_forward_optimum_rests_on_the_nominal_machine_only(
-    machine: Machine, plant: Plant, tuned: TunedLoop, optimum: TimeOptimum
-) -> None:
-    """On the machine it was computed for it is nearly perfect; off by 5 % it leaves the band."""
-    ((nominal, low, high),) = feed_forward(machine, tuned, [optimum])
-    assert nominal.residual_deviation < 0.1e-6
-    assert nominal.settling_time == pytest.approx(optimum.t_f + 125e-6)
-    for off in (low, high):
-        assert off.residual_deviation > machine.requirements.tcp_deviation
+def test_claims_are_written_without_powers_of_ten() -> None:
+    """A slow move of a soft axis read 'takes 1.235e+04 ms'."""
+    controls = [compared(12.3456, 31.4), compared(inf, 1e-5), compared(0.010001, 0.0)]
+    said = map(Catalogue().say, state_claims(controls))
+    first, second = (sentence.replace(THIN_SPACE, " ") for sentence in said)
+    assert first == (
+        "The rectangular acceleration setpoint overshoots by 3140 % and takes 12.35 s, "
+        "1234 times the least time of 10 ms."
+    )
+    assert second.endswith("does not settle, where the least time is 10 ms.")

@@ -24,7 +24,7 @@ def improvements_of(machine: Machine) -> tuple[float, dict[str, Improvement]]:
     """Settling time with the loop by the classic rule, and what changes would bring, in order."""
     tuned = tune_loop(machine)
     choice = choose_limits(machine, build_plant(machine), tuned)
-    found = find_improvements(machine, LoopChoice(tuned=tuned), choice, (), SETTINGS)
+    found = find_improvements(machine, LoopChoice(tuned=tuned), choice, SETTINGS)
     return choice.candidate.settling_time, {item.change.kind: item for item in found}
 
 

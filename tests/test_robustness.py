@@ -1,4 +1,4 @@
-"""Many machines at once against one at a time, and what the draws say."""
+"""Many machines at once against one at a time, and the ranges that are kept."""
 
 from __future__ import annotations
 
@@ -20,14 +20,11 @@ from mtcommission.machine.requirements import Peak
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     corners,
-    draw_variations,
     vary,
 )
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
-from mtcommission.record.robustness import RobustnessPart
-from mtcommission.record.shape import entry_of
 from mtcommission.requirements.peak import peak_of
 from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.requirements.set_force import SET_FORCE
@@ -35,11 +32,9 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.robustness import (
     KeptRange,
-    examine_robustness,
     find_damping_range,
     find_frequency_error,
     respond_varied,
-    run_monte_carlo,
     warn_of_narrow_range,
 )
 from mtcommission.study.settings import RobustnessSettings
@@ -87,9 +82,9 @@ def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -
 def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> None:
     """If it failed, the printed distribution would be that of other machines."""
     plant, tuned = build_plant(machine), tune_loop(machine)
-    variations = draw_variations(machine, samples=5, seed=1)
+    variations = corners(machine)
     found = respond_varied(machine, tuned, limits, variations)
-    for i in range(5):
+    for i in range(0, len(variations), 2):
         varied = build_plant(vary(machine, variations[i]))
         loop = build_loop(varied, tuned.controller, model=plant)
         one = [
@@ -106,34 +101,6 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
         # Peaks of swings are met by 24 samples to a period.
         assert found.residual_deviation[i] == pytest.approx(residual, rel=5e-3)
         assert found.settling_time[i] == pytest.approx(settling, rel=1e-4)
-
-
-def test_draws_fill_the_stated_ranges_and_nothing_else() -> None:
-    """If it failed, the worst case would come from outside the stated spread, or be missed."""
-    machine = spread_paper_machine()
-    drawn = draw_variations(machine, samples=4000, seed=3)
-    columns = np.array([[c.payload, c.frequency_factor, c.damping_factor] for c in drawn]).T
-    for values, low, high in zip(columns, (0.0, 0.95, 0.8), (100.0, 1.05, 1.2), strict=True):
-        assert low <= values.min() < low + 0.01 * (high - low)
-        assert high - 0.01 * (high - low) < values.max() <= high
-        assert np.mean(values) == pytest.approx((low + high) / 2, abs=0.02 * (high - low))
-    assert drawn == draw_variations(machine, samples=4000, seed=3)
-
-
-def test_worst_case_and_share_agree_with_the_samples() -> None:
-    """If it failed, the sheet would name the wrong worst machine."""
-    machine = spread_paper_machine()
-    tuned = tune_loop(machine)
-    limits = MotionLimits(acceleration=1.3, jerk=30.0)
-    found = run_monte_carlo(machine, tuned, limits, RobustnessSettings(samples=300, seed=5))
-    band = machine.requirements.tcp_deviation
-    assert 0.0 < found.share_in_band < 1.0
-    assert found.share_in_band == np.count_nonzero(found.residual_deviation <= band) / 300
-    worst = [found.variations[np.argmax(found.residual_deviation)]]
-    alone = respond_varied(machine, tuned, limits, worst)
-    assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
-    late = found.settling_time > found.settling_time.min() + 1e-9
-    assert np.all(found.residual_deviation[late] > band)
 
 
 @pytest.mark.parametrize("resolution", [1e-8, 5e-7])
@@ -199,22 +166,6 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
         places = [replace(one, damping_factor=factor) for one in corners(machine)]
         one = respond_varied(machine, tuned, limits, places)
         assert one.is_missed.any() != is_kept
-
-
-def test_record_holds_the_shares() -> None:
-    """If it failed, shares on the sheet would be those of something else."""
-    machine = spread_paper_machine()
-    tuned = tune_loop(machine)
-    limits = MotionLimits(acceleration=1.3, jerk=30.0)
-    settings = RobustnessSettings(samples=200, frequency_points=2)
-    found = examine_robustness(machine, tuned, limits, settings)
-    drawn, entry = found.monte_carlo, entry_of(RobustnessPart, found).monte_carlo
-    assert drawn is not None
-    assert entry is not None
-    band = machine.requirements.tcp_deviation
-    assert entry.samples == 200
-    assert entry.share_in_band == np.mean(drawn.residual_deviation <= band)
-    assert entry.share_met <= entry.share_in_band
 
 
 @pytest.mark.parametrize(

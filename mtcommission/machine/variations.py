@@ -1,16 +1,11 @@
-"""Machines that differ from the nominal one: its corners, and samples of the same ranges."""
+"""Machines that differ from the nominal one: its corners."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import product
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.machine.machine import Machine
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,24 +61,3 @@ def corners(machine: Machine) -> tuple[Corner, ...]:
         for state, payload, frequency, damping in combinations
     ]
     return tuple(dict.fromkeys([NOMINAL, *outer]))
-
-
-def draw_variations(machine: Machine, *, samples: int, seed: int) -> tuple[Corner, ...]:
-    """Return machines drawn uniformly from payloads, spreads and measured states."""
-    generator, needs = np.random.default_rng(seed), machine.requirements
-    payload = generator.uniform(*needs.payload, samples)
-    frequency, damping = (
-        generator.uniform(1.0 - spread, 1.0 + spread, samples)
-        for spread in (needs.frequency_spread, needs.damping_spread)
-    )
-    state = ["", *(each.name for each in machine.states)]
-    places = generator.integers(len(state), size=samples) if machine.states else [0] * samples
-    return tuple(
-        Corner(
-            payload=float(payload[i]),
-            frequency_factor=float(frequency[i]),
-            damping_factor=float(damping[i]),
-            state=state[place],
-        )
-        for i, place in enumerate(places)
-    )

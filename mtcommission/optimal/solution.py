@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
-from mtcommission.optimal.exponential import balanced_expm, carry, powers_of
+from mtcommission.optimal.exponential import balanced_expm, powers_of
 from mtcommission.plant.plant import Plant, driven_at_once
 
 Array = NDArray[np.float64]
@@ -353,28 +353,6 @@ class Optimum(Generic[Proof]):
 TimeOptimum = Optimum[Certificate]
 DampingOptimum = Optimum[Law]
 AnyOptimum = TimeOptimum | DampingOptimum
-
-
-def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: float) -> Array:
-    """Return the states at 0, step, 2 step, ... up to a time after the last arc."""
-    count = int(np.floor(until / step + 1e-9)) + 1
-    moved = driven_at_once(plant)
-    n, last = moved.order, arcs[-1].t_end
-    states, force = np.zeros((count, n)), np.zeros(count)
-    rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
-    for run in _runs(moved, (*arcs, rest)):
-        begins = np.array([arc.t_start for arc in run.arcs])
-        first = np.ceil(begins / step - 1e-9).astype(np.intp)
-        stop = np.ceil((begins + run.arcs[0].length) / step - 1e-9).astype(np.intp)
-        most = int((np.minimum(stop, count) - first).max())
-        if most <= 0:
-            continue
-        entered = carry(run.joint, run.begins, np.maximum(first * step - begins, 0.0))
-        motion = powers_of(balanced_expm(run.joint * step), entered, most - 1)
-        at = first + np.arange(most)[:, None]
-        own = at < np.minimum(stop, count)
-        states[at[own]], force[at[own]] = motion[own, :n], motion[own, n:] @ run.arcs[0].output
-    return _with_force(plant, states, force)
 
 
 def excess_velocity(plant: Plant, damping: AnyOptimum) -> float:

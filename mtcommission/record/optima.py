@@ -170,7 +170,6 @@ class ComparisonEntry:
 
     controls: list[ComparedEntry]
     claims: list[Words]  # of the paper, measured: overshoot, and a transfer time far from the least
-    why_not_the_optimum: list[Words]  # what each optimum does when it is fed forward
 
 
 def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:

@@ -9,16 +9,6 @@ from mtcommission.record.values import Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MonteCarloEntry:
-    """The recommended limits on machines drawn uniformly from the stated spread."""
-
-    samples: int = of("settling_time", by=len)
-    seed: int
-    share_met: float  # of samples that keep every requirement [-]
-    share_in_band: float  # of those that keep the band [-]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DampingErrorEntry:
     """The limits where all damping ratios are off by a factor, worst over moves and corners.
 
@@ -42,7 +32,6 @@ class FrequencyErrorEntry(DampingErrorEntry):
 class RobustnessPart:
     """How the recommended limits fare where machine or limits differ a little."""
 
-    monte_carlo: MonteCarloEntry | None  # None: neither spread nor range of payload is stated
     frequency_error: FrequencyErrorEntry
     damping_error: DampingErrorEntry = of("damping_range")
     warnings: list[Words]  # on what unstated knowledge the verdict hangs

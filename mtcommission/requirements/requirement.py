@@ -1,4 +1,4 @@
-"""What a requirement is: everything that judge, search, Monte Carlo and sheet ask of one.
+"""What a requirement is: everything that judge, search, studies and sheet ask of one.
 
 They go through ``requirements_of`` a machine and know none by name: a new one is an object in a
 file of its own, and a line in ``REGISTER``.

@@ -14,7 +14,6 @@ from mtcommission.messages.quantities import symbol
 from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.optima import ComparedEntry, OptimumEntry
 from mtcommission.record.record import Record
-from mtcommission.record.robustness import MonteCarloEntry
 from mtcommission.record.values import Words
 from mtcommission.sheet.basis import find_band, kept_sentence
 from mtcommission.sheet.document import (
@@ -100,14 +99,9 @@ def _data(record: Record, caption: str, words: Catalogue, *, is_required: bool) 
 
 
 def robustness(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield corners, frequency error and drawn machines."""
-    if not record.machine.follows:  # else they stand on page 3
+    """Yield corners and frequency error; where the motor follows they stand on page 3."""
+    if not record.machine.follows:
         yield from held_range(record, words)
-    drawn = record.robustness.monte_carlo
-    if drawn is None:
-        yield note(words.text("nothing-drawn"))
-    else:
-        yield Paragraph(text=drawn_sentence(drawn, words))
 
 
 def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -156,20 +150,8 @@ def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
         yield note(text("no-error-curves", low=low, high=high))
 
 
-def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
-    """Return how many machines were drawn and how many of them keep the requirements."""
-    f = words.format
-    return words.text(
-        "drawn",
-        samples=f.number(drawn.samples),
-        seed=drawn.seed,
-        met=f.percent(drawn.share_met),
-        band=f.percent(drawn.share_in_band),
-    )
-
-
 def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield for each move what its ways cost and reach, and why no optimum is entered."""
+    """Yield for each move what its ways cost and reach."""
     text, units = words.text, record.plant.units
 
     def overshoot(item: ComparedEntry) -> str:
@@ -193,10 +175,8 @@ def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
         short = text("move", number=number)
         yield Subheading(text=move_title(move.move, number, words))
         yield table(words, "controls-caption", columns, entry.controls, move=short)
-        for lead, said in (("claims", entry.claims), ("why-not", entry.why_not_the_optimum)):
-            if said:
-                yield Paragraph(text=text(lead))
-                yield _sentences(said, Tone.PLAIN, words)
+        yield Paragraph(text=text("claims"))
+        yield _sentences(entry.claims, Tone.PLAIN, words)
 
 
 def _heat_unit(words: Catalogue) -> str:

@@ -29,7 +29,6 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message, parts_of
 from mtcommission.requirements.rms_force import RMS_FORCE
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
-from mtcommission.study.optimum import ROBUST, MoveComparison
 from mtcommission.study.settings import STUDY
 from mtcommission.study.variations import Row, choose, judge
 
@@ -51,7 +50,6 @@ def find_improvements(
     machine: Machine,
     loop: LoopChoice,
     choice: Choice,
-    comparisons: Sequence[MoveComparison],
     settings: TuningSettings,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first; what has no number comes last."""
@@ -86,17 +84,6 @@ def find_improvements(
         for variant in loop.variants
         if variant.name == WITH and not variant.is_used
     ]
-    fed = [dict(item.fed_forward).get(ROBUST) for item in comparisons]
-    if fed and all(fed):
-        time = max(one.settling_time for rows_of_move in fed for one in rows_of_move or ())
-        rows.append(
-            Improvement(
-                change=Message("change-robust-force"),
-                settling_time=time,
-                saved=choice.candidate.settling_time - time,
-                outcome=Message("change-judged-by-band"),
-            )
-        )
     return tuple(sorted(rows, key=lambda item: item.settling_time))
 
 

@@ -1,7 +1,7 @@
 """The same limits elsewhere: on machines that differ a little, in other sizes, with friction.
 
-Drawn machines tell how many of a series keep the requirements; the ranges of frequency and damping
-tell how far the machine may change until it must be measured and commissioned again.
+The ranges of frequency and damping tell how far the machine may change until it must be measured
+and commissioned again.
 
 Sizes tell whether a rule, or listed sizes alone, suffice for small moves. A velocity step below
 a²/j ends before a is reached. Its ramps are then shorter than a/j, so a ramp that was made to
@@ -31,7 +31,7 @@ from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.machine.variations import Corner, corners, draw_variations, vary
+from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import build_plant
 from mtcommission.requirements.register import requirements_of
@@ -58,18 +58,6 @@ class VariedResponse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MonteCarlo:
-    """Distribution of settling time and residual deviation over the stated spread."""
-
-    variations: tuple[Corner, ...]  # the machines drawn
-    settling_time: Array  # of the slowest move, shape (n_samples,) [s]; inf: not settled
-    residual_deviation: Array  # of the worst move, shape (n_samples,) [m]
-    share_met: float  # of samples that keep all requirements [-]
-    share_in_band: float  # the band alone [-]
-    seed: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class KeptRange:
     """Between which common factors every requirement is kept in every corner.
 
@@ -90,7 +78,6 @@ class KeptRange:
 class Robustness:
     """All views, and what they warn of."""
 
-    monte_carlo: MonteCarlo | None  # None: no spread and no range of payload, nothing to draw
     frequency_error: KeptRange
     damping_range: KeptRange
     warnings: tuple[Message, ...]
@@ -100,30 +87,11 @@ def examine_robustness(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
 ) -> Robustness:
     """Return how limits fare where the machine differs a little."""
-    has_spread = len(corners(machine)) > 1
     error = find_frequency_error(machine, tuned, limits, settings)
     return Robustness(
-        monte_carlo=run_monte_carlo(machine, tuned, limits, settings) if has_spread else None,
         frequency_error=error,
         damping_range=find_damping_range(machine, tuned, limits),
         warnings=warn_of_narrow_range(machine, error),
-    )
-
-
-def run_monte_carlo(
-    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
-) -> MonteCarlo:
-    """Return what limits do on machines drawn from the stated spread, under the same controller."""
-    variations = draw_variations(machine, samples=settings.samples, seed=settings.seed)
-    found = respond_varied(machine, tuned, limits, variations)
-    band = machine.requirements.tcp_deviation
-    return MonteCarlo(
-        variations=variations,
-        settling_time=found.settling_time,
-        residual_deviation=found.residual_deviation,
-        share_met=float(np.mean(~found.is_missed.any(axis=1))),
-        share_in_band=float(np.mean(found.residual_deviation <= band)),
-        seed=settings.seed,
     )
 
 

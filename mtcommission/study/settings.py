@@ -11,8 +11,6 @@ from mtcommission.loop.tuning.tuned import TuningSettings
 class RobustnessSettings:
     """How closely to look where the machine or the limits differ a little."""
 
-    samples: int = 200  # drawn from the stated spread: a share to within three per cent
-    seed: int = 0  # of the generator
     frequency_range: float = 0.1  # of the error, to either side; twice the spread if that is more
     frequency_points: int = 15  # to either side
 
@@ -77,10 +75,7 @@ class StudySettings:
     largest: float = 3.0
     sizes: int = 96
     size_samples: int = 48  # of free motion to a period
-    # The optimum beside the loop, and fed forward.
-    usual_spread: float = 0.05  # of frequencies where none is stated: rarely better known
-    tail: float = 0.4  # how long the motion after t_f is followed [s]
-    cycles_together: int = 64  # velocity cycles of the loop that are one product
+    # The optimum beside the loop.
     motion_samples: int = 4000  # of an optimal motion, for its integrals
     overshoot_seen: float = 5e-4  # below it there is none [-]
     followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]

@@ -262,7 +262,6 @@ peak-of = Höchstwert { $name }
 heat = Wärme
 work = Arbeit
 claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
-why-not = Warum das Optimum nicht einfach eingegeben wird:
 
 ## Loop
 
@@ -372,8 +371,6 @@ frequency-error = Fehler aller Eigenfrequenzen in %
 frequency-error-caption = Über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
 frequency-error-alt = Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
 no-error-curves = Bei keinem Fehler der Eigenfrequenzen von { $low } bis { $high } schwingt die Achse ein.
-nothing-drawn = Das Profil nennt weder eine Streuung von Frequenz oder Dämpfung noch einen Bereich der Zuladung; daher wurden keine Maschinen ausgelost.
-drawn = { $samples } aus der angegebenen Streuung ausgeloste Maschinen (Zuladung, Frequenzen und Dämpfung je gleichverteilt und unabhängig; Startwert { $seed }): { $met } halten alle Anforderungen ein, { $band } das Band.
 
 ## Other sizes of move
 

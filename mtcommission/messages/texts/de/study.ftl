@@ -51,9 +51,7 @@ no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem B
 
 # the paper's comparison
 control-time-optimal = zeitoptimal
-control-constrained = zeitoptimal, beschränkt
 control-damping-optimal = dämpfungsoptimal
-control-robust = robust zeitoptimal
 rectangular-in-the-loop = rechteckförmige Beschleunigung, im Regelkreis
 trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
 time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke
@@ -66,15 +64,6 @@ claim-no-overshoot = schwingt nicht über (weniger als 0,05 %)
 claim-transfer = braucht { TIME($time) }, das { NUMBER($times, digits: 3) }-Fache der kürzesten Zeit von { TIME($least) }
 claim-not-settled = schwingt nicht ein; die kürzeste Zeit ist { TIME($least) }
 
-# why the optimum is not fed forward
-fed-forward-outcome = Vorgesteuert: Die Steuerung „{ $name }“ { $outcome }; dort lässt sie { LENGTH($left, digits: 3) } übrig.
-recommended-outcome = Der Sollwert mit den empfohlenen Grenzwerten { $outcome }; dort lässt er { LENGTH($left, digits: 3) } übrig.
-settles-on-both = schwingt auf der Maschine laut Angaben nach { $nominal } ein, auf der ungünstigsten nach { $worst }
-no-time-looked-at = keiner betrachteten Zeit
-why-controls-take-limits = Das Band ist { LENGTH($band, digits: 3) }, die Maschinen unterscheiden sich um bis zu { SHARE($spread) } in der Frequenz, und Steuerungen nehmen Beschleunigung und Ruck entgegen, { $axis ->
-    [rotary] kein Drehmoment
-   *[linear] keine { word-force }
-} in jedem Geschwindigkeitsreglertakt.
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: die heutigen Grenzwerte wurden mit dem empfohlenen Regelkreis simuliert, verglichen werden also nur Beschleunigung, Ruck und Filter.
@@ -103,8 +92,6 @@ change-lighter = { $axis ->
    *[linear] Bewegte Masse { SHARE($share) } kleiner
 }
 change-state-feedback = Zustandsregelung mit Beobachter
-change-robust-force = { word-force-before }verlauf für die ganze Streuung statt Beschleunigung und Ruck
-change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein
 
 # Was eine Python-Konsole und ein Notebook zeigen

@@ -241,7 +241,6 @@ peak-of = Peak of { $name }
 heat = Heat
 work = Work
 claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
-why-not = Why the optimum is not simply entered:
 
 ## Loop
 
@@ -342,8 +341,6 @@ frequency-error = Error of all eigenfrequencies in %
 frequency-error-caption = Over the error of the eigenfrequencies, worst payload and damping
 frequency-error-alt = Curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
 no-error-curves = With no error of the eigenfrequencies from { $low } to { $high } does the axis settle.
-nothing-drawn = The profile states no spread of frequency or damping and no range of payload, so no machines were drawn at random.
-drawn = { $samples } machines drawn from the stated spread (payload, frequencies and damping each uniform and independent; seed { $seed }): { $met } keep every requirement, { $band } the band.
 
 ## Other sizes of move
 

@@ -52,9 +52,7 @@ no-limits-with-this-band = no limits were found that meet all requirements with 
 
 # the paper's comparison
 control-time-optimal = time-optimal
-control-constrained = constrained time-optimal
 control-damping-optimal = damping-optimal
-control-robust = robust time-optimal
 rectangular-in-the-loop = rectangular acceleration, in the loop
 trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
 time-optimal-on-the-plant = time-optimal control, on the plant
@@ -67,12 +65,6 @@ claim-no-overshoot = does not overshoot (less than 0.05 %)
 claim-transfer = takes { TIME($time) }, { NUMBER($times, digits: 3) } times the least time of { TIME($least) }
 claim-not-settled = does not settle, where the least time is { TIME($least) }
 
-# why the optimum is not fed forward
-fed-forward-outcome = Fed forward, the { $name } control { $outcome }, where it leaves { LENGTH($left, digits: 3) }.
-recommended-outcome = The setpoint with the recommended limits { $outcome }, where it leaves { LENGTH($left, digits: 3) }.
-settles-on-both = settles after { $nominal } on the machine as stated and after { $worst } on the worst one
-no-time-looked-at = no time looked at
-why-controls-take-limits = The band is { LENGTH($band, digits: 3) }, the machines differ by up to { SHARE($spread) } in frequency, and controls take acceleration and jerk, not a { word-force } every velocity cycle.
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Today's gains are not stated: today's limits were simulated with the recommended loop, so only acceleration, jerk and filter are compared.
@@ -98,8 +90,6 @@ change-lighter = { $axis ->
    *[linear] Moving mass { SHARE($share) } lower
 }
 change-state-feedback = State feedback with an observer
-change-robust-force = { word-force-first } profile for the whole spread fed forward instead of acceleration and jerk
-change-judged-by-band = only the band was judged, at the listed sizes
 change-without-margins = no Kp keeps the margins
 
 # What a Python prompt and a notebook show
