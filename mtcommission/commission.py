@@ -33,7 +33,7 @@ from mtcommission.study.improvements import (
     find_improvements,
     value_tool_sensor,
 )
-from mtcommission.study.loops import LoopChoice, disturb, show_alternatives
+from mtcommission.study.loops import LoopChoice, disturb, show_state_feedback
 from mtcommission.study.optimum import MoveComparison, WithinBand, compare_move, find_within_band
 from mtcommission.study.robustness import (
     FrictionEffect,
@@ -147,7 +147,7 @@ def commission(
     )
     plant, tuned, choice, rule = answer.plant, answer.tuned, answer.choice, answer.rule
     assert rule is not None  # asked for
-    loop = show_alternatives(machine, answer.loop, settings.tuning)
+    loop = show_state_feedback(machine, answer.loop, settings.tuning)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     within_band = tuple(find_within_band(machine, item, settings.band) for item in optima)

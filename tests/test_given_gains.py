@@ -173,7 +173,6 @@ def test_only_what_is_not_given_is_searched() -> None:
         "position_gain": 20.0, "velocity_gain": 60e3, "integral_time": 0.1
     }  # fmt: skip
     whole = choose(cascade(**fixed))
-    assert len(whole.trials) <= 1
     assert {key: getattr(whole.tuned.controller, key) for key in fixed} == fixed
 
 

@@ -24,7 +24,6 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.assembly import SampledLoop, discretise, discretise_disturbance
 from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.machine.control import ForceFilter
-from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
@@ -446,61 +445,3 @@ def _bandwidth_hz(response: FrequencyResponse) -> float:
         return float(f[0])
     share = (closed[i - 1] - SQRT_HALF) / (closed[i - 1] - closed[i])
     return float(f[i - 1] + share * (f[i] - f[i - 1]))
-
-
-CLEARLY_LESS = 0.8
-"""Shown damping below this share of that of a larger part is worth a sentence (empirical)."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Swing:
-    """One pair of closed-loop poles as part of a mode."""
-
-    frequency_hz: float  # |s| / (2 π), where the mode sees it [Hz]
-    damping_ratio: float  # [-]
-    share: float  # participation of the mode in both poles, relative to that in all [-]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MixedMode:
-    """A mode whose shown damping ratio does not tell all."""
-
-    name: str
-    shown: Swing  # the least damped pair of those that hold a notable part of it
-    larger: Swing  # the pair that holds most of it
-
-    @property
-    def remark(self) -> Message:
-        """What belongs beside the shown damping ratio."""
-        return Message(
-            "loop-mixed-mode",
-            mode=self.name,
-            shown_frequency=self.shown.frequency_hz,
-            shown_share=self.shown.share,
-            larger_share=self.larger.share,
-            larger_frequency=self.larger.frequency_hz,
-            larger_damping=self.larger.damping_ratio,
-        )
-
-
-def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]:
-    """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
-
-    ``damping``: the ratio that is shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
-    """
-    closed, found = share_out(loop), []
-    upper = np.flatnonzero(closed.poles.imag > 0.0)
-    for mode, row, ratio in zip(loop.plant.modes, closed.shares, damping, strict=True):
-        swings = []
-        for i in upper:
-            near, share = unfold(closed.poles[i], mode, loop.lifted.dt), 2.0 * row[i] / np.sum(row)
-            size, decay = abs(near), -near.real
-            swing = Swing(
-                frequency_hz=size / (2 * pi), damping_ratio=decay / size, share=float(share)
-            )
-            swings.append(swing)
-        shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
-        larger = max(swings, key=lambda item: item.share, default=None)
-        if shown and larger and shown.damping_ratio < CLEARLY_LESS * larger.damping_ratio:
-            found.append(MixedMode(name=mode.name, shown=shown, larger=larger))
-    return tuple(found)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis import draw_bode, find_mixed_modes
+from mtcommission.loop.analysis import draw_bode
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
 from mtcommission.loop.model.assembly import INPUTS, CrossCheck
 from mtcommission.loop.model.controller import PathDelay, list_delays
@@ -141,7 +141,7 @@ class LoopPart:
     dynamic_stiffness: float | None
     weakest_frequency_hz: float | None
     mode_damping: dict[str, float]
-    reasons: list[Words]  # why one of them is used
+    reasons: list[Words]  # why this loop is used
     variants: list[VariantEntry]
     worst_corner: Margins | None
     worst_mode_damping: dict[str, float]
@@ -224,7 +224,6 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
 
     nominal, response = tuned.nominal, tuned.responses[0]
     drawn = draw_bode(response)
-    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return {
         "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
         "mode_damping": by_mode(plant, nominal.mode_damping),
@@ -232,7 +231,6 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         "cross_check": check_by_blocks(tuned.loops[0], response.frequency_hz),
         "worst_mode_damping": by_mode(plant, tuned.least_damping),
         "bode": entry_of(Series, t=response.frequency_hz, signals=_lists(drawn, drawn.values())),
-        "remarks": [*tuned.remarks, *(item.remark for item in mixed)],
     }
 
 

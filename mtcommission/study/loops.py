@@ -1,8 +1,7 @@
 """Which loop is used, and why: the one whose moves settle soonest, stiffness counting a little.
 
 All loops with the margins are looked at with limits that suit them, the best more closely, and the
-best of these exactly. What others would do, and what the one in use does beside following its
-setpoint, is shown.
+best of these exactly. What state feedback would add, and how the tool gives way, is shown.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ from mtcommission.loop.tuning.family import (
     Proposal,
     Proposals,
     cascade_family,
-    feedback_family,
     feedback_shapes,
     find_filters,
     propose_cascades,
@@ -94,15 +92,9 @@ class LoopChoice:
     """Which loop is used, and what others would have done."""
 
     tuned: TunedLoop
-    trials: tuple[LoopTrial, ...] = ()  # judged ones, soonest first; empty: nothing to choose
-    others: tuple[LoopTrial, ...] = ()  # that came near, not judged yet
+    used: LoopTrial | None = None  # the loop in use with its limits; None: nothing to choose
     variants: tuple[LoopTrial, ...] = ()  # without and with state feedback, if both were sought
     remarks: tuple[Message, ...] = ()  # why this loop, and what the control must offer
-
-    @property
-    def used(self) -> LoopTrial | None:
-        """The loop in use, where there was a choice."""
-        return next((item for item in self.trials if item.is_used), None)
 
     @property
     def choice(self) -> Choice | None:
@@ -202,8 +194,7 @@ def _try_all(proposals: Proposals) -> LoopChoice | None:
     )
     return LoopChoice(
         tuned=finish(proposals.family, best.tuned),
-        trials=(replace(best, is_used=True),),
-        others=tuple(item for item in finalists if item.tuned is not best.tuned),
+        used=replace(best, is_used=True),
         remarks=(why,) if len(looked) > 1 else (),
     )
 
@@ -267,10 +258,6 @@ def _judge(machine: Machine, item: LoopTrial, *, near: MotionLimits | None = Non
     return replace(item, choice=choose(row))
 
 
-def _in_order(trials: Sequence[LoopTrial]) -> tuple[LoopTrial, ...]:
-    return tuple(sorted(trials, key=lambda item: item.candidate.settling_time))
-
-
 def _weigh_state_feedback(
     plain: LoopChoice | None, fed_back: LoopChoice | None, why_not: Message | None
 ) -> LoopChoice | None:
@@ -302,43 +289,16 @@ def _weigh_state_feedback(
     )
     return replace(
         chosen,
-        trials=_in_order((with_it, without) if helps else (without, with_it)),
+        used=with_it if helps else without,
         variants=(without, with_it),
         remarks=(*chosen.remarks, *remarks),
     )
-
-
-def show_alternatives(machine: Machine, choice: LoopChoice, settings: TuningSettings) -> LoopChoice:
-    """Return the same choice with what filters and state feedback would add where not used."""
-    if machine.drive.follows:
-        return choice
-    machine = with_filters(machine, choice.tuned)
-    others = [one if one.is_explored else _explore(machine, one) for one in choice.others]
-    near = [_judge(machine, each, near=each.limits) for each in others]
-    choice = replace(choice, trials=_in_order((*choice.trials, *near)), others=())
-    if not machine.control.seeks_force_filters:
-        choice = _suggest_filters(machine, choice, settings)
-    return show_state_feedback(machine, choice, settings)
 
 
 def with_filters(machine: Machine, tuned: TunedLoop) -> Machine:
     """Return a machine whose profile names the filters of the set force that a loop has."""
     filters = tuned.controller.force_filters
     return replace(machine, control=replace(machine.control, force_filters=filters))
-
-
-def _suggest_filters(machine: Machine, choice: LoopChoice, settings: TuningSettings) -> LoopChoice:
-    """The choice with a remark on filters of the set force that would let Kp rise."""
-    used = choice.used
-    if used is None or machine.control.kind.force_filters == 0:
-        return choice
-    cascades = cascade_family(machine, settings)
-    family = feedback_family(cascades) if used.shape.mode_weight else cascades
-    found = find_filters(family, used.shape) if family else None
-    remark = Message("loop-no-filters")
-    if found:
-        remark = _say_filters("loop-filters-suggested", used.tuned, found)
-    return replace(choice, remarks=(*choice.remarks, remark))
 
 
 def show_state_feedback(
@@ -349,10 +309,12 @@ def show_state_feedback(
     The loop that is used stays; variants are added unless the sensors see no mode or nothing keeps
     the margins.
     """
-    if choice.variants or choice.tuned.controller.state_gains.any():
+    given = choice.tuned.controller.state_gains
+    if machine.drive.follows or choice.variants or given.any():
         return choice
+    machine = with_filters(machine, choice.tuned)
     used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=choice.tuned))
-    classic = next((item.tuned for item in choice.trials if item.is_classic), None)
+    classic = used.tuned if used.is_classic else None
     found = propose_feedback(cascade_family(machine, settings), classic, [used.shape])
     if found.remark is not None:
         return replace(choice, remarks=(*choice.remarks, found.remark))

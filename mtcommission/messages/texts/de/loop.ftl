@@ -18,7 +18,6 @@ loop-observed-encoder-and-tcp = Lagegeber und TCP
 
 loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth ist { PLAIN($wanted, digits: 3) } Hz
 
-loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
 
 loop-without-margins = keine: der Regelkreis ist instabil (ungünstigster Eckfall)
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit { PLAIN($peak, digits: 3) } (ungünstigster Eckfall)

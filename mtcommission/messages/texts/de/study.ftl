@@ -32,7 +32,6 @@ loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als 
     [rotary] ein bleibendes Drehmoment
    *[other] eine bleibende { word-force }
 }, dient dieser den Bewegungen am besten; doppelte Steifigkeit zählt so viel wie 0,7 % der Einschwingzeit: { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
-loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filters-used = Verwendet, weil das Profil force_filters offenlässt ([] hieße keine): { $filters }. Mit den klassischen Verhältnissen von Kv und Tn steigen Kp von { DAMPING($Kp, digits: 3) } auf { DAMPING($higher, digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }

@@ -27,7 +27,6 @@ loop-observed-encoder-and-tcp = encoder and tcp
 loop-lacks-bandwidth = the fastest loop with the margins has { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth is { PLAIN($wanted, digits: 3) } Hz
 
 # Poles of which a mode holds a share; frequencies in Hz
-loop-mixed-mode = Mode { $mode } and the servo mix in the closed loop: the damping ratio shown is that of the poles at { NUMBER($shown_frequency, digits: 3) } Hz, which hold { PERCENT($shown_share) } of the mode; { PERCENT($larger_share) } of it ring at { NUMBER($larger_frequency, digits: 3) } Hz with { NUMBER($larger_damping, digits: 3) }.
 
 # Margins: dB, degrees; they may be infinite
 loop-without-margins = none: the loop is unstable (worst corner)

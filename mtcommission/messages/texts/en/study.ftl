@@ -33,7 +33,6 @@ state-feedback-would = State feedback (kind = "state-space" with state_feedback 
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
 loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule and none slower against a lasting { word-force }, this one serves the moves best, twice the stiffness counting as much as 0.7 % of the settling time: { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 # Filters of the set force that nobody asked for; $filters: the two messages that follow
-loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
 loop-filters-used = Used, since the profile leaves force_filters open ([] would mean none): { $filters }. With the classic ratios of Kv and Tn, Kp rises from { DAMPING($Kp, digits: 3) } to { DAMPING($higher, digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner).
 loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
 loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
