@@ -81,6 +81,10 @@ def find_friction(plant: Plant, *, coulomb: float, viscous: float, step: float) 
     )
 
 
+BLOCK = 64
+"""Position cycles that are taken at once while nothing saturates."""
+
+
 def step_through(
     loops: Sequence[SampledLoop],
     X: Array,
@@ -102,65 +106,47 @@ def step_through(
     # What is handed down by the encoder differs from machine to machine.
     handing = np.array([loop.handed_down for loop in loops])
     outputs = np.empty((len(loops), len(references), first.controller.cycles, seen))
-    size, lifted = X.shape[1], [loop.lifted for loop in loops]
-    # State after a position cycle, and outputs during it, over state and references.
-    whole = np.array([np.block([[one.A, one.B], [one.C, one.D]]) for one in lifted])
-    # Pending forces of a position cycle, in what ``whole`` makes of it.
-    pending = size + seen * np.arange(1, first.controller.cycles) + FORCE
-    forces = np.append(z + 1, pending)
-    entering = np.empty((len(loops), size + references.shape[1], 1))
-    for k, r in enumerate(np.tile(references[:, None], (1, len(loops), 1))):
-        entering[:, :size, 0], entering[:, size:, 0] = X, r
-        # A position cycle in which nothing saturates or rubs is one product.
-        Y = (whole @ entering)[:, :, 0]
-        if friction is None and np.abs(Y[:, forces]).max() <= force_limit:
-            outputs[:, k], X = Y[:, size:].reshape(outputs[:, k].shape), Y[:, :size]
+    k, is_linear = 0, friction is None
+    while k < len(references):
+        if is_linear:
+            states, Y = _step_linear(loops, X, references[k : k + BLOCK])
+            pending = np.abs(states[1:, :, z + 1]).max(axis=1)
+            asked = np.abs(Y[:, :, 1:, FORCE]).max(axis=(1, 2), initial=0.0)
+            is_over = np.maximum(pending, asked) > force_limit
+            kept = int(np.argmax(np.append(is_over, True)))
+            outputs[:, k : k + kept], X = Y[:kept].swapaxes(0, 1), states[kept].copy()
+            k, is_linear = k + kept, kept == len(Y)
             continue
-        handed_down = (handing @ entering)[:, :, 0]
+        r = np.tile(references[k], (len(loops), 1))
+        handed_down = (handing @ np.hstack([X, r])[:, :, None])[:, :, 0]
+        is_linear = friction is None
         for i in range(first.controller.cycles):
             Y = (rows @ X[:, :, None])[:, :, 0]
             outputs[:, k, i] = Y[:, :seen]
             demand, increment, X = Y[:, seen], Y[:, seen + 1], Y[:, seen + 2 :]
             force = np.minimum(np.maximum(demand, -force_limit), force_limit)
-            X[:, z] += np.where(force == demand, increment, 0.0)
+            is_free = force == demand
+            is_linear = is_linear and bool(is_free.all())
+            X[:, z] += np.where(is_free, increment, 0.0)
             X[:, z + 1] = force
             if friction:
                 rubbed = X[:, : first.plant.order]
                 rubbed += np.outer(friction.force(rubbed.T), friction.push)
         X = np.hstack([X[:, :held], handed_down, r, X[:, own:]])[:, : X.shape[1]]
+        k += 1
     return X, outputs.reshape(len(loops), -1, seen)
 
 
-def step_linear(loop: SampledLoop, X: Array, references: Array) -> Array:
-    """Return the outputs at every velocity cycle without saturation, from a state on, (n, n_out).
-
-    ``references``: at each position cycle, shape (n_cycles, 4).
-    """
-    lifted = loop.lifted
-    states = _march(lifted.A, X, references @ lifted.B.T)
-    outputs = states @ lifted.C.T + references @ lifted.D.T
-    return np.asarray(outputs.reshape(-1, len(loop.outputs)))
-
-
-def _march(A: Array, X: Array, pushes: Array) -> Array:
-    """The states X⁺ = A X + push, the first one included, shape of ``pushes``."""
-    # In blocks side by side, each from rest; what each begins with is added afterwards.
-    n, length = len(A), ceil(sqrt(len(pushes)))
-    blocks = ceil(len(pushes) / length)
-    padded = np.zeros((blocks * length, n))
-    padded[: len(pushes)] = pushes
-    pushed = padded.reshape(blocks, length, n)
-    from_rest, powers = np.zeros((length + 1, blocks, n)), np.empty((length + 1, n, n))
-    powers[0] = np.eye(n)
-    for k in range(length):
-        from_rest[k + 1] = from_rest[k] @ A.T + pushed[:, k]
-        powers[k + 1] = A @ powers[k]
-    begins = np.empty((blocks, n))
-    for k in range(blocks):
-        begins[k] = X
-        X = powers[-1] @ X + from_rest[-1, k]
-    states = from_rest[:-1] + begins @ powers[:-1].transpose(0, 2, 1)
-    return np.asarray(states.swapaxes(0, 1).reshape(-1, n)[: len(pushes)])
+def _step_linear(loops: Sequence[SampledLoop], X: Array, references: Array) -> tuple[Array, Array]:
+    """States before each position cycle and at the end, (n + 1, n_loops, n_states), and outputs."""
+    A, B, C, D = (np.array([getattr(one.lifted, name) for one in loops]) for name in "ABCD")
+    states = np.empty((len(references) + 1, *X.shape))
+    states[0] = X
+    for k, push in enumerate((B @ references.T).transpose(2, 0, 1)):
+        states[k + 1] = (A @ states[k, :, :, None])[:, :, 0] + push
+    found = states[:-1].swapaxes(0, 1) @ C.swapaxes(1, 2) + references @ D.swapaxes(1, 2)
+    found = found.reshape(*found.shape[:2], loops[0].controller.cycles, -1)
+    return states, found.swapaxes(0, 1)
 
 
 def drive_loop(
@@ -175,15 +161,9 @@ def drive_loop(
     ``references``: at each position cycle, shape (n_cycles, 4); ``force_limit``: of the set force
     [N]; ``friction``: of the loop's plant.
     """
-    rest = np.zeros(len(loop.states))
-    if friction is None:
-        outputs = step_linear(loop, rest, references)
-        if float(np.max(np.abs(outputs[:, 2]))) <= force_limit:
-            return outputs
-    _, stepped = step_through(
-        (loop,), rest[None], references, force_limit=force_limit, friction=friction
-    )
-    return np.asarray(stepped[0])
+    rest = np.zeros((1, len(loop.states)))
+    _, outputs = step_through((loop,), rest, references, force_limit=force_limit, friction=friction)
+    return np.asarray(outputs[0])
 
 
 DECAYED = 0.01
@@ -200,6 +180,9 @@ nor exceed what was seen, or leaves it beyond the horizon in any case [s]."""
 
 ROUNDING = 1e-9
 """Relative excess over the force limit that is none."""
+
+STRETCH = 0.1
+"""Of free motion after a saturated move, before it is asked whether the tool rests [s]."""
 
 SAMPLES = 24
 """Instants to a period at which the size of what is followed is looked at: to 1 %."""
@@ -236,6 +219,16 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     return simulate_corners((loop,), setpoint, drive=drive, band=band)[0]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Seen:
+    """A response as far as it is looked at."""
+
+    n: Cycles  # position cycles
+    late: Array  # position of the delayed setpoint at each velocity cycle of these [m]
+    outputs: Array  # likewise, (n_samples, n_out)
+    settles: bool  # whether the tool can leave the band no more when they end
+
+
 def simulate_corners(
     loops: Sequence[SampledLoop], setpoint: Setpoint, *, drive: Drive, band: float
 ) -> list[LoopResponse]:
@@ -243,45 +236,52 @@ def simulate_corners(
 
     ``drive``: force limit and static load; ``band``: tcp_deviation of the requirements [m].
     """
-    poles = find_poles(tuple(loops))
-    motions, limit = set_in_motion(poles, knots_of(setpoint)), drive.motion_force
-    first, cycles = ceil((setpoint.duration + poles.delay) / poles.dt) + 1, poles.cycles
+    poles, limit = find_poles(tuple(loops)), drive.motion_force
+    seen = _respond(poles, setpoint, band)
+    asked = [float(np.max(np.abs(one.outputs[:, FORCE]))) for one in seen]
+    saturated = [force > limit * (1.0 + ROUNDING) for force in asked]
+    # An open-loop axis does not saturate: it loses steps, and no motion could be shown.
+    if not loops[0].controller.follows:
+        over = [i for i, is_over in enumerate(saturated) if is_over]
+        for i in over:
+            seen[i] = replace(seen[i], settles=False)
+        if over and _end(setpoint, poles) * poles.cycles <= STEPPED:
+            limited = _step_saturated(poles, [loops[i] for i in over], setpoint, limit, band)
+            for i, one in zip(over, limited, strict=True):
+                seen[i] = one
+    return [
+        replace(
+            _judge(loop, setpoint, one, drive=drive, band=band), max_force=most, saturated=is_over
+        )
+        for loop, one, most, is_over in zip(loops, seen, asked, saturated, strict=True)
+    ]
+
+
+def _end(setpoint: Setpoint, poles: LoopPoles) -> int:
+    """The first position cycle after the delayed setpoint."""
+    return ceil((setpoint.duration + poles.delay) / poles.dt) + 1
+
+
+def _respond(poles: LoopPoles, setpoint: Setpoint, band: float) -> list[_Seen]:
+    """The linear response in every corner."""
+    motions, first = set_in_motion(poles, knots_of(setpoint)), _end(setpoint, poles)
     count, decayed = _follow(poles, motions, first, band=band)
     n = _looked_at(motions, first, first + count)
-    outputs = np.empty((len(loops), len(n) * cycles, poles.outputs))
+    outputs = np.empty((len(poles.loops), len(n) * poles.cycles, poles.outputs))
     for start in range(0, len(n), TOGETHER):
         some = n[start : start + TOGETHER]
         found = outputs_at(motions, some[None], np.eye(poles.outputs))[0]
-        part = slice(start * cycles, (start + len(some)) * cycles)
-        outputs[:, part] = found.reshape(len(loops), -1, poles.outputs)
-    max_force = np.max(np.abs(outputs[:, :, FORCE]), axis=1)
-    saturated = max_force > limit * (1.0 + ROUNDING)
-    # An open-loop axis does not saturate: it loses steps, and no motion could be shown.
-    follows = loops[0].controller.follows
-    is_steppable = not follows and first * cycles <= STEPPED
-    stepped = np.flatnonzero(saturated & is_steppable).tolist()
-    limited = _step_saturated([loops[i] for i in stepped], setpoint, limit, band)
-    instead = dict(zip(stepped, limited, strict=True))
-    linear = _watch(setpoint, poles, n)
-    longest = max((len(own) for own, _ in limited), default=0)
-    every = _watch(setpoint, poles, np.arange(longest // cycles))
-    responses = []
-    for corner, loop in enumerate(loops):
-        settles, at = bool(decayed[corner] and (follows or not saturated[corner])), linear
-        own, settles = instead.get(corner, (outputs[corner], settles))
-        if corner in instead:
-            at = every[0][: len(own) // cycles], every[1][: len(own) // cycles]
-        found = _judge(loop, setpoint, *at, own, settles=settles, drive=drive, band=band)
-        asked = float(max_force[corner])
-        responses.append(replace(found, max_force=asked, saturated=bool(saturated[corner])))
-    return responses
+        part = slice(start * poles.cycles, (start + len(some)) * poles.cycles)
+        outputs[:, part] = found.reshape(len(outputs), -1, poles.outputs)
+    late = _delayed(setpoint, poles, n)
+    pairs = zip(outputs, decayed.tolist(), strict=True)
+    return [_Seen(n=n, late=late, outputs=own, settles=settles) for own, settles in pairs]
 
 
-def _watch(setpoint: Setpoint, poles: LoopPoles, n: Cycles) -> tuple[Cycles, Array]:
-    """Position cycles that are looked at, and where the delayed setpoint is in each of theirs."""
-    t = np.asarray((n[:, None] * poles.cycles + np.arange(poles.cycles)) * poles.velocity_cycle)
-    late = sample_setpoint(setpoint, t.ravel() - poles.delay)[:, 0]
-    return n, late.reshape(t.shape)
+def _delayed(setpoint: Setpoint, poles: LoopPoles, n: Cycles) -> Array:
+    """Position of the delayed setpoint at each velocity cycle of some position cycles [m]."""
+    t = (n[:, None] * poles.cycles + np.arange(poles.cycles)) * poles.velocity_cycle
+    return sample_setpoint(setpoint, np.asarray(t.ravel() - poles.delay))[:, 0]
 
 
 TOGETHER = 200
@@ -343,53 +343,45 @@ def _follow(
 
 
 def _step_saturated(
-    loops: Sequence[SampledLoop], setpoint: Setpoint, limit: float, band: float
-) -> list[tuple[Array, bool]]:
-    """Outputs with saturation, stepped until the free motion stays within the limit in each loop.
+    poles: LoopPoles, loops: Sequence[SampledLoop], setpoint: Setpoint, limit: float, band: float
+) -> list[_Seen]:
+    """Responses with saturation, stepped until the tool rests, or has been followed for long.
 
-    And whether the tool can leave the band no more when they end.
+    What asks for more force than there is until the horizon does not settle.
     """
-    if not loops:
-        return []
-    gains, T = loops[0].controller, loops[0].lifted.dt
-    delay, cycles = gains.reference_delay, gains.cycles
-    X, moved = np.zeros((len(loops), len(loops[0].lifted.A))), np.empty((len(loops), 0, 0))
-    k, stop = 0, ceil((setpoint.duration + delay) / T) + 1
-    last = stop + min(ceil(HORIZON / T), STEPPED // cycles)
-    found: dict[int, tuple[Array, bool]] = {}
-    while k < last and len(found) < len(loops):
-        references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * T)
+    T, X, outputs = poles.dt, np.zeros((len(loops), len(loops[0].lifted.A))), list[Array]()
+    k, stop = 0, _end(setpoint, poles)
+    end, last = stop, stop + min(ceil(HORIZON / T), STEPPED // poles.cycles)
+    while k < last:
+        n = np.arange(k, stop)
+        references = sample_setpoint(setpoint, np.asarray(n * T))
         X, Y = step_through(loops, X, references, force_limit=limit)
-        moved = np.concatenate([moved, Y], axis=1) if k else Y
-        later = np.arange(stop, stop + ceil(FOLLOWED / T), dtype=np.float64) * T
-        references = sample_setpoint(setpoint, later)
-        for i in set(range(len(loops))) - set(found):
-            free = step_linear(loops[i], X[i], references)
-            if np.max(np.abs(free[:, FORCE])) <= limit:
-                end = np.array([stop * T + (len(free) - 1) * T / cycles])
-                late = sample_setpoint(setpoint, end - delay)[0, 0]
-                rests = abs(float(free[-1, TOOL] - late)) <= band
-                found[i] = np.vstack([moved[i], free]), rests
-        k, stop = stop, min(2 * stop, last)
-    return [found.get(i, (moved[i], False)) for i in range(len(loops))]
+        outputs.append(Y)
+        off = np.abs(Y[:, :, TOOL] - _delayed(setpoint, poles, n)).max(axis=1)
+        is_free = np.abs(Y[:, :, FORCE]).max(axis=1) < limit
+        settles = is_free & (off <= band)
+        is_long = is_free.all() and (k - end) * T >= FOLLOWED
+        if k > end and (is_long or (settles.all() and off.max() <= DECAYED * band)):
+            break
+        k, stop = stop, min(stop + ceil(STRETCH / T), last)
+    every = np.arange(sum(Y.shape[1] for Y in outputs) // poles.cycles)
+    late = _delayed(setpoint, poles, every)
+    both = np.concatenate(outputs, axis=1), settles.tolist()
+    return [
+        _Seen(n=every, late=late, outputs=own, settles=rests)
+        for own, rests in zip(*both, strict=True)
+    ]
 
 
 def _judge(
-    loop: SampledLoop,
-    setpoint: Setpoint,
-    n: Cycles,
-    late: Array,
-    outputs: Array,
-    *,
-    settles: bool,
-    drive: Drive,
-    band: float,
+    loop: SampledLoop, setpoint: Setpoint, seen: _Seen, *, drive: Drive, band: float
 ) -> LoopResponse:
+    n, outputs, settles = seen.n, seen.outputs, seen.settles
     gains, t_e = loop.controller, setpoint.duration
     until, T_v = t_e + gains.reference_delay, gains.velocity_cycle
     t = ((n[:, None] * gains.cycles + np.arange(gains.cycles)) * T_v).ravel()
     tool, force, states = outputs[:, TOOL], outputs[:, FORCE], outputs[:, OUTPUTS:]
-    deviation, begin = tool - late.ravel(), int(np.argmax(t >= until - 1e-12))
+    deviation, begin = tool - seen.late, int(np.argmax(t >= until - 1e-12))
     # The judgement begins between two samples: there the tool is interpolated against the
     # setpoint that by then rests or coasts.
     end, speed = sample_setpoint(setpoint, np.array([t_e]))[0, :2]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError
 from mtcommission.limits.optima import Optima
-from mtcommission.loop.simulate import simulate_corners
+from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
@@ -149,7 +149,7 @@ def compare_controls(
         ("trapezoidal-in-the-loop", limits),
     ):
         setpoint = plan_within(machine, each)(move)
-        (found,) = simulate_corners((loop,), setpoint, drive=drive, band=band)
+        found = simulate(loop, setpoint, drive=drive, band=band)
         seen = (found.t, found.states, found.force)
         rows.append(_compare(kind, plant, move, seen, found.settling_time, found.peaks))
     for solution in optima:
