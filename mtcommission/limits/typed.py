@@ -30,8 +30,9 @@ MOST_TYPED, MOST_SCALED = 4, 8
 FEW = 1
 """Places that are refined, and typed, where the best of a loop much like this one is known."""
 
-JUST_LESS = 0.9995
-"""What the next limits use of what is allowed, if all is in proportion (empirical)."""
+JUST_LESS, WELL_SOONER = 0.9995, 0.98
+"""What the next limits use of what is allowed, if all is in proportion; and how much sooner longer
+ramps must be than less acceleration to be tried instead [-] (empirical)."""
 
 MOST_RAISED, REACH, ALMOST, NOTICEABLE = 3, 2, 1.002, 0.9995
 """Faster limits that are judged last, the fastest first; how far about in steps of the last digit;
@@ -152,8 +153,20 @@ class _Typing:
             if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
                 grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
             before = now
-            a = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
-            limits = replace(round_limits(self.machine, a, jerk_time), setpoint_filter=item)
+            less = min(limits.acceleration * used ** (-1.0 / grows) * JUST_LESS, a * JUST_LESS)
+            slower = replace(round_limits(self.machine, less, jerk_time), setpoint_filter=item)
+            # Where a ramp takes less than a cycle or two, a longer one costs hardly any time.
+            ramp = limits.jerk_time * used / JUST_LESS
+            gentler = replace(round_limits(self.machine, a, ramp), setpoint_filter=item)
+            soon = _duration(self.machine, gentler)
+            if soon < min(WELL_SOONER * _duration(self.machine, slower), self.latest):
+                typed, left = self._judged(gentler)
+                if left <= 1.0:
+                    return typed, first
+                if left < used:
+                    jerk_time, less = ramp, gentler.acceleration / left * JUST_LESS
+                    slower = replace(round_limits(self.machine, less, ramp), setpoint_filter=item)
+            a, limits = less, slower
         return None, first
 
     def _judged(self, limits: MotionLimits) -> tuple[Typed, float]:
