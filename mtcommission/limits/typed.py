@@ -34,9 +34,9 @@ JUST_LESS, WELL_SOONER = 0.9995, 0.98
 """What the next limits use of what is allowed, if all is in proportion; and how much sooner longer
 ramps must be than less acceleration to be tried instead [-] (empirical)."""
 
-MOST_RAISED, REACH, ALMOST, NOTICEABLE = 3, 2, 1.002, 0.9995
-"""Faster limits that are judged last, the fastest first; how far about in steps of the last digit;
-what of a bound they may seem to use; and what is not worth it [-] (empirical)."""
+REACH = 2
+"""Of one size alone: steps of the last digit about what was found, of which the soonest is taken
+(empirical)."""
 
 ROUNDS, WORTH_A_ROUND, CLOSE_ENOUGH, MOST_EXCESS = 3, 1.01, 1.003, 1.3
 """Searches, where the exact verdict finds that much more than the search saw and what is typed in
@@ -67,9 +67,7 @@ def find_typed(
     None where the search finds none; a settling time is not asked for. ``near`` and ``found`` as
     for ``choose_limits``.
     """
-    # What is known of a loop much like this one is close; then nothing is asked of its last digit.
-    is_last_word = near is None
-    refined, most = (REFINED, MOST_TYPED) if is_last_word else (FEW, FEW)
+    refined, most = (REFINED, MOST_TYPED) if near is None else (FEW, FEW)
     stricter = machine
     typed: list[Typed] = []
     for _ in range(ROUNDS):
@@ -86,9 +84,8 @@ def find_typed(
                 tuned=tuned,
                 bench=bench,
                 latest=best,
-                is_last_word=is_last_word,
             )
-            nearest, used = own.type_in(item, largest_jerk)
+            nearest, used = own.type_in(item)
             first = used if item is found[0] else first
             if nearest is not None:
                 typed.append(nearest)
@@ -127,11 +124,8 @@ class _Typing:
     tuned: TunedLoop
     bench: Bench
     latest: float  # duration [s]
-    is_last_word: bool  # whether faster limits are tried, too
 
-    def type_in(
-        self, found: Found, largest_jerk: float
-    ) -> tuple[Typed | None, tuple[SizeCheck, ...]]:
+    def type_in(self, found: Found) -> tuple[Typed | None, tuple[SizeCheck, ...]]:
         """Return the nearest limits that can be typed in and hold, and what the found ones use.
 
         None where none are as soon as asked for.
@@ -145,10 +139,8 @@ class _Typing:
                 return None, first
             typed, used = self._judged(limits)
             first = first or typed.sizes
-            if used <= 1.0 and not self.is_last_word:
-                return typed, first
             if used <= 1.0:
-                return self._raised(typed, used, jerk_time, largest_jerk), first
+                return typed, first
             now = (log(limits.acceleration), log(used))
             if now[0] < before[0] < inf:  # behind a shaper less of a may leave hardly less
                 grows = min(max((before[1] - now[1]) / (before[0] - now[0]), LEAST_GROWTH), 1.0)
@@ -187,32 +179,6 @@ class _Typing:
             if use.of_after(own)[0] <= 1.0 and use.of_rest(each.acceleration) <= 1.0:
                 return replace(each, setpoint_filter=item)
         return nearest
-
-    def _raised(self, typed: Typed, used: float, jerk_time: float, largest_jerk: float) -> Typed:
-        """Faster limits that hold as well, where quick looks leave that possible."""
-        machine, item = self.machine, typed.limits.setpoint_filter
-        largest = largest_acceleration(machine)
-
-        def share(each: MotionLimits) -> float:
-            use = self.bench.use(item, each.jerk_time)
-            a = np.array([each.acceleration])
-            return float(max(use.of_after(a)[0], use.of_cruise(a)[0], 1e-9))
-
-        now, scaled = share(typed.limits), min(typed.limits.acceleration / used, largest)
-        likely = [
-            replace(each, setpoint_filter=item)
-            for each in _limits_about(machine, scaled, jerk_time, reach=REACH)
-            if each.jerk <= largest_jerk
-            and each.acceleration <= largest
-            and used * share(each) / now <= ALMOST
-        ]
-        for each in sorted(likely, key=lambda limits: _duration(machine, limits))[:MOST_RAISED]:
-            if _duration(machine, each) >= NOTICEABLE * typed.duration:
-                break
-            raised, raised_use = self._judged(each)
-            if raised_use <= 1.0:
-                return raised
-        return typed
 
 
 def _reached(machine: Machine, found: Found) -> tuple[float, float]:
