@@ -115,18 +115,11 @@ class KeyQuestion:
     """A key of a profile as it may be asked for."""
 
     key: str  # dotted; elements of arrays are asked for as number 0
-    meaning: str
     example: str  # as one types it
     default: float | str | bool | None  # SI, or a word; None where there is none
     is_required: bool
     allowed: Range | None  # what a number may be, and its unit; None for texts and words
     words: tuple[str, ...]  # what may be chosen; empty for free input
-
-    @property
-    def text(self) -> str:
-        """Kind of the message that asks for it, e.g. ``ask-drive-max-force``."""
-        names = [part for part in self.key.split(".") if not part.isdigit()]
-        return "ask-" + "-".join(names).replace("_", "-")
 
 
 def questions(
@@ -172,7 +165,6 @@ def _ask(
         else:
             question = KeyQuestion(
                 key=key,
-                meaning=about.meaning,
                 example=about.example,
                 default=about.default,
                 is_required=is_required,
