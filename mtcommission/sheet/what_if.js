@@ -138,7 +138,7 @@ const whatIf = (() => {
     ["residual", found => withUnit(found.residual, "deviation")],
     ["peak", found => withUnit(found.peak, "deviation")],
     ["force", found => withUnit(found.maxForce, "force")],
-    ["verdict", found => found.met ? `✓ ${words.met}` : `✗ ${words.missed}`],
+    ["verdict", found => found.met ? `✓ ${words.met}` : `✗ ${words.not_met}`],
   ];
 
   function sayFilter(item) {

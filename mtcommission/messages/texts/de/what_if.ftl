@@ -53,7 +53,6 @@ what-if-frequency-hz = Frequenz in Hz
 what-if-open-loop-db = Offener Kreis in dB
 what-if-open-loop-deg = Phase in Grad
 what-if-none = –
-what-if-missed = nicht erfüllt
 what-if-nominal = nominale Maschine
 what-if-frequencies = Frequenzen × { $factor }
 what-if-damping = Dämpfung × { $factor }

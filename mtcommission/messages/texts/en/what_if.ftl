@@ -53,7 +53,6 @@ what-if-frequency-hz = Frequency in Hz
 what-if-open-loop-db = Open loop in dB
 what-if-open-loop-deg = Phase in degrees
 what-if-none = –
-what-if-missed = not met
 what-if-nominal = nominal machine
 what-if-frequencies = frequencies × { $factor }
 what-if-damping = damping × { $factor }
