@@ -181,16 +181,25 @@ ASSUMED_FIRST = (
 )
 """In which order one reads what was assumed: what is asked of the limits before the machine."""
 
+UNSAID = ("requirements.payload", "drive.gear")
+"""What is nothing, or one, on most machines."""
+
 
 def list_assumed(machine: Machine, plant: Plant, profile_text: str, words: Catalogue) -> list[str]:
     """Return what nobody stated of a machine, and what its model assumes, in words.
 
-    That a machine is an example is said once, not of each value that its profile states.
+    That a machine is an example is said once, not of each value that its profile states; whose
+    control it has is said.
     """
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     data = list_data(machine, plant, profile_text)
     ordered = sorted(
-        (item for item in data if item.source != ILLUSTRATIVE),
+        (
+            item
+            for item in data
+            if item.source != ILLUSTRATIVE or item.key.startswith("control.")
+            if not item.key.startswith(UNSAID)
+        ),
         key=lambda item: [item.key.startswith(begin) for begin in ASSUMED_FIRST].index(True),
     )
     model = list(machine.mechanics.assumptions())
