@@ -18,25 +18,18 @@ VERDICTS = ("holds", "does not hold", "cannot tell")
 class Measured:
     """A measured value beside the calculated one; ``verdict`` "" where none is given [SI]."""
 
-    value: float | None
+    name: str  # in the JSON of ``verify``
+    measured: float | None
     uncertainty: float | None
     verdict: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verified:
-    """The verdict over all, and each measured value by its name in the JSON of ``verify``."""
+    """The verdict over all, and each measured value by its name."""
 
     verdict: str
     values: Mapping[str, Measured]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Check:
-    name: str
-    measured: float | None
-    uncertainty: float | None
-    verdict: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +44,7 @@ class _Verdict:
 
     verdict: str
     record: str
-    checks: list[_Check]
+    checks: list[Measured]
     refined: dict[str, _Refined]
 
 
@@ -71,16 +64,15 @@ def load_verdict(path: Path, record: Record) -> Verified:
         raise fault(path, Message("verdict-of-other-form"))
     if found.record != record.checksum:
         raise fault(path, Message("verdict-of-other-record"))
-    values = {
-        check.name: Measured(
-            value=check.measured, uncertainty=check.uncertainty, verdict=check.verdict
-        )
-        for check in found.checks
-    }
+    values = {check.name: check for check in found.checks}
     for name, one in found.refined.items():
         # base.damping_ratio is judged by the check "base: damping ratio".
         mode, _, key = name.rpartition(".")
         check = values.get(f"{mode}: {key.replace('_', ' ')}")
-        verdict = check.verdict if check else ""
-        values[name] = Measured(value=one.new, uncertainty=2.0 * one.sigma, verdict=verdict)
+        values[name] = Measured(
+            name=name,
+            measured=one.new,
+            uncertainty=2.0 * one.sigma,
+            verdict=check.verdict if check else "",
+        )
     return Verified(verdict=found.verdict, values=values)

@@ -102,7 +102,7 @@ def _measured(
     if found is None:
         return "", "", ""
     said = words.text(f"verify-verdict-{found.verdict.replace(' ', '-')}") if found.verdict else ""
-    if found.value is None:
+    if found.measured is None:
         return DASH, "", said
 
     def shown(value: float, digits: int = 4) -> str:
@@ -110,10 +110,10 @@ def _measured(
             return words.format.percent(value, digits=digits)
         return words.format.quantity(value, row.unit, digits=digits)
 
-    measured = shown(found.value)
+    measured = shown(found.measured)
     if found.uncertainty is not None:
         measured += f" ± {shown(found.uncertainty, 2)}"
-    return measured, "" if row.value is None else shown(found.value - row.value, 3), said
+    return measured, "" if row.value is None else shown(found.measured - row.value, 3), said
 
 
 def _structure(record: Record, words: Catalogue) -> list[Measurement]:
