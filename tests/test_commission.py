@@ -15,9 +15,6 @@ from mtcommission.cli.compute import ROWS_BELOW
 from mtcommission.cli.limits_view import ROWS, describe_limits
 from mtcommission.cli.terminal import fold
 from mtcommission.commission import Commissioning, commission
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Motion
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
@@ -25,10 +22,8 @@ from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.record.files import dump_json
 from mtcommission.record.limits import limits_answer
 from mtcommission.record.machine import Profile
-from mtcommission.record.read_back import read_filter
 from mtcommission.record.record import Record, build_record, load_record
-from tests.independent_loop import behind, judge, profile_of, run
-from tests.recorded_loop import setpoint_of
+from tests.recorded_loop import judge_record, setpoint_of, simulate_record
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -74,54 +69,16 @@ def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
     """What a loop does must follow from its record: gains, cycles, delays, filters, observer."""
     if record.machine.follows:
         pytest.skip("no loop: tests/test_position_source.py integrates the equation itself")
-    machine = parse_profile(record.profile.text, where="record.json")
     data = json.loads(dump_json(record))
-    gains = _controller_of(data["loop"], states=data["plant"]["states"])
-    for entry, move in zip(record.moves, machine.moves, strict=True):
-        best = record.limits.recommended
-        item = read_filter(best.setpoint_filter) if best.setpoint_filter else None
-        profile = behind(profile_of(move, best.acceleration, best.jerk), item)
-        tau, T_v = gains.reference_delay, gains.velocity_cycle
-        samples = ceil((profile.end + tau + 0.4) / T_v)
-        motion = run(machine, gains, profile, nominal=machine, samples=samples)
-        found = judge(motion, profile, tau=tau, band=machine.requirements.tcp_deviation, dwell=0.0)
-        claimed = entry.response
-        assert found.residual == pytest.approx(claimed.residual_deviation, rel=1e-5)
-        assert found.settling_time == pytest.approx(claimed.settling_time, rel=1e-5)
-        assert np.max(np.abs(motion.force)) == pytest.approx(claimed.max_force, rel=1e-5)
-
-
-def _controller_of(loop: dict[str, Any], *, states: list[str]) -> Controller:
-    """The controller from the record's numbers and nothing else."""
-    observer, ahead = loop["observer"], loop["feedforward"]
-    return Controller(
-        position_loop=PositionLoop(loop["position_loop"]),
-        position_gain=loop["Kv"],
-        velocity_gain=loop["Kp"],
-        integral_time=loop["Tn"],
-        reference_model_time=loop["reference_model_time"],
-        velocity_feedforward=ahead["velocity"],
-        acceleration_feedforward=ahead["acceleration"],
-        jerk_feedforward=ahead["jerk"],
-        feedforward_mass=ahead["mass"],
-        force_lag=loop["force_lag"],
-        reference_delay=loop["reference_delay"],
-        velocity_cycle=loop["velocity_cycle"],
-        cycles=round(loop["position_cycle"] / loop["velocity_cycle"]),
-        force_filters=tuple(
-            ForceFilter(**{**item, "kind": FilterKind(item["kind"])})
-            for item in loop["force_filters"]
-        ),
-        sensors=tuple(loop["sensors"]),
-        state_gains=np.array([loop["state_feedback"].get(state, 0.0) for state in states]),
-        observer=Observer(
-            states=tuple(map(states.index, observer["states"])),
-            A=np.array(observer["A"]),
-            B=np.array(observer["B"]),
-            C=np.array(observer["C"]),
-            L=np.array(observer["L"]).reshape(len(observer["states"]), len(loop["sensors"])),
-        ),
-    )
+    tau = data["loop"]["reference_delay"]
+    band = parse_profile(record.profile.text, where="record.json").requirements.tcp_deviation
+    for move in data["moves"]:
+        claimed, end = move["response"], move["setpoint"]["duration"]
+        motion = simulate_record(data, move, until=end + tau + 0.4)
+        found = judge_record(motion, move, tau=tau, band=band)
+        assert found.residual == pytest.approx(claimed["residual_deviation"], rel=1e-5)
+        assert found.settling_time == pytest.approx(claimed["settling_time"], rel=1e-5)
+        assert motion.asked == pytest.approx(claimed["max_force"], rel=1e-5)
 
 
 def _simulate_again(record: dict[str, Any]) -> None:
