@@ -169,7 +169,6 @@ class ComparisonEntry:
     """One move in the loop and by its optima."""
 
     controls: list[ComparedEntry]
-    claims: list[Words]  # of the paper, measured: overshoot, and a transfer time far from the least
 
 
 def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:

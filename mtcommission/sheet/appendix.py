@@ -175,8 +175,6 @@ def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
         short = text("move", number=number)
         yield Subheading(text=move_title(move.move, number, words))
         yield table(words, "controls-caption", columns, entry.controls, move=short)
-        yield Paragraph(text=text("claims"))
-        yield _sentences(entry.claims, Tone.PLAIN, words)
 
 
 def _heat_unit(words: Catalogue) -> str:

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,7 +119,6 @@ class MoveComparison:
     """A move done in the loop and by optimal controls."""
 
     controls: tuple[ComparedControl, ...]  # the paper's comparison
-    claims: tuple[Message, ...]  # overshoot and transfer time against the least time
 
 
 def compare_move(
@@ -129,7 +127,7 @@ def compare_move(
     """Return a move with some limits in the loop beside its optimal controls on the plant."""
     known = [one for one in (optima.time, optima.constrained, optima.damping) if one is not None]
     controls = compare_controls(machine, tuned, optima.move, limits=limits, optima=known)
-    return MoveComparison(controls=controls, claims=state_claims(controls))
+    return MoveComparison(controls=controls)
 
 
 def compare_controls(
@@ -185,21 +183,3 @@ def _compare(
         heat=float(np.trapezoid(motor**2, t)),
         work=float(np.trapezoid(np.abs(motor * states[:, plant.velocity]), t)),
     )
-
-
-def state_claims(controls: Sequence[ComparedControl]) -> tuple[Message, ...]:
-    """Return overshoot and transfer time of the setpoints in the loop, as sentences.
-
-    ``controls``: rectangular and trapezoidal acceleration in the loop, then the time-optimal one.
-    """
-    least = controls[2].transfer_time
-    claims = []
-    for kind, control in zip(("claim-rectangular", "claim-trapezoidal"), controls[:2], strict=True):
-        overshoot = Message("claim-no-overshoot")
-        transfer = Message("claim-not-settled", least=least)
-        if control.overshoot >= STUDY.overshoot_seen:
-            overshoot = Message("claim-overshoot", overshoot=control.overshoot)
-        if isfinite(time := control.transfer_time):
-            transfer = Message("claim-transfer", time=time, times=time / least, least=least)
-        claims.append(Message(kind, overshoot=overshoot, transfer=transfer))
-    return tuple(claims)

@@ -77,7 +77,6 @@ class StudySettings:
     size_samples: int = 48  # of free motion to a period
     # The optimum beside the loop.
     motion_samples: int = 4000  # of an optimal motion, for its integrals
-    overshoot_seen: float = 5e-4  # below it there is none [-]
     followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]
 
 

@@ -261,7 +261,6 @@ overshoot = Überschwingen
 peak-of = Höchstwert { $name }
 heat = Wärme
 work = Arbeit
-claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
 
 ## Loop
 

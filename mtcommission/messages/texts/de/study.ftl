@@ -56,13 +56,6 @@ trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
 time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke
 constrained-on-the-plant = beschränkt-zeitoptimale Steuerung, an der Strecke
 damping-optimal-on-the-plant = dämpfungsoptimale Steuerung, an der Strecke
-claim-rectangular = Der rechteckige Beschleunigungssollwert { $overshoot } und { $transfer }.
-claim-trapezoidal = Der trapezförmige mit den empfohlenen Grenzwerten { $overshoot } und { $transfer }.
-claim-overshoot = schwingt um { SHARE($overshoot) } über
-claim-no-overshoot = schwingt nicht über (weniger als 0,05 %)
-claim-transfer = braucht { TIME($time) }, das { NUMBER($times, digits: 3) }-Fache der kürzesten Zeit von { TIME($least) }
-claim-not-settled = schwingt nicht ein; die kürzeste Zeit ist { TIME($least) }
-
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: die heutigen Grenzwerte wurden mit dem empfohlenen Regelkreis simuliert, verglichen werden also nur Beschleunigung, Ruck und Filter.

@@ -240,7 +240,6 @@ overshoot = Overshoot
 peak-of = Peak of { $name }
 heat = Heat
 work = Work
-claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
 
 ## Loop
 

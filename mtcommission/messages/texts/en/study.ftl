@@ -57,13 +57,6 @@ trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
 time-optimal-on-the-plant = time-optimal control, on the plant
 constrained-on-the-plant = constrained time-optimal control, on the plant
 damping-optimal-on-the-plant = damping-optimal control, on the plant
-claim-rectangular = The rectangular acceleration setpoint { $overshoot } and { $transfer }.
-claim-trapezoidal = The trapezoidal one with the recommended limits { $overshoot } and { $transfer }.
-claim-overshoot = overshoots by { SHARE($overshoot) }
-claim-no-overshoot = does not overshoot (less than 0.05 %)
-claim-transfer = takes { TIME($time) }, { NUMBER($times, digits: 3) } times the least time of { TIME($least) }
-claim-not-settled = does not settle, where the least time is { TIME($least) }
-
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Today's gains are not stated: today's limits were simulated with the recommended loop, so only acceleration, jerk and filter are compared.
