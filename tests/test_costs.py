@@ -23,7 +23,7 @@ from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.free import newton
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.proof import follow_control
+from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.solution import joint_system
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant

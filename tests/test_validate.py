@@ -23,7 +23,8 @@ from mtcommission.machine.moves import VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bang, KnownPeaks, constant_arc, propagate
+from mtcommission.optimal.motion import follow_control
+from mtcommission.optimal.solution import Bang, constant_arc, propagate
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
@@ -154,8 +155,9 @@ def test_a_wrong_solver_is_caught(found: Validation) -> None:
     assert pick(time_rows(late), "final-time").verdict is Verdict.OUT
     slow = replace(cases, bounded=replace(cases.bounded, t_f=0.0522 + 1.1e-4))
     assert pick(bounded_rows(slow), "bounded-time").verdict is Verdict.OUT
-    peaks = cases.damping.peaks * 1.003
-    loud = replace(cases, damping=replace(cases.damping, motion=KnownPeaks(peaks=peaks)))
+    motion = follow_control(cases.plant, cases.damping.arcs)
+    louder = replace(motion, peaks=cases.damping.peaks * 1.003)
+    loud = replace(cases, damping=replace(cases.damping, motion=louder))
     assert pick(damping_rows(loud), "peak-rate", control="damping").verdict is Verdict.OUT
     certificate = replace(cases.bounded.certificate, relative_gap=1e-6)
     unproved = replace(cases, bounded=replace(cases.bounded, certificate=certificate))

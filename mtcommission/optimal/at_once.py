@@ -12,14 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.optimal.solution import Arc, Bound, MotionPeaks, Optimum, Proof
+from mtcommission.optimal.solution import Bound, MotionPeaks, Optimum, Proof
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-SAMPLES = 16
-"""Per arc on which the acceleration changes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,13 +23,17 @@ class PeaksWithForce:
     """Peaks of a motion with that of what is set."""
 
     motion: MotionPeaks  # Of ``driven_at_once``
-    arcs: tuple[Arc, ...]  # The control
     force: int  # Index of F among the plant's signals
 
     @property
     def peaks(self) -> Array:
         """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
-        return np.insert(self.motion.peaks, self.force, _largest(self.arcs))
+        return np.insert(self.motion.peaks, self.force, self.motion.force_peak)
+
+    @property
+    def force_peak(self) -> float:
+        """Largest magnitude of what is set [N]."""
+        return self.motion.force_peak
 
 
 def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
@@ -44,7 +44,7 @@ def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
     return replace(
         found,
         terminal_error=np.append(found.terminal_error, 0.0),
-        motion=PeaksWithForce(motion=found.motion, arcs=found.arcs, force=plant.force),
+        motion=PeaksWithForce(motion=found.motion, force=plant.force),
         certificate=replace(proof, adjoint_initial=np.append(proof.adjoint_initial, np.nan)),
     )
 
@@ -61,18 +61,3 @@ def on_states(plant: Plant, bounds: Iterable[Bound]) -> tuple[Bound, ...]:
 
 def _on_state(plant: Plant, bound: Bound) -> bool:
     return not plant.follows or bound.name != plant.states[plant.force]
-
-
-def _largest(arcs: tuple[Arc, ...]) -> float:
-    """Return the largest magnitude of what is set."""
-    return max(float(np.abs(_samples(arc)).max()) for arc in arcs)
-
-
-def _samples(arc: Arc) -> Array:
-    if not arc.generator.any():
-        return np.atleast_1d(arc.output @ arc.initial)
-    step = balanced_expm(arc.generator * ((arc.t_end - arc.t_start) / SAMPLES))
-    z = [arc.initial]
-    for _ in range(SAMPLES):
-        z.append(step @ z[-1])
-    return np.asarray(np.array(z) @ arc.output)

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import newton_cotes
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
-from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.optimal.piecewise import follow_piecewise
+from mtcommission.optimal.motion import FollowedMotion, follow_control
 from mtcommission.optimal.saturated import (
     Iterate,
     SaturatedProblem,
@@ -27,20 +25,15 @@ from mtcommission.optimal.solution import (
     Bang,
     DampingOptimum,
     Interior,
-    KnownPeaks,
     Law,
     Optimum,
     TimeOptimum,
     constant_arc,
-    propagate,
 )
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
-FINER, BLOCK = 8, 256
-"""Parts of a cell for quadrature and peaks: nine-point Newton-Cotes and cubic interpolation then
-err by less than 1e-14 and 3e-9 of the fastest amplitude; pieces at a time, some ten megabytes."""
 MOST_RADIANS = 1e4
 """Of the fastest mode over the motion: a hundred thousand samples (empirical)."""
 
@@ -86,9 +79,7 @@ def solve_damping_optimal(
     found = solve_saturated(problem, force_unit=plant.force_unit)
     arcs = _arcs(problem, found)
     target, fixed = terminal_target(plant, move)
-    effort, squares, peaks = _measured(plant, problem, found)
-    of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
-    terms = np.array([effort, *of_states])
+    motion = follow_control(plant, arcs, rate=problem.rate)
     return Optimum(
         move=move,
         force_limit=force_limit,
@@ -97,13 +88,13 @@ def solve_damping_optimal(
         t_f=t_f,
         weights=weights,
         arcs=arcs,
-        cost_terms=terms,
+        cost_terms=cost_terms(plant, motion, weights),
         certificate=Law(
             adjoint_initial=found.z[0, 0, plant.order : -1] * problem.adjoint_scale,
             law_residual=found.violation,
         ),
-        terminal_error=np.where(fixed, propagate(plant, arcs) - target, 0.0),
-        motion=KnownPeaks(peaks=peaks),
+        terminal_error=np.where(fixed, motion.final - target, 0.0),
+        motion=motion,
     )
 
 
@@ -134,38 +125,10 @@ def _arcs(problem: SaturatedProblem, found: Iterate) -> tuple[Arc, ...]:
     return tuple(arcs)
 
 
-def _measured(
-    plant: Plant, problem: SaturatedProblem, found: Iterate
-) -> tuple[float, Array, Array]:
-    """Return the integrals of F_set² [N² s] and of each squared signal, and the signals' peaks."""
-    rule, rows = newton_cotes(FINER)[0], signal_rows(plant)
-    k, n = len(rows), plant.order
-    effort, squares, peaks = 0.0, np.zeros(k), np.zeros(k)
-    for first in range(0, len(found.z), BLOCK):
-        part = slice(first, first + BLOCK)
-        labels, step = found.labels[part], found.step[part] / FINER
-        finer = problem.flows(labels, step).transpose(0, 2, 1)
-        fine = [found.z[part, :-1]]  # each of shape (pieces, cells, N)
-        for _ in range(FINER):
-            fine.append(fine[-1] @ finer)
-        z = np.stack(fine)
-        side = labels[:, None] * found.bound
-        force = problem.force_limit * np.where(side == 0.0, z @ problem.control_row, side)
-        x = z[..., :n] * problem.state_scale
-        rates = (x @ plant.A.T + force[..., None] * plant.B) @ rows.T
-        values = x @ rows.T
-        share = rule[:, None, None] * step[:, None]
-        effort += float((share * force**2).sum())
-        squares += (share[..., None] * values**2).sum(axis=(0, 1, 2))
-        inside = hermite_peaks(
-            np.broadcast_to(step[:, None], force[1:].shape).ravel(),
-            values[:-1].reshape(-1, k),
-            values[1:].reshape(-1, k),
-            start_rate=rates[:-1].reshape(-1, k),
-            end_rate=rates[1:].reshape(-1, k),
-        )
-        peaks = np.maximum(peaks, inside)
-    return effort, squares, peaks
+def cost_terms(plant: Plant, motion: FollowedMotion, weights: tuple[Weight, ...]) -> Array:
+    """Return the parts of the cost of a motion: of F_set², then of each weight [N² s]."""
+    squares = [one.value * motion.squares[plant.states.index(one.state)] for one in weights]
+    return np.array([motion.effort, *squares])
 
 
 def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]:
@@ -189,7 +152,9 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     if radians > MOST_RADIANS:
         detail = Message("optimum-too-long", t_f=reference.t_f, radians=radians, most=MOST_RADIANS)
         raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
-    motion = follow_piecewise(plant, reference.arcs, longest=reference.t_f)
-    effort, squares = motion.effort, motion.squares
+    motion = follow_control(plant, reference.arcs)
     places = [mode.deflection for mode in plant.modes] + [mode.rate for mode in plant.modes]
-    return tuple(Weight(state=plant.states[i], value=effort / float(squares[i])) for i in places)
+    return tuple(
+        Weight(state=plant.states[i], value=motion.effort / float(motion.squares[i]))
+        for i in places
+    )

@@ -28,10 +28,9 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.exponential import balanced_expm, powers_of
-from mtcommission.optimal.peaks import hermite_peaks, signal_rows
+from mtcommission.optimal.motion import FollowedMotion, follow_control
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
-from mtcommission.optimal.solution import Arc, joint_system
-from mtcommission.plant.plant import Plant
+from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -56,12 +55,8 @@ HALVINGS = 14
 """Of a cell that may hide a zero of σ."""
 BISECTIONS, POLISHES = 10, 3
 """Of a cell with a zero, and Newton steps to it: off by δ it misses σ' δ² of the integral."""
-RADIANS_PER_CELL = 0.015
-"""Cells for the peaks: the cubic between samples is right to (ω h)^4 / 384 = 1.3e-10."""
 MOST_RADIANS = 2e6
 """Fastest rate times duration of what is followed at all: some fifteen seconds."""
-BLOCK = 4096
-"""Samples at a time: a long arc has millions, and their states would take gigabytes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -444,49 +439,6 @@ def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: fl
         middle = 0.5 * (low + high)
         low, high = (low, middle) if fits(middle) else (middle, high)
     return high
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FollowedMotion:
-    """What a control does."""
-
-    arcs: tuple[Arc, ...]
-    final: Array  # State at the end, shape (n,)
-    peaks: Array  # Largest magnitude of each of ``Plant.signals``
-    force_peak: float  # Largest |F_set| [N]
-
-
-def follow_control(
-    plant: Plant, arcs: tuple[Arc, ...], *, radians: float = RADIANS_PER_CELL
-) -> FollowedMotion:
-    """Return what the plant does under the arcs, from rest; cells of the peaks by its fastest rate.
-
-    Force, bounds and target are checked on this motion itself.
-    """
-    state, rows = np.zeros(plant.order), signal_rows(plant)
-    peaks, force_peak = np.zeros(len(rows)), 0.0
-    for arc in arcs:
-        length = arc.t_end - arc.t_start
-        count = int(np.ceil(length * plant.fastest_rate / radians)) + 1
-        flow = balanced_expm(joint_system(plant, arc) * (length / count))
-        start = np.concatenate([state, arc.initial])
-        for first in range(0, count, BLOCK):
-            cells = min(BLOCK, count - first)
-            joint = powers_of(flow, start, cells)
-            states, force = joint[:, : plant.order], joint[:, plant.order :] @ arc.output
-            slopes = states @ plant.A.T + np.outer(force, plant.B)
-            values, rates = states @ rows.T, slopes @ rows.T
-            inside = hermite_peaks(
-                np.full(cells, length / count),
-                values[:-1],
-                values[1:],
-                start_rate=rates[:-1],
-                end_rate=rates[1:],
-            )
-            peaks, start = np.maximum(peaks, inside), joint[-1]
-            force_peak = max(force_peak, float(np.abs(force).max()))
-        state = start[: plant.order]
-    return FollowedMotion(arcs=arcs, final=state, peaks=peaks, force_peak=force_peak)
 
 
 def require_followable(time: float, rate: float, *, most: float = MOST_RADIANS) -> None:

@@ -167,7 +167,7 @@ def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: fl
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Run:
+class Run:
     """Arcs in a row of one flow and length, that are followed together."""
 
     arcs: tuple[Arc, ...]
@@ -176,8 +176,10 @@ class _Run:
     final: Array  # and where the last one ends, shape (n + k,)
 
 
-def _runs(plant: Plant, arcs: Sequence[Arc]) -> Iterator[_Run]:
-    """Follow arcs from rest; the plant is one of ``driven_at_once``.
+def follow_runs(plant: Plant, arcs: Sequence[Arc]) -> Iterator[Run]:
+    """Follow arcs from rest, those in a row that are alike together.
+
+    The plant is one of ``driven_at_once``.
 
     Source: variation of constants; the input is appended to the state (Van Loan 1978).
     """
@@ -195,7 +197,7 @@ def _runs(plant: Plant, arcs: Sequence[Arc]) -> Iterator[_Run]:
             # The pieces of a long arc differ by rounding; the next term would be of order SAME².
             final = z + (arc.length - first.length) * (joint @ z)
             x = final[: plant.order]
-        yield _Run(arcs=run, joint=joint, begins=begins, final=final)
+        yield Run(arcs=run, joint=joint, begins=begins, final=final)
         start = stop
 
 
@@ -207,7 +209,7 @@ def _is_alike(one: Arc, other: Arc) -> bool:
 def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
     """Return the state after all arcs, starting at rest; exact up to rounding."""
     moved = driven_at_once(plant)
-    *_, last = _runs(moved, arcs)
+    *_, last = follow_runs(moved, arcs)
     return np.append(last.final[: moved.order], np.zeros(plant.order - moved.order))
 
 
@@ -218,7 +220,7 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     """
     moved = driven_at_once(plant)
     n, times, forces, states = moved.order, [], [], []
-    for run in _runs(moved, arcs):
+    for run in follow_runs(moved, arcs):
         length, output = run.arcs[0].length, run.arcs[0].output
         count, every = max(1, int(np.ceil(length / step))), max(1, int(step / length))
         flow = balanced_expm(run.joint * (length / count))
@@ -288,6 +290,10 @@ class MotionPeaks(Protocol):
     def peaks(self) -> Array:
         """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
 
+    @property
+    def force_peak(self) -> float:
+        """Largest magnitude of what is set [N]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Law:
@@ -295,13 +301,6 @@ class Law:
 
     adjoint_initial: Array  # λ(0), shape (n,)
     law_residual: float  # Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KnownPeaks:
-    """Peaks that were found with the control."""
-
-    peaks: Array
 
 
 Proof = TypeVar("Proof", Certificate, Law)

@@ -44,7 +44,7 @@ LAW_TOLERANCE = 1e-6
 def bounded_rows(cases: Cases) -> list[Row]:
     """Return what the paper says of the bounded control, beside ours."""
     bounded, printed = cases.bounded, BOUNDED_T_F
-    least, rate = {"least": bounded.certificate.t_f_lower_bound}, cases.peak(bounded, "v_phi")
+    least, rate = {"least": bounded.certificate.t_f_lower_bound}, cases.peak(bounded.peaks, "v_phi")
     longer, own = bounded.t_f / cases.time.t_f - 1.0, printed / T_F - 1.0
     room = 1e-9 * RATE_BOUND
     return [
@@ -199,7 +199,7 @@ def _peaks(cases: Cases) -> list[Row]:
     rows = list[Row]()
     solutions: tuple[AnyOptimum, ...] = (cases.damping, cases.bounded, cases.time)
     for name, printed, best in zip(("damping", "bounded", "free"), PEAKS, solutions, strict=True):
-        angle, rate = (cases.peak(best, state) for state in ("phi", "v_phi"))
+        angle, rate = (cases.peak(best.peaks, state) for state in ("phi", "v_phi"))
         said: dict[str, Value] = {"control": name, "angle": angle}
         rows.append(
             number("peak-rate", printed, rate, 2e-3 * printed, said, unit="rad/s", literal=angle)
@@ -263,8 +263,8 @@ def _law(cases: Cases) -> list[Row]:
 
 def peak_rows(cases: Cases) -> list[Row]:
     """Return what bound and damping do to the vibration."""
-    free, bounded = (cases.peak(best, "phi") for best in (cases.time, cases.bounded))
-    damped, fast = (cases.peak(best, "v_phi") for best in (cases.damping, cases.time))
+    free, bounded = (cases.peak(best.peaks, "phi") for best in (cases.time, cases.bounded))
+    damped, fast = (cases.peak(best.peaks, "v_phi") for best in (cases.damping, cases.time))
     shares = {"over": damped / RATE_BOUND, "share": damped / fast}
     return [
         claim(

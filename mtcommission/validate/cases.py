@@ -12,7 +12,7 @@ from mtcommission.machine.requirements import Reserve
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, DampingOptimum, MotionPeaks, TimeOptimum
+from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
@@ -32,9 +32,9 @@ class Cases:
     bounded: TimeOptimum
     damping: DampingOptimum
 
-    def peak(self, solution: MotionPeaks, name: str) -> float:
-        """Return the largest magnitude of a state under a control."""
-        return float(solution.peaks[self.plant.signals.index(name)])
+    def peak(self, peaks: Array, name: str) -> float:
+        """Return the peak of a state, from those of all signals."""
+        return float(peaks[self.plant.signals.index(name)])
 
 
 def solve_cases() -> Cases:

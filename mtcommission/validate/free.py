@@ -252,7 +252,7 @@ def vibration_rows(cases: Cases) -> list[Row]:
     changes = int(np.count_nonzero(np.diff(np.sign(inner))))
     forces: list[float] = np.geomspace(500.0, LARGEST_FORCE, 13).tolist()
     optima = [solve_time_optimal(plant, move, force_limit=force) for force in forces]
-    rates, angles = ([cases.peak(each, name) for each in optima] for name in ("v_phi", "phi"))
+    rates, angles = ([cases.peak(each.peaks, name) for each in optima] for name in ("v_phi", "phi"))
     falls = int(np.count_nonzero(np.diff(rates) < 0.0))
     force = {"least": forces[0], "most": forces[-1], "count": len(forces)}
     grown = {"rate": rates[0], "highest_rate": rates[-1], "falls": falls, "steps": len(rates) - 1}

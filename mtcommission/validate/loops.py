@@ -71,7 +71,7 @@ def loop_rows(cases: Cases) -> tuple[list[Row], list[Row]]:
         *_setpoints(cases, loop),
         _frequency(cases, loop),
     ]
-    free, bounded = (cases.peak(best, "v_phi") for best in (cases.time, cases.bounded))
+    free, bounded = (cases.peak(best.peaks, "v_phi") for best in (cases.time, cases.bounded))
     longer = cases.bounded.t_f / cases.time.t_f - 1.0
     damped = claim(
         "bounds-damp", {"less": 1.0 - bounded / free, "longer": longer}, holds=bounded < 0.5 * free
@@ -105,7 +105,9 @@ def _setpoints(cases: Cases, loop: Loop) -> list[Row]:
     times = {"smooth": smooth.transfer_time, "rough": rough.transfer_time}
     shares = {f"{name}_share": time / least for name, time in times.items()}
     is_much = min(times.values()) > MUCH_LARGER * least
-    rates = {name: cases.peak(x, "v_phi") for name, x in (("smooth", smooth), ("rough", rough))}
+    rates = {
+        name: cases.peak(x.peaks, "v_phi") for name, x in (("smooth", smooth), ("rough", rough))
+    }
     pays = smooth.transfer_time < rough.transfer_time
     return [
         claim(

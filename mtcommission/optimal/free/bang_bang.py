@@ -48,6 +48,11 @@ class BangBangMotion:
         return np.asarray(steps @ responses)
 
     @property
+    def force_peak(self) -> float:
+        """Largest magnitude of what is set [N]."""
+        return abs(self.first_force)
+
+    @property
     def peaks(self) -> Array:
         """Largest magnitude of each of ``Plant.signals`` on [0, t_f].
 

@@ -35,7 +35,8 @@ from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
-from mtcommission.optimal.piecewise import PiecewiseMotion, follow_piecewise
+from mtcommission.optimal.damping import cost_terms
+from mtcommission.optimal.motion import FollowedMotion, follow_control
 from mtcommission.optimal.saturated import state_scales, terminal_target
 from mtcommission.optimal.solution import (
     Arc,
@@ -165,9 +166,6 @@ def transcribe_damping_optimal(
     arcs, motion = _followed(problem, found)
     target, fixed = terminal_target(plant, move)
     wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
-    squares = motion.squares
-    of_states = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
-    terms = np.array([motion.effort, *of_states])
     return Optimum(
         move=move,
         force_limit=force_limit,
@@ -176,7 +174,7 @@ def transcribe_damping_optimal(
         t_f=t_f,
         weights=weights,
         arcs=arcs,
-        cost_terms=terms,
+        cost_terms=cost_terms(plant, motion, weights),
         certificate=Law(
             adjoint_initial=found.adjoint_initial,
             law_residual=float(np.abs(_snap(found.control) - wanted).max()),
@@ -423,7 +421,7 @@ def _snap(control: Array) -> Array:
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
 
 
-def _followed(problem: _Problem, found: _Solution) -> tuple[tuple[Arc, ...], PiecewiseMotion]:
+def _followed(problem: _Problem, found: _Solution) -> tuple[tuple[Arc, ...], FollowedMotion]:
     """Return the arcs, neighbours of the same full force as one, and their exact motion."""
     control, N = _snap(found.control), found.control.size
     edges = np.linspace(0.0, found.t_f, N + 1)
@@ -435,8 +433,7 @@ def _followed(problem: _Problem, found: _Solution) -> tuple[tuple[Arc, ...], Pie
         kind: ArcControl = Bang(1 if force > 0.0 else -1) if abs(force) == 1.0 else Interior()
         span = float(edges[start]), float(edges[end])
         arcs.append(constant_arc(*span, control=kind, force=force * problem.force_limit))
-    motion = follow_piecewise(problem.plant, tuple(arcs), longest=found.t_f / N)
-    return tuple(arcs), motion
+    return tuple(arcs), follow_control(problem.plant, tuple(arcs))
 
 
 def _certificate(plant: Plant, found: _Solution) -> Certificate:
