@@ -230,7 +230,7 @@ def test_band_is_reached_before_exact_rest() -> None:
     for band in (2e-5, 1e-9):
         found = find_band_optimum(moved, move, force_limit=a, band=band, at_rest=at_rest)
         assert found.gap < 1e-4
-        times.append(found.force.t_f)
+        times.append(found.t_f)
     assert times[0] < times[1] < at_rest * (1.0 + 1e-4)
     assert times[1] == pytest.approx(at_rest, rel=1e-4)
 

@@ -17,7 +17,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.message import Message
-from mtcommission.optimal.band import BandForce, BandOptimum, find_band_optimum
+from mtcommission.optimal.band import BandForce, find_band_optimum
 from mtcommission.optimal.free_motion import (
     free_gains,
     free_moments,
@@ -34,7 +34,7 @@ from tests.machines import paper_machine, random_modal_machine
 STANDARD = BandSettings()
 
 
-def optimum_of(machine: Machine, move: Move, *, band: float) -> tuple[float, BandOptimum]:
+def optimum_of(machine: Machine, move: Move, *, band: float) -> tuple[float, BandForce]:
     """The optimum with exact rest, and that with the band."""
     plant, force = build_plant(machine), machine.drive.motion_force
     rest = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
@@ -80,10 +80,10 @@ def test_papers_step_with_the_band_of_5_um() -> None:
     """42.018 ms, found by an LP in scipy before; a page would promise a wrong least time."""
     machine = paper_machine()
     rest, found = optimum_of(machine, VelocityStep(velocity_step=0.1), band=5e-6)
-    assert found.force.t_f == pytest.approx(42.018e-3, rel=2e-5)
+    assert found.t_f == pytest.approx(42.018e-3, rel=2e-5)
     assert rest == pytest.approx(43.5204e-3, rel=1e-5)
     assert 0.0 <= found.gap < 2e-5
-    worst, _ = follow(machine, found.force, after=0.6)
+    worst, _ = follow(machine, found, after=0.6)
     assert 0.99 * 5e-6 < worst <= 5e-6
 
 
@@ -102,9 +102,9 @@ def test_band_force_and_velocity_are_kept_when_somebody_else_integrates(
     band = 1e-5
     rest, found = optimum_of(machine, moves[move], band=band)
     slowest = min(-mode.pole.real for mode in build_plant(machine).modes)
-    worst, fastest = follow(machine, found.force, after=min(3.0 / slowest, 2.0))
+    worst, fastest = follow(machine, found, after=min(3.0 / slowest, 2.0))
     assert worst <= band * (1.0 + 1e-9)
-    assert found.lower_bound <= found.force.t_f <= rest * (1.0 + 1e-6)
+    assert found.lower_bound <= found.t_f <= rest * (1.0 + 1e-6)
     assert found.gap < (1e-3 if move == "limited" else 3e-5)
     limit = moves[move].max_velocity if isinstance(moves[move], Positioning) else inf
     assert fastest <= limit
@@ -154,7 +154,7 @@ def reach_of(machine: Machine, move: Move, t_f: float, *, band: float, cells: in
 def test_another_program_needs_just_the_time_that_is_proved(move: Move) -> None:
     machine = paper_machine()
     _, found = optimum_of(machine, move, band=5e-6)
-    assert reach_of(machine, move, 1.002 * found.force.t_f, band=5e-6) > 1.0
+    assert reach_of(machine, move, 1.002 * found.t_f, band=5e-6) > 1.0
     assert reach_of(machine, move, 0.998 * found.lower_bound, band=5e-6) < 1.0
 
 
@@ -162,8 +162,8 @@ def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest() -> Non
     machine, move = paper_machine(), VelocityStep(velocity_step=0.1)
     times = [optimum_of(machine, move, band=band)[1] for band in (1e-9, 1e-6, 5e-6, 2e-5, 1e-4)]
     rest, _ = optimum_of(machine, move, band=5e-6)
-    assert times[0].force.t_f == pytest.approx(rest, rel=1e-4)
-    assert all(later.lower_bound < earlier.force.t_f for earlier, later in pairwise(times))
+    assert times[0].t_f == pytest.approx(rest, rel=1e-4)
+    assert all(later.lower_bound < earlier.t_f for earlier, later in pairwise(times))
 
 
 def test_peaks_of_the_free_motion_are_seen_between_all_samples() -> None:
@@ -203,9 +203,9 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw(name: str) ->
     assert found.robust is not None
     assert found.optimum is not None
     assert found.remarks == ()
-    needs, force = machine.requirements, found.robust.force
+    needs, force = machine.requirements, found.robust
     assert found.robust.peak <= needs.tcp_deviation
-    assert force.t_f > found.optimum.force.t_f
+    assert force.t_f > found.optimum.t_f
     generator = np.random.default_rng(11)
     for _ in range(6):
         corner = Corner(
@@ -216,7 +216,7 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw(name: str) ->
         assert worst <= needs.tcp_deviation
     # The nominal optimum does not: else the robust one would be slower for nothing.
     off = vary(machine, Corner(frequency_factor=1.0 - needs.frequency_spread))
-    assert follow(off, found.optimum.force, after=0.6)[0] > needs.tcp_deviation
+    assert follow(off, found.optimum, after=0.6)[0] > needs.tcp_deviation
 
 
 def test_without_spread_there_is_no_robust_force() -> None:
@@ -241,7 +241,7 @@ def test_damping_known_to_a_spread_alone_asks_for_a_robust_force() -> None:
     assert found.robust is not None
     for factor in (0.7, 1.0, 1.3):
         moved = vary(machine, Corner(damping_factor=factor))
-        assert follow(moved, found.robust.force, after=0.6)[0] <= needs.tcp_deviation
+        assert follow(moved, found.robust, after=0.6)[0] <= needs.tcp_deviation
 
 
 def test_a_band_wider_than_the_move_has_no_optimum() -> None:

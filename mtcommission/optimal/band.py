@@ -47,7 +47,7 @@ MARGIN = 5e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BandForce:
-    """A set force that ends, and after which the tool stays within the band."""
+    """The fastest set force found after which the tool stays within the band by itself."""
 
     move: Move  # What it does
     # force_limit, band: What it keeps [N, m].
@@ -58,34 +58,19 @@ class BandForce:
     # How far the reference lies beyond the place at which the tool comes to rest [m]; for a
     # velocity step beside its steady motion.
     offset: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BandOptimum:
-    """The fastest control to a state from which the tool stays within the band by itself."""
-
-    force: BandForce  # What it does
-    lower_bound: float  # No admissible control is faster [s]
+    lower_bound: float  # No admissible control is faster [s]; 0 for several machines: not proved
+    machines: int  # How many keep the band
+    peak: float  # Largest distance of their tools from the reference after the end, at most [m]
 
     @property
     def gap(self) -> float:
         """Relative distance of its time from the proved bound."""
-        return (self.force.t_f - self.lower_bound) / self.force.t_f
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RobustForce:
-    """The fastest force found after which every machine looked at keeps the band."""
-
-    force: BandForce  # What it does
-    machines: int  # How many machines were looked at
-    # Largest distance of the tool from the reference after its end, over those machines [m].
-    peak: float
+        return (self.t_f - self.lower_bound) / self.t_f
 
 
 def find_band_optimum(
     plant: Plant, move: Move, *, force_limit: float, band: float, at_rest: float
-) -> BandOptimum:
+) -> BandForce:
     """Return the fastest control to a state from which the free motion keeps the band for ever.
 
     ``at_rest``: the optimum with exact rest [s].
@@ -101,12 +86,12 @@ def find_band_optimum(
     while best.gap > ENOUGH and (seen := next(programs, None)):
         best = min(best, seen, key=lambda one: one.gap)
     force = _force(problem, move, best.cells, band=band, width=band)
-    return BandOptimum(force=force, lower_bound=min(best.t_lower, force.t_f))
+    return replace(force, lower_bound=min(best.t_lower, force.t_f))
 
 
 def find_robust_force(
     plants: Sequence[Plant], move: Move, *, force_limit: float, band: float, guess: float
-) -> RobustForce:
+) -> BandForce:
     """Return the fastest force after which all of some machines keep the band for ever.
 
     Machines that leave the band farther than their neighbours join those that it was found for.
@@ -145,8 +130,7 @@ def find_robust_force(
             )
         else:
             found = _force(problem, move, cells, band=band, width=room)
-            largest = float(peaks.max()) * band
-            return RobustForce(force=found, machines=len(plants), peak=largest)
+            return replace(found, machines=len(plants), peak=float(peaks.max()) * band)
     raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-exchange-goes-on"))
 
 
@@ -245,6 +229,9 @@ def _force(
         t_f=arcs[-1].t_end,
         arcs=tuple(_constant(arc) for arc in arcs),
         offset=found.offset / found.reach * width,
+        lower_bound=0.0,
+        machines=1,
+        peak=band,
     )
 
 

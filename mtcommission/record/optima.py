@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
 from mtcommission.optimal.solution import (
     AnyOptimum,
+    Arc,
     control_text,
     join_arcs,
     sample_trajectory,
@@ -26,7 +28,6 @@ from mtcommission.record.values import (
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
     from mtcommission.limits.optima import Optima
-    from mtcommission.optimal.band import BandForce
     from mtcommission.study.optimum import MoveComparison, WithinBand
 
 PLOT_SAMPLES = 800
@@ -97,10 +98,9 @@ class OptimumEntry:
     series: Series
 
 
-def _force_segments(force: BandForce) -> list[ForceSegment]:
+def _force_segments(arcs: Sequence[Arc]) -> list[ForceSegment]:
     return [
-        ForceSegment(duration=arc.t_end - arc.t_start, force=float(arc.output @ arc.initial))
-        for arc in force.arcs
+        ForceSegment(duration=arc.length, force=float(arc.output @ arc.initial)) for arc in arcs
     ]
 
 
@@ -116,10 +116,10 @@ class ForceSegment:
 class WithinBandEntry:
     """A control to a state from which the free motion keeps the tool within the band."""
 
-    t_f: float = of("force.t_f")
-    band: float = of("force.band")
-    offset: float = of("force.offset")  # from where the tool comes to rest to the reference
-    segments: list[ForceSegment] = of("force", by=_force_segments)
+    t_f: float
+    band: float
+    offset: float  # from where the tool comes to rest to the reference
+    segments: list[ForceSegment] = of("arcs", by=_force_segments)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,12 +25,7 @@ from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.message import Message
-from mtcommission.optimal.band import (
-    BandOptimum,
-    RobustForce,
-    find_band_optimum,
-    find_robust_force,
-)
+from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
 from mtcommission.optimal.solution import (
     AnyOptimum,
     sample_trajectory,
@@ -48,8 +43,8 @@ Array = NDArray[np.float64]
 class WithinBand:
     """The fastest controls of one move to a state from which the tool keeps the band by itself."""
 
-    optimum: BandOptimum | None = None  # on the nominal machine; None where it was not found
-    robust: RobustForce | None = None  # on all of the spread, without payload; None: no spread
+    optimum: BandForce | None = None  # on the nominal machine; None where it was not found
+    robust: BandForce | None = None  # on all of the spread, without payload; None: no spread
     remarks: tuple[Message, ...] = ()  # what was left out, and why
 
 
@@ -84,7 +79,7 @@ def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -
                 move,
                 force_limit=force,
                 band=band,
-                guess=optimum.force.t_f,
+                guess=optimum.t_f,
             )
     except ComputationError as error:
         remark = Message(failed, error=error.message)
