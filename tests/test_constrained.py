@@ -23,9 +23,9 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.polish.edits import solve_exactly
 from mtcommission.optimal.polish.newton import solve_sequence
 from mtcommission.optimal.polish.sequence import Piece, Sequence, Touch
-from mtcommission.optimal.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
 from mtcommission.optimal.program import Points, solve_cells
-from mtcommission.optimal.proof import Atom, Measure, dual_value, lower_bound, stretches
+from mtcommission.optimal.proof import Measure, dual_value, lower_bound, stretches
 from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile

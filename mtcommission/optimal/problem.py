@@ -31,13 +31,17 @@ multiple at 1 for every longer t_f, and t_f could not be told from it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConstraintPoint:
-    """A point where a bound is imposed."""
+class Atom:
+    """A point where a bound acts, with its part of the measure of that bound."""
 
     remaining: float  # Remaining time [s]
     limit: int  # Index of the bound
-    side: int  # +1 or -1
-    weight: float = 0.0  # Multiplier, >= 0
+    weight: float  # Signed mass; positive where c x = +1 is held
+
+    @property
+    def side(self) -> int:
+        """Side of the bound, +1 or -1."""
+        return 1 if self.weight > 0.0 else -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.closed_form import step_response, transition
 from mtcommission.optimal.linear_program import Basis, Program, solve_program
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem
-from mtcommission.optimal.proof import Atom, Measure
+from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
+from mtcommission.optimal.proof import Measure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

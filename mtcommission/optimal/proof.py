@@ -29,7 +29,7 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.exponential import balanced_expm, powers_of
 from mtcommission.optimal.motion import FollowedMotion, follow_control
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
+from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]
@@ -57,15 +57,6 @@ BISECTIONS, POLISHES = 10, 3
 """Of a cell with a zero, and Newton steps to it: off by δ it misses σ' δ² of the integral."""
 MOST_RADIANS = 2e6
 """Fastest rate times duration of what is followed at all: some fifteen seconds."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Atom:
-    """A point mass of the measure of one bound."""
-
-    remaining: float  # Where, as remaining time [s]
-    limit: int  # Index of the bound
-    weight: float  # Signed mass; positive where c x = +1 is held
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -455,7 +446,7 @@ class Found:
     motion: FollowedMotion
     measure: Measure
     t_lower: float  # Excluded time [s]
-    touches: tuple[ConstraintPoint, ...]
+    touches: tuple[Atom, ...]
     is_exact: bool  # Whether the arcs are exact; otherwise they are cells
 
     @property
@@ -473,7 +464,7 @@ def prove(
     problem: BoundedProblem,
     arcs: tuple[Arc, ...],
     measure: Measure,
-    touches: tuple[ConstraintPoint, ...],
+    touches: tuple[Atom, ...],
     *,
     is_exact: bool,
 ) -> Found | None:

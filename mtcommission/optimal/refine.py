@@ -26,7 +26,7 @@ from mtcommission.optimal.exchange import (
 )
 from mtcommission.optimal.polish.sequence import boundary_arc
 from mtcommission.optimal.polish.structure import Structure, detect_structure, local_cell
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
+from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import Cells, Plan, Points, solve_cells
 from mtcommission.optimal.proof import (
     Stretch,
@@ -143,18 +143,9 @@ def observe(problem: BoundedProblem, cells: Cells) -> Seen:
     measure, edges = cells.measure, cells.plan.edges
     parts = stretches(problem, measure)
     zeros = dual_value(problem, parts).zeros
-    active = [
-        ConstraintPoint(
-            remaining=atom.remaining,
-            limit=atom.limit,
-            side=1 if atom.weight > 0.0 else -1,
-            weight=abs(atom.weight),
-        )
-        for atom in measure.atoms
-    ]
     held = _rightly_held(problem, parts, measure.interiors)
     mesh = _with_insides(problem, edges, measure.interiors, held)
-    structure = detect_structure(active, mesh, held)
+    structure = detect_structure(measure.atoms, mesh, held)
     t_lower = lower_bound(problem, measure)
     after = np.clip(np.searchsorted(edges, zeros), 1, edges.size - 1)
     nearer = np.minimum(zeros - edges[after - 1], edges[after] - zeros)

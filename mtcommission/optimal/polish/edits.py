@@ -1,9 +1,8 @@
 """A solved sequence without what its conditions do not call for, and with its proof.
 
 A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign, is taken out;
-a bound of order 1 exceeded where the force turns is held there for a while, and left for a while
-where its multiplier has the wrong sign. What a sequence lacks besides is not searched for: finer
-cells show it.
+a bound of order 1 exceeded where the force turns is held there for a while. What a sequence lacks
+besides is not searched for: finer cells show it.
 """
 
 from __future__ import annotations
@@ -18,18 +17,16 @@ from mtcommission.optimal.polish.newton import RESIDUAL, Extremal, solve_sequenc
 from mtcommission.optimal.polish.sequence import (
     Piece,
     Sequence,
-    piece_states,
+    piece_end,
     sequence_arcs,
     touch_points,
 )
 from mtcommission.optimal.polish.structure import place_touches
-from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
-from mtcommission.optimal.proof import EXCESS, Found, densities, prove, stretches
+from mtcommission.optimal.problem import Atom, BoundedProblem
+from mtcommission.optimal.proof import EXCESS, Found, prove
 
 Array = NDArray[np.float64]
 
-RADIANS_PER_SAMPLE = 0.05
-"""Samples that look for excesses of a solved sequence."""
 EDITS = 12
 """Changes of a sequence in one go."""
 CLOSED_GAP = 1e-9
@@ -37,10 +34,6 @@ CLOSED_GAP = 1e-9
 VANISHED, SLIVER = 1e-8, 1e-6
 """Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
 without it."""
-WRONG = 1e-6
-"""Share of the largest density of an arc from which one of the wrong sign counts."""
-DIP = 0.5
-"""First length of each half of a departure from an arc, in radians of the fastest rate."""
 MOST_GROWTH = 10.0
 """Growth of the motion over an arc, as exponent of e, from which no digits are left."""
 
@@ -67,7 +60,7 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
         if following is None and found is not None:  # it may hold slivers at no cost
             following = pruned(problem, extremal, least=SLIVER)
         if following is None and extremal.residual <= RESIDUAL:
-            following = with_short_arc(problem, extremal) or with_departure(problem, extremal)
+            following = with_short_arc(problem, extremal)
     return best
 
 
@@ -122,7 +115,7 @@ def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
     return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
 
 
-def _at_arc(sequence: Sequence, point: ConstraintPoint, *, near: float) -> bool:
+def _at_arc(sequence: Sequence, point: Atom, *, near: float) -> bool:
     """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
     ends = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
     return any(
@@ -137,18 +130,19 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
     Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and
     must be held there, however short.
     """
-    pieces = list(extremal.sequence.pieces)
+    plant, pieces = problem.plant, list(extremal.sequence.pieces)
     first = np.array([limit.order for limit in problem.limits]) == 1
-    along = _levels(problem, extremal.sequence)
-    worst, most = None, 1.0 + EXCESS
+    state, worst, most = np.zeros(plant.order), None, 1.0 + EXCESS
     for index, (piece, after) in enumerate(pairwise(pieces)):
-        tau, levels = along[index]
-        size = np.where(first, np.abs(levels[-1]), 0.0)
-        k = int(size.argmax())
-        if max(piece.limit, after.limit) < 0 and size[k] > most:
-            speed = (size[k] - abs(levels[-2, k])) / (tau[-1] - tau[-2])
-            half = min((size[k] - 1.0) / speed, 0.5 * piece.duration, 0.5 * after.duration)
-            worst, most = (index, half, k, int(np.sign(levels[-1, k]))), float(size[k])
+        state = piece_end(problem, piece, state)
+        levels = problem.rows @ state
+        k = int(np.where(first, np.abs(levels), 0.0).argmax())
+        size, side = abs(float(levels[k])), int(np.sign(levels[k]))
+        if first[k] and max(piece.limit, after.limit) < 0 and size > most:
+            rate = plant.A @ state + plant.B * piece.side * problem.force_limit
+            speed = side * float(problem.rows[k] @ rate)
+            half = min((size - 1.0) / speed, 0.5 * piece.duration, 0.5 * after.duration)
+            worst, most = (index, half, k, side), size
     if worst is None:
         return None
     index, half, k, side = worst
@@ -160,52 +154,6 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
     ]
     touches = touch_points(extremal.sequence)
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
-
-
-def with_departure(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence that leaves an arc of order 1 where holding costs; None if nowhere.
-
-    There its multiplier has the wrong sign: a force that leaves the bound and returns saves time.
-    """
-    sequence, span = extremal.sequence, DIP / problem.rate
-    parts = {part.start: part for part in stretches(problem, extremal.measure) if part.limit >= 0}
-    starts = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
-    worst, most = None, WRONG
-    for index, piece in enumerate(sequence.pieces):
-        if piece.limit < 0 or problem.limits[piece.limit].order > 1 or piece.duration < 4.0 * span:
-            continue
-        near = min(parts, key=lambda start: abs(start - starts[index]))
-        density = -piece.side * densities(problem, parts[near])[0][::-1]
-        k = int(density.argmax())
-        share = float(density[k]) / float(np.abs(density).max())
-        if share > most:
-            worst, most = (index, piece.duration * k / (density.size - 1)), share
-    if worst is None:
-        return None
-    index, at = worst
-    piece = sequence.pieces[index]
-    at = min(max(at, 2.0 * span), piece.duration - 2.0 * span)
-    pieces = list(sequence.pieces)
-    pieces[index : index + 1] = [
-        replace(piece, duration=at - span),
-        Piece(limit=-1, side=-piece.side, duration=span),
-        Piece(limit=-1, side=piece.side, duration=span),
-        replace(piece, duration=piece.duration - at - span),
-    ]
-    touches = touch_points(sequence)
-    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
-
-
-def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Array]]:
-    """Return times since the start of each piece [s] and the levels of all bounds there."""
-    state, found = np.zeros(problem.plant.order), []
-    for piece in sequence.pieces:
-        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
-        tau = np.linspace(0.0, piece.duration, count)
-        states = piece_states(problem, piece, state, tau)
-        found.append((tau, states @ problem.rows.T))
-        state = states[-1]
-    return found
 
 
 def _joined(pieces: list[Piece]) -> list[Piece]:

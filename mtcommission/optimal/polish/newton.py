@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.closed_form import step_response, transition
 from mtcommission.optimal.polish.sequence import Sequence, Touch
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem
-from mtcommission.optimal.proof import Atom, Measure
+from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
+from mtcommission.optimal.proof import Measure
 
 Array = NDArray[np.float64]
 

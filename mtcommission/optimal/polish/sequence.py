@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.closed_form import step_response, transition
-from mtcommission.optimal.problem import BoundedProblem, ConstraintPoint
+from mtcommission.optimal.problem import Atom, BoundedProblem
 from mtcommission.optimal.solution import Arc, Bang, Boundary, constant_arc
 
 Array = NDArray[np.float64]
@@ -46,41 +46,24 @@ class Sequence:
         return sum(piece.duration for piece in self.pieces)
 
 
-def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array) -> Array:
-    """Return the states on a piece."""
-    if piece.limit < 0:
-        pushes = step_response(problem.plant, tau) * piece.side * problem.force_limit
-        return np.asarray(transition(problem.plant, tau) @ state + pushes)
-    flow = problem.limits[piece.limit].boundary_flow.over(float(tau[1] - tau[0]))
-    states = [state]
-    for _ in tau[1:]:
-        states.append(flow @ states[-1])
-    return np.array(states)
+def piece_end(problem: BoundedProblem, piece: Piece, state: Array) -> Array:
+    """Return the state at the end of a piece that begins in a state."""
+    if piece.limit >= 0:
+        return problem.limits[piece.limit].boundary_flow.over(piece.duration) @ state
+    since = np.array(piece.duration)
+    push = step_response(problem.plant, since) * piece.side * problem.force_limit
+    return np.asarray(transition(problem.plant, since) @ state + push)
 
 
-def peaks_above(levels: Array, least: float) -> list[tuple[int, int]]:
-    """Return (sample, signal) of the inner peaks of magnitude above a level.
-
-    Examples
-    --------
-    >>> peaks_above(np.array([[0.0], [-2.0], [0.0], [1.0], [0.5]]), 1.5)
-    [(1, 0)]
-    """
-    size = np.abs(levels)
-    inner = size[1:-1]
-    peaks = (inner > least) & (inner >= size[:-2]) & (inner > size[2:])
-    return [(int(at) + 1, int(k)) for at, k in zip(*np.nonzero(peaks), strict=True)]
-
-
-def touch_points(sequence: Sequence) -> tuple[ConstraintPoint, ...]:
+def touch_points(sequence: Sequence) -> tuple[Atom, ...]:
     """Return the touch points of a sequence by remaining time."""
     ends = np.cumsum([piece.duration for piece in sequence.pieces])
     starts = ends - [piece.duration for piece in sequence.pieces]
     return tuple(
-        ConstraintPoint(
+        Atom(
             remaining=float(ends[-1] - (starts[touch.piece] + touch.offset)),
             limit=touch.limit,
-            side=touch.side,
+            weight=float(touch.side),
         )
         for touch in sequence.touches
     )
@@ -88,22 +71,18 @@ def touch_points(sequence: Sequence) -> tuple[ConstraintPoint, ...]:
 
 def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...]:
     """Return the arcs of a sequence of bang and boundary arcs."""
-    plant, F = problem.plant, problem.force_limit
-    state, start, arcs = np.zeros(plant.order), 0.0, []
+    state, start, arcs = np.zeros(problem.plant.order), 0.0, list[Arc]()
     for piece in sequence.pieces:
-        end, since = start + piece.duration, np.array(piece.duration)
+        end = start + piece.duration
         if piece.limit < 0:
-            control = Bang(piece.side)
-            arcs.append(constant_arc(start, end, control=control, force=piece.side * F))
-            push = step_response(plant, since) * piece.side * F
-            state = transition(plant, since) @ state + push
+            force = piece.side * problem.force_limit
+            arcs.append(constant_arc(start, end, control=Bang(piece.side), force=force))
         else:
             # As in Newton's method: what is missed at the entry would grow over the arc.
             held = problem.limits[piece.limit]
             state = state - held.impulses @ held.missed(state, piece.side)
             arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
-            state = held.boundary_flow.over(piece.duration) @ state
-        start = end
+        state, start = piece_end(problem, piece, state), end
     return tuple(arcs)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.polish.sequence import Piece, Sequence, Touch
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem, ConstraintPoint
+from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Stretch, sigma_sign
 
 Array = NDArray[np.float64]
@@ -32,27 +32,24 @@ class Structure:
     """Arcs and touch points seen on a mesh."""
 
     arcs: tuple[ArcInterior, ...]  # Boundary arcs in order of time
-    touches: tuple[ConstraintPoint, ...]  # Single points, one for each cluster
+    touches: tuple[Atom, ...]  # Single points, one for each cluster
 
 
-def detect_structure(
-    active: Items[ConstraintPoint], mesh: Array, held: Items[ArcInterior] = ()
-) -> Structure:
+def detect_structure(active: Items[Atom], mesh: Array, held: Items[ArcInterior] = ()) -> Structure:
     """Return the arcs and touch points that active points form, with the interiors held.
 
     Examples
     --------
     >>> mesh = np.linspace(0.0, 1.0, 101)
-    >>> dense = [ConstraintPoint(remaining=0.01 * i, limit=0, side=1, weight=1.0)
-    ...     for i in range(30, 50)]
-    >>> single = ConstraintPoint(remaining=0.8, limit=0, side=1, weight=1.0)
+    >>> dense = [Atom(remaining=0.01 * i, limit=0, weight=1.0) for i in range(30, 50)]
+    >>> single = Atom(remaining=0.8, limit=0, weight=1.0)
     >>> structure = detect_structure([*dense, single], mesh)
     >>> len(structure.arcs), len(structure.touches)
     (1, 1)
     """
     arcs: list[ArcInterior] = []
-    touches: list[ConstraintPoint] = []
-    every: list[ConstraintPoint | ArcInterior] = [*active, *held]
+    touches: list[Atom] = []
+    every: list[Atom | ArcInterior] = [*active, *held]
     ordered = sorted(every, key=lambda at: (at.limit, at.side, _span(at)))
     for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
         for chain in _chains(list(group), mesh):
@@ -63,10 +60,10 @@ def detect_structure(
             ):
                 arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
                 continue
-            points = [at for at in chain if isinstance(at, ConstraintPoint)]
+            points = [at for at in chain if isinstance(at, Atom)]
             weight = sum(at.weight for at in points)
             centre = sum(at.weight * at.remaining for at in points) / weight
-            touches.append(ConstraintPoint(remaining=centre, limit=limit, side=side, weight=weight))
+            touches.append(Atom(remaining=centre, limit=limit, weight=weight))
     apart: list[ArcInterior] = []
     for arc in sorted(arcs, key=lambda arc: -arc.start):
         if not apart or arc.start < apart[-1].end:
@@ -74,20 +71,18 @@ def detect_structure(
             continue
         # The force holds one bound at a time: beside it the other is touched.
         touches += [
-            ConstraintPoint(remaining=end, limit=arc.limit, side=arc.side, weight=1.0)
+            Atom(remaining=end, limit=arc.limit, weight=float(arc.side))
             for end in (arc.start, arc.end)
         ]
     return Structure(arcs=tuple(apart), touches=tuple(touches))
 
 
-def _span(at: ConstraintPoint | ArcInterior) -> tuple[float, float]:
+def _span(at: Atom | ArcInterior) -> tuple[float, float]:
     """Return from which to which remaining time a bound is known to act [s]."""
     return (at.end, at.start) if isinstance(at, ArcInterior) else (at.remaining, at.remaining)
 
 
-def _chains(
-    points: list[ConstraintPoint | ArcInterior], mesh: Array
-) -> list[list[ConstraintPoint | ArcInterior]]:
+def _chains(points: list[Atom | ArcInterior], mesh: Array) -> list[list[Atom | ArcInterior]]:
     chains = [[points[0]]]
     for before, after in pairwise(points):
         low, high = _span(before)[1], _span(after)[0]
@@ -170,7 +165,7 @@ def _bang_pieces(
 
 
 def place_touches(
-    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[ConstraintPoint, ...]
+    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[Atom, ...]
 ) -> tuple[Touch, ...]:
     """Return the points as touch points of the arcs in which they lie."""
     ends = np.cumsum([piece.duration for piece in pieces])
