@@ -90,22 +90,15 @@ class _Point:
     residual: Array
     jacobian: Array
     primal: int
+    exits: dict[int, float]  # Atoms at the ends of legs, where σ' is not 0 before
 
     @property
     def norm(self) -> float:
         return float(np.linalg.norm(self.residual))
 
 
-@dataclass(slots=True, eq=False)
-class _Rows:
-    """Conditions that are being collected, with their derivatives."""
-
-    values: list[Array]
-    slopes: list[Array]
-
-    def add(self, value: Array, slope: Array) -> None:
-        self.values.append(np.atleast_1d(value))
-        self.slopes.append(np.atleast_2d(slope))
+Condition = tuple[Array, Array]
+"""Scaled values that must vanish, shape (k,), and their derivatives, shape (k, n_unknowns)."""
 
 
 def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
@@ -117,7 +110,7 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
         point = _damped(system, first)
     return Extremal(
         sequence=_placed(system, guess, point.unknowns),
-        measure=_measure(system, point.unknowns),
+        measure=_measure(system, point),
         residual=float(np.abs(point.residual).max()),
     )
 
@@ -236,15 +229,15 @@ def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point
 
 
 def _point(system: _System, unknowns: Array) -> _Point:
-    rows = _Rows([], [])
-    final_rate, rate_slope = _add_primal(system, unknowns, rows)
-    primal = sum(value.size for value in rows.values)
-    _add_dual(system, unknowns, rows, final_rate=final_rate, rate_slope=rate_slope)
+    on_state, final_rate, rate_slope = _primal(system, unknowns)
+    on_adjoint, exits = _dual(system, unknowns, final_rate=final_rate, rate_slope=rate_slope)
+    values, slopes = zip(*on_state, *on_adjoint, strict=True)
     return _Point(
         unknowns=unknowns,
-        residual=np.concatenate(rows.values),
-        jacobian=np.vstack(rows.slopes),
-        primal=primal,
+        residual=np.concatenate(values),
+        jacobian=np.vstack(slopes),
+        primal=sum(value.size for value, _ in on_state),
+        exits=exits,
     )
 
 
@@ -259,12 +252,13 @@ def _bang_flows(system: _System, durations: Array) -> tuple[Array, Array]:
     return forward, pushes * system.problem.force_limit
 
 
-def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, Array]:
-    """Add the conditions on the state; return dx/dt at the end and its derivative."""
+def _primal(system: _System, unknowns: Array) -> tuple[list[Condition], Array, Array]:
+    """Return the conditions on the state, and dx/dt at the end with its derivative."""
     problem, plant = system.problem, system.problem.plant
     durations = unknowns[: len(system.legs)] * system.scale
     flows, pushes = _bang_flows(system, durations)
     state, slope = np.zeros(plant.order), np.zeros((plant.order, unknowns.size))
+    rows = list[Condition]()
     for j, leg in enumerate(system.legs):
         held = None if leg.limit < 0 else problem.limits[leg.limit]
         generator = plant.A if held is None else held.boundary_flow.matrix
@@ -273,11 +267,11 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
             row = problem.limits[leg.touch.limit].row
             rate = row @ generator / problem.rate
             value = [row @ state - leg.touch.side, rate @ state + row @ push / problem.rate]
-            rows.add(np.array(value), np.array([row @ slope, rate @ slope]))
+            rows.append((np.array(value), np.array([row @ slope, rate @ slope])))
         elif held is not None:
             levels = held.missed(state, leg.side)
             moves = held.output_chain @ slope
-            rows.add(levels, moves)
+            rows.append((levels, moves))
             # What is missed here is counted once: carried on, it would grow over the whole arc.
             state, slope = state - held.impulses @ levels, slope - held.impulses @ moves
         if held is None:
@@ -288,14 +282,14 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
             state, slope = flow @ state, flow @ slope
         slope[:, j] = (generator @ state + push) * system.scale
     error, scales = state - problem.target, problem.state_scale[problem.fixed]
-    rows.add(error[problem.fixed] / scales, slope[problem.fixed] / scales[:, np.newaxis])
-    return generator @ state + push, generator @ slope
+    rows.append((error[problem.fixed] / scales, slope[problem.fixed] / scales[:, np.newaxis]))
+    return rows, generator @ state + push, generator @ slope
 
 
-def _add_dual(
-    system: _System, unknowns: Array, rows: _Rows, *, final_rate: Array, rate_slope: Array
-) -> None:
-    """Add the conditions on the adjoint: normalisation, then σ = 0 at the switches."""
+def _dual(
+    system: _System, unknowns: Array, *, final_rate: Array, rate_slope: Array
+) -> tuple[list[Condition], dict[int, float]]:
+    """Return the conditions on the adjoint: normalisation, then σ = 0 at the switches; exits."""
     problem, plant = system.problem, system.problem.plant
     to_sigma = problem.force_limit * plant.B * system.scale
     durations = unknowns[: len(system.legs)] * system.scale
@@ -306,16 +300,19 @@ def _add_dual(
         1.0 / problem.state_scale[problem.fixed]
     )
     value = float(adjoint @ final_rate) * system.scale - 1.0
-    rows.add(np.array(value), (final_rate @ slope + adjoint @ rate_slope) * system.scale)
+    moves = (final_rate @ slope + adjoint @ rate_slope) * system.scale
+    rows, exits = [(np.array([value]), moves[np.newaxis])], dict[int, float]()
     for j in range(len(system.legs) - 1, -1, -1):
         leg = system.legs[j]
         held = None if leg.limit < 0 else problem.limits[leg.limit]
         generator = plant.A if held is None else held.adjoint_flow.matrix.T
         if held is not None and leg.ends:
-            rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
+            rows.append((adjoint[np.newaxis] @ to_sigma, (to_sigma @ slope)[np.newaxis]))
             # The atom of order 2 lets σ' = 0; here, too, a σ that is missed is not carried on.
             slope = slope - held.output_chain.T @ (held.impulses.T @ slope)
-            adjoint = adjoint - (adjoint @ held.impulses) @ held.output_chain
+            weights = adjoint @ held.impulses
+            exits |= {j: float(weights[0])} if held.order == 2 else {}
+            adjoint = adjoint - weights @ held.output_chain
         flow = flows[j] if held is None else held.adjoint_flow.over(float(durations[j])).T
         adjoint, slope = adjoint @ flow, flow.T @ slope
         slope[:, j] = adjoint @ generator * system.scale
@@ -324,7 +321,8 @@ def _add_dual(
             slope[:, system.width + leg.atom] -= row
             adjoint = adjoint - unknowns[system.width + leg.atom] * row
         elif held is None and j > 0 and system.legs[j - 1].limit < 0:
-            rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
+            rows.append((adjoint[np.newaxis] @ to_sigma, (to_sigma @ slope)[np.newaxis]))
+    return rows, exits
 
 
 def _jump_row(problem: BoundedProblem, leg: _Leg) -> Array:
@@ -341,37 +339,27 @@ def _terminal(system: _System, unknowns: Array) -> Array:
     return terminal
 
 
-def _measure(system: _System, unknowns: Array) -> Measure:
-    problem = system.problem
-    durations = (unknowns[: len(system.legs)] * system.scale).tolist()
-    atoms: list[Atom] = []
-    interiors: list[ArcInterior] = []
-    adjoint, after, interior_end = _terminal(system, unknowns), 0.0, 0.0
-    for leg, duration in zip(reversed(system.legs), reversed(durations), strict=True):
-        held = None if leg.limit < 0 else problem.limits[leg.limit]
-        if held is not None and leg.ends:
-            interior_end = after
-            if held.order == 2:
-                out = float(adjoint @ held.force_chain[:, 1]) / held.gain
-                adjoint = adjoint - out * held.row
-                atoms.append(Atom(remaining=after, limit=leg.limit, weight=out))
-        after += duration
-        if held is None:
-            adjoint = adjoint @ transition(problem.plant, np.array(duration))
-        else:
-            adjoint = held.adjoint_flow.over(duration) @ adjoint
+def _measure(system: _System, point: _Point) -> Measure:
+    durations = point.unknowns[: len(system.legs)] * system.scale
+    starts = np.append(np.cumsum(durations[::-1])[::-1], 0.0).tolist()
+    atoms, interiors = list[Atom](), list[ArcInterior]()
+    for j, leg in enumerate(system.legs):
         if leg.atom >= 0:
-            weight = float(unknowns[system.width + leg.atom])
-            limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)
-            adjoint = adjoint - weight * _jump_row(problem, leg)
-            atoms.append(Atom(remaining=after, limit=limit, weight=side * weight))
-        if held is not None and leg.touch is None:
+            weight = float(point.unknowns[system.width + leg.atom])
+            at = leg.touch or leg
+            atoms.append(Atom(remaining=starts[j], limit=at.limit, weight=at.side * weight))
+        if j in point.exits:
+            atoms.append(Atom(remaining=starts[j + 1], limit=leg.limit, weight=point.exits[j]))
+        if leg.limit >= 0 and leg.touch is None:
+            ends = [k for k, other in enumerate(system.legs) if other.piece == leg.piece]
             interiors.append(
-                ArcInterior(start=after, end=interior_end, limit=leg.limit, side=leg.side)
+                ArcInterior(
+                    start=starts[j], end=starts[ends[-1] + 1], limit=leg.limit, side=leg.side
+                )
             )
     return Measure(
-        t_f=after,
-        terminal=_terminal(system, unknowns),
+        t_f=starts[0],
+        terminal=_terminal(system, point.unknowns),
         atoms=tuple(atom for atom in atoms if atom.weight != 0.0),
-        interiors=tuple(reversed(interiors)),
+        interiors=tuple(interiors),
     )
