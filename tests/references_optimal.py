@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import exp, log, sqrt
 
+from mtcommission.machine.machine import Weight
+
 PAPER_SWITCHING_TIMES = (0.009337, 0.009668, 0.036552, 0.037653, 0.041942)
 PAPER_T_F = 0.043505
 """Christiansen, Maurer & Zirn, eq. (12) [s], F_max = 2 kN."""
@@ -15,8 +17,17 @@ PAPER_TIME_TOLERANCE = 6.3e-5
 PAPER_ADJOINT = (-11.87902, 0.0, 14.75425, 0.05508, -0.23018, 0.01149, -1.2503e-6)
 """Christiansen, Maurer & Zirn, sec. 5.1: λ(0), F_max = 2 kN."""
 
-PAPER_PEAK_V_PHI = 0.022444
-"""Christiansen, Maurer & Zirn, sec. 6, last line (printed for φ) [rad/s]."""
+
+PAPER_WEIGHTS = tuple(
+    Weight(state=state, value=value)
+    for state, value in [
+        ("x_b", 1.8858e15),
+        ("phi", 1.0961e15),
+        ("v_b", 8.6070e10),
+        ("v_phi", 2.8505e10),
+    ]
+)
+"""Christiansen, Maurer & Zirn, eq. (17)."""
 
 
 def lag_only_step(span: float, force_lag: float) -> tuple[float, float]:

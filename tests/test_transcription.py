@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
@@ -20,8 +19,6 @@ from mtcommission.optimal.solution import (
     DampingOptimum,
     Interior,
     TimeOptimum,
-    propagate,
-    sample_trajectory,
 )
 from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import (
@@ -30,17 +27,9 @@ from mtcommission.optimal.transcription.transcription import (
 )
 from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
+from tests.references_optimal import PAPER_WEIGHTS
 
 STEP = VelocityStep(velocity_step=0.1)
-PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
-    Weight(state=state, value=value)
-    for state, value in [
-        ("x_b", 1.8858e15),
-        ("phi", 1.0961e15),
-        ("v_b", 8.6070e10),
-        ("v_phi", 2.8505e10),
-    ]
-)
 
 
 def settings(intervals: int, scheme: Scheme = Scheme.GAUSS) -> TranscriptionSettings:
@@ -165,29 +154,10 @@ def test_time_optimum_has_the_papers_structure_and_adjoint() -> None:
     assert ours == pytest.approx(paper, rel=0.07)  # λ_xb, the worst known entry, is 6 % off
 
 
-def test_time_optimal_hamiltonian_vanishes_at_the_start() -> None:
-    # H = 1 + λ(A x + B F_set) = 0 fixes the scale of λ, eq. (7)
-    plant, best = build_plant(paper_machine()), shortest(800)
-    assert 1.0 + best.certificate.adjoint_initial @ plant.B * 2e3 == pytest.approx(0.0, abs=5e-3)
-
-
 def test_a_transcription_claims_no_proof() -> None:
     certificate = shortest(100).certificate
     assert np.isnan(certificate.t_f_lower_bound)
     assert not certificate.relative_gap < 1e-6
-
-
-def test_results_belong_to_the_exact_motion_under_their_arcs() -> None:
-    plant, best = build_plant(paper_machine()), smoothest(100, Scheme.EULER)
-    target = np.array([0, 0, 0, 0, 0.1, 0, 0])
-    missed = propagate(plant, best.arcs) - target
-    fixed = [0, 2, 3, 4, 5, 6]
-    assert missed[fixed] == pytest.approx(best.terminal_error[fixed], rel=1e-9)
-    assert best.terminal_error[1] == 0.0
-    motion = sample_trajectory(plant, best.arcs, step=2e-6)
-    assert np.abs(motion.states).max(axis=0) == pytest.approx(best.peaks[:7], rel=1e-4)
-    square = np.trapezoid(motion.states[:, 5] ** 2, motion.t)
-    assert 2.8505e10 * square == pytest.approx(best.cost_terms[4], rel=1e-4)
 
 
 def test_bound_is_kept_on_the_grid_and_costs_time() -> None:

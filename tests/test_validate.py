@@ -29,7 +29,6 @@ from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
-    adjoint_from_switches,
     law_residual,
     printed_adjoint_matrix,
     zeros,
@@ -175,23 +174,6 @@ def test_printed_control_integrated_by_a_general_solver(plant: Plant) -> None:
     assert x[[4, 6, 3]] == pytest.approx([2.8e-5, 3.47, 3.87e-5], rel=0.02)
 
 
-def test_adjoint_of_the_printed_times_by_a_general_solver(plant: Plant) -> None:
-    """λ(0) from the switching times must make λ_F vanish there, under the printed eq. (8)."""
-    M = printed_matrix()
-    initial = adjoint_from_switches(plant, np.array(SWITCHING_TIMES))
-    solved = solve_ivp(
-        lambda _, y: M @ y,
-        (0.0, SWITCHING_TIMES[-1]),
-        initial,
-        method="DOP853",
-        t_eval=SWITCHING_TIMES,
-        rtol=1e-12,
-        atol=1e-22,
-    )
-    assert np.abs(solved.y[6]).max() < 1e-4 * abs(initial[6])
-    assert initial == pytest.approx(np.array(ADJOINT), rel=0.014)
-
-
 def test_zeros_backward_are_the_exact_switches(found: Validation, plant: Plant) -> None:
     time = found.cases.time
     found_zeros = zeros(plant, time.certificate.adjoint_initial, t_f=time.t_f, way="back")
@@ -293,38 +275,6 @@ def test_short_moves_cannot_switch_more_often_than_five_times(plant: Plant) -> N
 def functions_needed(plant: Plant) -> int:
     """1, the force lag and two for each mode: five zeros at most, by theory."""
     return 2 + 2 * len(plant.modes)
-
-
-def test_claims_on_vibration_by_a_general_solver(found: Validation, plant: Plant) -> None:
-    """Peaks and changes of sign of v_phi, and its growth with the force."""
-
-    def rates(force_limit: float) -> Array:
-        best = solve_time_optimal(plant, STEP, force_limit=force_limit)
-        x, values = np.zeros(7), [np.zeros(1)]
-        for arc in best.arcs:
-            force, length = float(arc.output[0]), arc.t_end - arc.t_start
-            solved = solve_ivp(
-                lambda _, y, u=force: rate(y, u),
-                (0.0, length),
-                x,
-                method="DOP853",
-                rtol=1e-9,
-                atol=1e-12,
-                t_eval=np.linspace(0.0, length, 400),
-            )
-            values.append(solved.y[5, 1:-1])
-            x = solved.y[:, -1]
-        return np.concatenate(values)
-
-    swings = rates(2e3)
-    clear = swings[np.abs(swings) > 1e-4]
-    changes = int(np.count_nonzero(np.diff(np.sign(clear))))
-    told = tell(pick(found.rows, "oscillation"), Catalogue()).ours
-    assert f"changes its sign {changes} times" in told
-    assert f"{1e3 * np.abs(swings).max():.1f} mrad/s" in told
-    told = tell(pick(found.rows, "more-force"), Catalogue()).ours
-    ends_of_range = [f"{1e3 * np.abs(rates(force)).max():.1f}" for force in (500.0, 4000.0)]
-    assert f"from {ends_of_range[0]} to {ends_of_range[1]} mrad/s" in told
 
 
 def test_cost_of_coasting_by_quadrature(found: Validation, plant: Plant) -> None:
