@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.moves import Move
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
@@ -53,6 +53,7 @@ from mtcommission.optimal.solution import (
     Optimum,
     TimeOptimum,
     TouchPoint,
+    terminal_target,
 )
 from mtcommission.plant.plant import Plant
 
@@ -152,15 +153,10 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
 
 def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
     """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion."""
-    target = np.zeros(plant.order)
-    if isinstance(move, VelocityStep):
-        target[plant.velocity] = move.velocity_step
-    else:
-        target[plant.position] = move.distance
+    target, fixed = terminal_target(plant, move)
     for bound in bounds:
         row = plant.row(bound.name)
-        free = isinstance(move, VelocityStep) and row[plant.position] != 0.0
-        least = 0.0 if free else abs(float(row @ target))
+        least = 0.0 if row[~fixed].any() else abs(float(row @ target))
         if not bound.value > 0.0 or bound.value < least:
             unit, told = plant.unit(bound.name), describe_bounds(plant, (bound,))
             detail = Message("bound-not-positive", bound=told)

@@ -18,7 +18,6 @@ from mtcommission.optimal.saturated import (
     SaturatedProblem,
     scale_problem,
     solve_saturated,
-    terminal_target,
 )
 from mtcommission.optimal.solution import (
     Arc,
@@ -29,6 +28,7 @@ from mtcommission.optimal.solution import (
     Optimum,
     TimeOptimum,
     constant_arc,
+    terminal_target,
 )
 from mtcommission.plant.plant import Plant
 
@@ -55,25 +55,13 @@ def solve_damping_optimal(
 
     Examples
     --------
-    >>> from itertools import groupby
-    >>> from mtcommission.optimal.solution import control_text
-    >>> from mtcommission.machine.drive import Drive
-    >>> from mtcommission.machine.machine import Machine, Weight
-    >>> from mtcommission.machine.mechanics import FlexibleMode
-    >>> from mtcommission.machine.moves import VelocityStep
-    >>> from mtcommission.machine.requirements import Modes, Requirements
-    >>> from mtcommission.plant.modal import Modal
     >>> from mtcommission.plant.plant import build_plant
-    >>> axis = Machine(name="a", axis="X", source="example",
-    ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
-    ...         natural_frequency=250.0, damping_ratio=0.03, tcp_gain=0.01),)),
-    ...     drive=Drive(force_lag=2e-3, max_force=280.0), moves=(VelocityStep(velocity_step=0.1),),
-    ...     requirements=Requirements(tcp_deviation=1e-5,
-    ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
-    >>> best = solve_damping_optimal(build_plant(axis), axis.moves[0], force_limit=280.0,
-    ...     t_f=0.05, weights=(Weight(state="v_column", value=1e5),))
-    >>> [control_text(kind) for kind, _ in groupby(arc.control for arc in best.arcs)]
-    ['+F_max', 'interior', '+F_max', 'interior', '-F_max']
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> machine = read_shipped("milling-manipulator").machine
+    >>> best = solve_damping_optimal(build_plant(machine), machine.moves[0], force_limit=2e3,
+    ...     t_f=0.0522, weights=machine.damping_optimal.weights)
+    >>> round(best.cost / 1e3), [arc.control for arc in best.arcs][:2]
+    (449, [Bang(side=1), Interior()])
     """
     problem = scale_problem(plant, move, force_limit=force_limit, t_f=t_f, weights=weights)
     found = solve_saturated(problem, force_unit=plant.force_unit)

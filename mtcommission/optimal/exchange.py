@@ -109,18 +109,6 @@ def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
     ComputationError
         BOUND_CANNOT_HOLD if the reach does not grow any more; BEYOND_HORIZON if it still grows
         at the end of the search.
-
-    Examples
-    --------
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.optimal.problem import bounded_problem
-    >>> from mtcommission.optimal.solution import Bound
-    >>> from mtcommission.plant.plant import build_plant
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
-    ...     bounds=(Bound(name="v_phi", value=0.005),), horizon=0.05)
-    >>> round(first_cells(problem, t_free=0.0435).t_f, 3)
-    0.052
     """
     t_f = 1.05 * t_free
     found = earlier = _evenly(problem, t_f)

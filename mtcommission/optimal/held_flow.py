@@ -34,15 +34,6 @@ def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> Held
     A boundary arc is such a motion: c x is constant on it because its derivatives are 0. In the
     states of the plant that is a difference of large numbers, and over a long arc the rounding
     of the matrix exponential lets c x drift by more than a finished control may miss.
-
-    Examples
-    --------
-    A mass on which a force acts that keeps its velocity: x = (v, F).
-
-    >>> flow = held_flow(np.array([[0.0, 2.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [0.0, 2.0]]),
-    ...     rate=1.0, scale=np.ones(2))
-    >>> flow.over(3.0).round(12).tolist()
-    [[1.0, 6.0], [0.0, 1.0]]
     """
     r, n = chain.shape
     # The chain takes the place of the states that it determines best.

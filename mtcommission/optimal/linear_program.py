@@ -86,16 +86,7 @@ def solve_program(
     start: Basis | None = None,
     is_solvable: bool = False,
 ) -> Solution | None:
-    """Return the solution of a linear program, or None where the simplex method finds none.
-
-    Examples
-    --------
-    >>> one = np.ones((1, 1))
-    >>> program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
-    ...     right=np.empty(0), lower=np.zeros(1), upper=np.full(1, np.inf))
-    >>> float(solve_program(program, steps=10).unknowns[0])
-    2.0
-    """
+    """Return the solution of a linear program, or None where the simplex method finds none."""
     count = program.right.size + program.rooms.size
     for way in WAYS:
         allowed = max(tolerance, FORGIVING) if way is WAYS[-1] else tolerance

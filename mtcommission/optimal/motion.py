@@ -41,18 +41,6 @@ def follow_control(plant: Plant, arcs: tuple[Arc, ...], *, rate: float = 0.0) ->
 
     Source: d/dt z z' = J z z' + z z' J' for the joint generator J, so the integral of z z' over
     cells of one length is the power series of that map on the sum of z z' at their starts.
-
-    Examples
-    --------
-    A constant force moves the rigid mass of 750 kg, but for the lag of 2.5 ms.
-
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.optimal.solution import Bang, constant_arc
-    >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
-    >>> arc = constant_arc(0.0, 1.0, control=Bang(1), force=750.0)
-    >>> round(float(follow_control(plant, (arc,)).final[plant.velocity]), 6)
-    0.9975
     """
     n, rows, fastest = plant.order, signal_rows(plant).T, max(rate, plant.fastest_rate)
     peaks, force_peak, effort, squares = np.zeros(rows.shape[1]), 0.0, 0.0, np.zeros(n)

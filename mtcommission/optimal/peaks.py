@@ -18,14 +18,7 @@ def signal_rows(plant: Plant) -> Array:
 def unit_cubics(
     step: Array, start: Array, end: Array, *, start_rate: Array, end_rate: Array
 ) -> Array:
-    """Return the cubic in each cell that takes the values and derivatives at its ends.
-
-    Examples
-    --------
-    >>> one = np.ones(1)
-    >>> unit_cubics(one, 0 * one, one, start_rate=0 * one, end_rate=3 * one).ravel()
-    array([1., 0., 0., 0.])
-    """
+    """Return the cubic in each cell that takes the values and derivatives at its ends."""
     rise, first, last = end - start, step * start_rate, step * end_rate
     return np.stack([first + last - 2.0 * rise, 3.0 * rise - 2.0 * first - last, first, start])
 

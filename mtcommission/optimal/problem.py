@@ -13,11 +13,11 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.solution import Bound, terminal_target
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -161,16 +161,7 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
 def describe_bounds(
     plant: Plant, bounds: tuple[Bound, ...], *, kind: str = "signal-bound", factor: float = 1.0
 ) -> tuple[Message, ...]:
-    """Return bounds for a message, each times a factor, with their units.
-
-    Examples
-    --------
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
-    >>> describe_bounds(plant, (Bound(name="v_phi", value=5e-3),))
-    (Message('signal-bound', signal='v_phi', value=0.005, unit='rad/s'),)
-    """
+    """Return bounds for a message, each times a factor, with their units."""
     return tuple(
         Message(kind, signal=k.name, value=factor * k.value, unit=plant.unit(k.name))
         for k in bounds
@@ -188,25 +179,10 @@ def bounded_problem(
     """Return the problem with everything that follows from the orders of its bounds.
 
     Source: order of a state constraint after Hartl, Sethi & Vickson (1995), sec. 2.
-
-    Examples
-    --------
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.plant.plant import build_plant
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
-    ...     bounds=(Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5)), horizon=0.05)
-    >>> [limit.order for limit in problem.limits]
-    [2, 3]
     """
     rate = plant.fastest_rate
-    target = np.zeros(plant.order)
-    fixed = np.arange(plant.order)
-    if isinstance(move, VelocityStep):
-        target[plant.velocity] = move.velocity_step
-        fixed = np.delete(fixed, plant.position)
-    else:
-        target[plant.position] = move.distance
+    target, is_fixed = terminal_target(plant, move)
+    fixed = np.flatnonzero(is_fixed)
     steps = step_response(plant, np.linspace(0.0, horizon, 200))
     travel = np.abs(np.diff(steps, axis=0)).sum(axis=0) * force_limit
     scale = np.maximum(travel, np.abs(target))

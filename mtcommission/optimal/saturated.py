@@ -24,9 +24,10 @@ from scipy.interpolate import PPoly
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
-from mtcommission.machine.moves import Move, Positioning
+from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
 from mtcommission.optimal.peaks import unit_cubics
+from mtcommission.optimal.solution import terminal_target
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -114,20 +115,6 @@ def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
         scales[mode.rate] = abs(mode.scale) * force_limit / mode.natural_frequency
         scales[mode.deflection] = scales[mode.rate] / mode.natural_frequency
     return scales
-
-
-def terminal_target(plant: Plant, move: Move) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the state at the end of a move, and which of its entries are prescribed.
-
-    Source: Christiansen, Maurer & Zirn, eq. (3).
-    """
-    target, fixed = np.zeros(plant.order), np.ones(plant.order, dtype=np.bool_)
-    if isinstance(move, Positioning):
-        target[plant.position] = move.distance
-    else:
-        target[plant.velocity] = move.velocity_step
-        fixed[plant.position] = False
-    return target, fixed
 
 
 def scale_problem(

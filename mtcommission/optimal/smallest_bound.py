@@ -31,22 +31,7 @@ def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
 
 
 def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
-    """Return the factor of all bounds below which the target is out of reach by a given time.
-
-    Examples
-    --------
-    The bound that the paper's sec. 5.2 asks for needs 52.3 ms:
-
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.optimal.problem import bounded_problem
-    >>> from mtcommission.optimal.solution import Bound
-    >>> from mtcommission.plant.plant import build_plant
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
-    ...     bounds=(Bound(name="v_phi", value=0.005),), horizon=0.05)
-    >>> [round(smallest_factor_by(problem, t_f), 2) for t_f in (0.0522923, 0.048)]
-    [1.0, 1.63]
-    """
+    """Return the factor of all bounds below which the target is out of reach by a given time."""
     return _finer(problem, t_f, _least_factor(problem, t_f, cells=LEAST_CELLS[0]))
 
 

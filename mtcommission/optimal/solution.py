@@ -148,14 +148,22 @@ class Trajectory:
     states: Array  # Shape (n_samples, n), columns as ``Plant.states``
 
 
-def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: float) -> Arc:
-    """Return an arc of constant force.
+def terminal_target(plant: Plant, move: Move) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the state at the end of a move, and which of its entries are prescribed.
 
-    Examples
-    --------
-    >>> constant_arc(0.0, 1e-3, control=Bang(1), force=2e3).initial
-    array([2000.])
+    Source: Christiansen, Maurer & Zirn, eq. (3).
     """
+    target, fixed = np.zeros(plant.order), np.ones(plant.order, dtype=np.bool_)
+    if isinstance(move, Positioning):
+        target[plant.position] = move.distance
+    else:
+        target[plant.velocity] = move.velocity_step
+        fixed[plant.position] = False
+    return target, fixed
+
+
+def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: float) -> Arc:
+    """Return an arc of constant force."""
     return Arc(
         t_start=t_start,
         t_end=t_end,

@@ -115,14 +115,6 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
     """Return the moment conditions of a move.
 
     Source: variation of constants in the eigenvectors of A; docs/optimal-control.md, section 1.
-
-    Examples
-    --------
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.plant.plant import build_plant
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> moment_problem(build_plant(machine), machine.moves[0]).size
-    5
     """
     rates = np.array([*(mode.pole for mode in plant.modes), *plant.lag_rates], dtype=complex)
     if isinstance(move, VelocityStep):
@@ -131,17 +123,7 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
 
 
 def independence(problem: MomentProblem, horizon: float) -> float:
-    """Return how far the moment functions are from linear dependence, 0 to 1.
-
-    Examples
-    --------
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> problem = moment_problem(build_plant(machine), machine.moves[0])
-    >>> [f"{independence(problem, t):.0e}" for t in (0.1, 1e-3)]
-    ['2e-01', '2e-08']
-    """
+    """Return how far the moment functions are from linear dependence, 0 to 1."""
     # Denser near 0, where a fast lag lives that is gone for most of a long move.
     functions = problem.values(horizon * ((np.arange(SAMPLES) + 0.5) / SAMPLES) ** 3)
     lengths = np.linalg.norm(functions, axis=1, keepdims=True) + TINY
@@ -157,16 +139,6 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
 
     Source: left eigenvectors of A (and one principal vector for ψ = τ), scaled by w B = 1;
     docs/optimal-control.md, section 1.
-
-    Examples
-    --------
-    >>> from mtcommission.profile.shipped import read_shipped
-    >>> from mtcommission.plant.plant import build_plant
-    >>> machine = read_shipped("milling-manipulator").machine
-    >>> plant = build_plant(machine)
-    >>> rows = moment_rows(plant, moment_problem(plant, machine.moves[0]))
-    >>> [round(float(b), 12) for b in rows @ plant.B]
-    [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]
     """
     return all_moment_rows(plant)[: problem.size + 1]
 

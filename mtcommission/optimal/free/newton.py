@@ -46,13 +46,7 @@ TO_BOUNDARY = 0.9
 
 
 def sign_jumps(count: int, *, first_sign: float) -> Array:
-    """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0.
-
-    Examples
-    --------
-    >>> sign_jumps(2, first_sign=1.0)
-    array([ 2., -2.,  1.])
-    """
+    """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0."""
     jumps = np.full(count + 1, 2.0 * first_sign)
     jumps[1::2] *= -1.0
     jumps[-1] *= 0.5

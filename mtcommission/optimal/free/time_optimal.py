@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesdd
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.moves import Move
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.free.bang_bang import BangBangMotion
@@ -39,7 +39,14 @@ from mtcommission.optimal.free.start import (
     start_force,
 )
 from mtcommission.optimal.free.switching import ROUNDOFF, Control, prove_time
-from mtcommission.optimal.solution import Arc, Bang, Certificate, Optimum, TimeOptimum
+from mtcommission.optimal.solution import (
+    Arc,
+    Bang,
+    Certificate,
+    Optimum,
+    TimeOptimum,
+    terminal_target,
+)
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -234,12 +241,7 @@ def _published(
     motion = _motion(plant, problem, found.control, force_limit=force_limit)
     t_f = motion.t_f
     states = motion.states_at(np.array([t_f, *motion.switching_times[-1:].tolist()]))
-    error = states[0].copy()
-    if isinstance(move, VelocityStep):
-        error[plant.velocity] -= move.velocity_step
-        error[plant.position] = 0.0
-    else:
-        error[plant.position] -= move.distance
+    target, fixed = terminal_target(plant, move)
     optimum = Optimum(
         move=move,
         force_limit=force_limit,
@@ -248,7 +250,7 @@ def _published(
         t_f=t_f,
         arcs=_arcs(motion),
         touch_points=(),
-        terminal_error=error,
+        terminal_error=np.where(fixed, states[0] - target, 0.0),
         motion=motion,
         certificate=certify(motion, found.proved, nodes=found.mesh.nodes),
     )

@@ -36,17 +36,7 @@ class Structure:
 
 
 def detect_structure(active: Items[Atom], mesh: Array, held: Items[ArcInterior] = ()) -> Structure:
-    """Return the arcs and touch points that active points form, with the interiors held.
-
-    Examples
-    --------
-    >>> mesh = np.linspace(0.0, 1.0, 101)
-    >>> dense = [Atom(remaining=0.01 * i, limit=0, weight=1.0) for i in range(30, 50)]
-    >>> single = Atom(remaining=0.8, limit=0, weight=1.0)
-    >>> structure = detect_structure([*dense, single], mesh)
-    >>> len(structure.arcs), len(structure.touches)
-    (1, 1)
-    """
+    """Return the arcs and touch points that active points form, with the interiors held."""
     arcs: list[ArcInterior] = []
     touches: list[Atom] = []
     every: list[Atom | ArcInterior] = [*active, *held]

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf, isfinite, nan, sqrt
+from math import inf, nan, sqrt
 from typing import Any
 
 import casadi as ca
@@ -32,12 +32,14 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
-from mtcommission.machine.moves import Move, Positioning
+from mtcommission.machine.moves import Move
+from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.damping import cost_terms
 from mtcommission.optimal.motion import FollowedMotion, follow_control
-from mtcommission.optimal.saturated import state_scales, terminal_target
+from mtcommission.optimal.problem import all_bounds
+from mtcommission.optimal.saturated import state_scales
 from mtcommission.optimal.solution import (
     Arc,
     ArcControl,
@@ -50,6 +52,7 @@ from mtcommission.optimal.solution import (
     Optimum,
     TimeOptimum,
     constant_arc,
+    terminal_target,
 )
 from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.plant.plant import Plant
@@ -113,7 +116,6 @@ def transcribe_time_optimal(
     )
     found = _shortest(problem, settings)
     arcs, motion = _followed(problem, found)
-    target, fixed = terminal_target(plant, move)
     return Optimum(
         move=move,
         force_limit=force_limit,
@@ -121,7 +123,7 @@ def transcribe_time_optimal(
         method="transcription",
         t_f=found.t_f,
         arcs=arcs,
-        terminal_error=np.where(fixed, motion.final - target, 0.0),
+        terminal_error=np.where(problem.fixed, motion.final - problem.target, 0.0),
         motion=motion,
         certificate=_certificate(plant, found),
     )
@@ -164,7 +166,6 @@ def transcribe_damping_optimal(
         reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
         raise reason or error from error
     arcs, motion = _followed(problem, found)
-    target, fixed = terminal_target(plant, move)
     wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
     return Optimum(
         move=move,
@@ -179,7 +180,7 @@ def transcribe_damping_optimal(
             adjoint_initial=found.adjoint_initial,
             law_residual=float(np.abs(_snap(found.control) - wanted).max()),
         ),
-        terminal_error=np.where(fixed, motion.final - target, 0.0),
+        terminal_error=np.where(problem.fixed, motion.final - problem.target, 0.0),
         motion=motion,
     )
 
@@ -192,7 +193,7 @@ class _Problem:
     force_limit: float  # [N]
     bounds: tuple[Bound, ...]  # With that on the velocity of the move
     target: Array  # State at t_f, shape (n,)
-    fixed: NDArray[np.intp]  # Indices of the states prescribed at t_f
+    fixed: NDArray[np.bool_]  # Which states are prescribed there, shape (n,)
     t_f: float  # [s]
     # Of the squared states in the functional, shape (n,); None: the largest multiple of the
     # target is wanted.
@@ -221,14 +222,12 @@ def _problem(
     weights: Array | None = None,
 ) -> _Problem:
     target, fixed = terminal_target(plant, move)
-    if isinstance(move, Positioning) and isfinite(move.max_velocity):
-        bounds = (*bounds, Bound(name=plant.states[plant.velocity], value=move.max_velocity))
     return _Problem(
         plant=plant,
         force_limit=force_limit,
-        bounds=bounds,
+        bounds=all_bounds(plant, move, bounds),
         target=target,
-        fixed=np.flatnonzero(fixed),
+        fixed=fixed,
         t_f=t_f,
         weights=weights,
     )
@@ -277,13 +276,7 @@ def _next_time(found: _Solution, low: float, high: float) -> float:
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
     """Return the rigid body's shortest time plus the time that flexibility may cost [s]."""
     slowest = max(2.0 * np.pi / mode.natural_frequency for mode in plant.modes)
-    acceleration = force_limit / plant.moving_mass
-    if not isinstance(move, Positioning):
-        rigid = move.velocity_step / acceleration
-    elif move.distance * acceleration > move.max_velocity**2:
-        rigid = move.distance / move.max_velocity + move.max_velocity / acceleration
-    else:
-        rigid = 2.0 * sqrt(move.distance / acceleration)
+    rigid = least_motion_time(move, force_limit / plant.moving_mass)
     return float(rigid + slowest / 2.0 + 4.0 * plant.force_lag)
 
 
@@ -308,7 +301,7 @@ def _solve(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
     step = ca.MX.sym("step")  # A parameter, for the sensitivity to the final time.
     defect = _defect(A, B, settings.scheme).map(N)
     defects = defect(x[:, :-1], x[:, 1:], u, ca.repmat(step, 1, N))
-    ends = problem.fixed.tolist()
+    ends = np.flatnonzero(problem.fixed).tolist()
     missed = x[ends, -1] - reach * ca.DM(target[problem.fixed])
     bounded = ca.vec(ca.DM(np.array(rows).reshape(-1, n)) @ x[:, 1:])
     if problem.weights is None:
