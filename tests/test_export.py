@@ -35,7 +35,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, profile_text_hash
-from mtcommission.record.files import dump_json, find_checksum
+from mtcommission.record.files import dump_json
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import to_entry
@@ -537,20 +537,17 @@ def test_a_record_that_contradicts_itself_is_not_exported(
 
 
 @pytest.mark.parametrize(
-    "edit",
+    ("edit", "words"),
     [
-        lambda record: record["limits"]["recommended"].update(jerk=1e3),
-        lambda record: record["limits"]["modes"][0].update(acceleration="much"),
-        lambda record: record["machine"].update(name="Another machine"),
-        lambda record: record["assessment"].update(met=[]),
-        lambda record: record["profile"].update(sha256="0" * 64),
-        lambda record: record.update(moves=None),
-        lambda record: record.update(added=1),
-        lambda record: record.pop("checksum"),
+        (lambda record: record["limits"]["recommended"].update(jerk=1e3), "checksum"),
+        (lambda record: record["machine"].update(name="Another machine"), "checksum"),
+        (lambda record: record.pop("checksum"), "checksum"),
+        (lambda record: record["loop"].update(Kv=float("nan")), "NaN is no number of JSON"),
+        (lambda record: record.update(schema=1), "earlier version, this one reads"),
     ],
 )
 def test_edited_record_is_refused(
-    edit: Callable[[Any], object], paper: Case, tmp_path: Path
+    edit: Callable[[Any], object], words: str, paper: Case, tmp_path: Path
 ) -> None:
     """Numbers changed by hand after the run would be printed as computed ones."""
     record = json.loads(json.dumps(paper.record))
@@ -559,44 +556,7 @@ def test_edited_record_is_refused(
     assert load_record(path) == to_entry(paper.record, Record)  # another layout is no edit
     edit(record)
     path.write_text(json.dumps(record), "utf-8")
-    with pytest.raises(InputError, match="checksum"):
-        load_record(path)
-
-
-@pytest.mark.parametrize(
-    ("edit", "words"),
-    [
-        (lambda record: record.update(moves=None), "moves: got null, expected array"),
-        (
-            lambda record: record["limits"]["modes"][0].update(acceleration="much"),
-            "limits.modes[1].acceleration: got 'much', expected number | null",
-        ),
-        (lambda record: record["assessment"].update(met=[]), "got [], expected true | false"),
-        (lambda record: record["plant"].pop("A"), "plant.A: missing"),
-        (lambda record: record["loop"].update(Kv=float("nan")), "NaN is no number of JSON"),
-        (lambda record: record.update(schema=1), "record schema 1, this version reads 8; run the"),
-        (lambda record: record["tool"].update(name="other"), "or damaged; change the profile"),
-    ],
-)
-def test_a_damaged_record_names_what_was_expected(
-    edit: Callable[[Any], object], words: str, paper: Case, tmp_path: Path
-) -> None:
-    record = json.loads(json.dumps(paper.record))
-    edit(record)
-    path = tmp_path / "record.json"
-    path.write_text(json.dumps(record), "utf-8")
     with pytest.raises(InputError, match=re.escape(words)):
-        load_record(path)
-
-
-def test_a_record_of_another_version_is_refused_by_name(paper: Case, tmp_path: Path) -> None:
-    """Its checksum is right, and yet a number that is needed would be missing half-way."""
-    record = json.loads(json.dumps(paper.record))
-    del record["loop"]["Kv"]
-    record["checksum"] = find_checksum(record)
-    path = tmp_path / "record.json"
-    path.write_text(json.dumps(record), "utf-8")
-    with pytest.raises(InputError, match=r"another version of mtcommission wrote it; loop\.Kv"):
         load_record(path)
 
 
@@ -637,11 +597,6 @@ def test_doubts_of_the_run_reach_the_file(control: str, paper: Case) -> None:
     assert f"Default accepted, not measured: {record['data'][3]['key']}." in header
     text = export_record(paper.record, control=control).text
     assert "accepted, not measured" not in text
-
-
-def test_unknown_control_is_refused_with_a_proposal(paper: Case) -> None:
-    with pytest.raises(InputError, match='did you mean "sinumerik"'):
-        export_record(paper.record, control="sinumerick")
 
 
 def test_axis_that_a_control_cannot_name_is_refused(paper: Case) -> None:
@@ -711,7 +666,8 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
     assert [line.split()[0] for line in listed] == list(CONTROL_KEYS)
     assert run("export", "--control", "isg") == 2
     assert "got no record" in capsys.readouterr().err
-    assert run("export", record, "--control", "nothing") == 2
+    assert run("export", record, "--control", "sinumerick") == 2
+    assert 'did you mean "sinumerik"' in capsys.readouterr().err
     assert run("export", tmp_path / "none.json", "--control", "isg") == 2
     record.write_text("{}", "utf-8")
     assert run("export", record, "--control", "isg") == 2

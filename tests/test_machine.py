@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 import pytest
@@ -13,12 +12,10 @@ from hypothesis import strategies as st
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.basis import list_neglected
 from mtcommission.machine.control import Control
-from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import moving_mass
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.machine import list_assumed
@@ -83,32 +80,6 @@ def test_corners_are_enumerated_with_the_nominal_machine_first() -> None:
     outer = [(c.payload, c.frequency_factor, c.damping_factor) for c in found[1:]]
     assert len(outer) == 8
     assert set(outer) == expected
-
-
-def test_modes_of_the_manipulator_by_hand() -> None:
-    base, tower = paper_machine().mechanics.modes
-    assert base.frequency_hz == pytest.approx((44.41e6 / 450) ** 0.5 / (2 * pi))
-    assert tower.frequency_hz == pytest.approx((8.2e6 / 40) ** 0.5 / (2 * pi))
-    assert base.tcp_gain == base.measured_gain == pytest.approx(1 / 450)
-    assert tower.tcp_gain == pytest.approx(0.21 * 0.25 / 40)
-    assert tower.measured_gain == 0.0
-
-
-def test_static_load_takes_its_amount_from_either_direction() -> None:
-    for load in (300.0, -300.0):
-        drive = Drive(force_lag=1e-3, max_force=2e3, static_load=load)
-        assert drive.motion_force == 1700.0
-
-
-def test_random_machines_are_plausible() -> None:
-    """The generator of the other tests keeps its stated ranges."""
-    for seed in range(30):
-        machine = random_modal_machine(seed, n_modes=1 + seed % 4)
-        assert isinstance(machine.mechanics, Modal)
-        assert 50.0 <= moving_mass(machine) <= 2000.0
-        for mode in machine.mechanics.modes:
-            assert 15.0 <= mode.frequency_hz <= 300.0
-            assert 0.005 <= mode.damping_ratio <= 0.1
 
 
 def test_what_nobody_stated_is_said_by_its_name_and_value() -> None:
