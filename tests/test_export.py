@@ -543,7 +543,7 @@ def test_a_record_that_contradicts_itself_is_not_exported(
         (lambda record: record["machine"].update(name="Another machine"), "checksum"),
         (lambda record: record.pop("checksum"), "checksum"),
         (lambda record: record["loop"].update(Kv=float("nan")), "NaN is no number of JSON"),
-        (lambda record: record.update(schema=1), "earlier version, this one reads"),
+        (lambda record: record.update(schema=1), "record schema 1, this version reads"),
     ],
 )
 def test_edited_record_is_refused(
