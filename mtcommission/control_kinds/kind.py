@@ -81,6 +81,13 @@ def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Featu
     return Feature(parameters=parameters, note=note, source=beside, is_verified=False)
 
 
+OF_DRIVE: Mapping[str, Feature] = {
+    "velocity_cycle": believed(note="The drive's."),
+    "velocity_gain": believed(note="In the drive."),
+    "force_filters": believed(note="Those of the drive; four is what drives usually have."),
+}
+"""What belongs to the drive behind a control that sends it positions or velocities."""
+
 MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"
 SHAPERS = (
     *("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei"),

@@ -116,13 +116,9 @@ class Today:
         ACCELERATIONS, "Limit of the acceleration that is in the control now.", "2 m/s^2"
     )
     jerk: float | None = keyed(JERKS, "Limit of the jerk.", "40 m/s^3", left_out=None)
-    position_gain: float | None = keyed(
-        POSITION_GAINS, "Kv.", "60 1/s", default=None, is_listed=False
-    )
-    velocity_gain: float | None = keyed(
-        VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None, is_listed=False
-    )
-    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None, is_listed=False)
+    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
+    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
+    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
     setpoint_filter: SetpointFilter | None = keyed(
         HELD_FILTER, 'Filter behind the setpoint generator, or "none".', "none", default=None
     )

@@ -78,14 +78,14 @@ def show_key(path: KeyPath) -> str:
 
 
 def read_key(shown: str) -> str:
-    """Return the dotted key that ``show_key`` shows.
+    """Return the dotted key that ``show_key`` shows; what it does not show stays, e.g. moves[0].
 
     Examples
     --------
-    >>> read_key("moves[1].distance")
-    'moves.0.distance'
+    >>> read_key("moves[1].distance"), read_key("moves.0.distance")
+    ('moves.0.distance', 'moves.0.distance')
     """
-    return re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) - 1}", shown)
+    return re.sub(r"\[([1-9]\d*)\]", lambda found: f".{int(found[1]) - 1}", shown)
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:

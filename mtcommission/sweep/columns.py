@@ -16,8 +16,9 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.describe import unit_of
+from mtcommission.profile.lines import read_key
 from mtcommission.profile.read import parse_profile
-from mtcommission.sweep.plan import PEAKS_KEY, Plan, Quantity, plain_key, si_number
+from mtcommission.sweep.plan import PEAKS_KEY, Plan, Quantity, si_number
 
 if TYPE_CHECKING:
     from mtcommission.limits.judge import Candidate
@@ -158,5 +159,5 @@ def _unit_of_key(key: str, machine: Machine, plant: Plant) -> str:
     if name != key and name in plant.signals:
         return plant.unit(name)
     rotary = machine.motion is Motion.ROTARY
-    unit = unit_of(plain_key(key).split("."), rotary=rotary)
+    unit = unit_of(read_key(key).split("."), rotary=rotary)
     return "SI" if unit is None else unit

@@ -20,6 +20,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine.moves import Positioning
 from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.solution import Bound
+from mtcommission.profile.lines import read_key
 from mtcommission.profile.read import parse_profile
 from mtcommission.units.quantities import NUMBER
 from mtcommission.units.symbols import read_unit
@@ -118,7 +119,7 @@ def piece_size(plan: Plan) -> int:
 
     One where a case takes long: limits, whole runs, and optimal controls that keep a bound.
     """
-    keys = [plain_key(key) for key in plan.keys]
+    keys = [read_key(key) for key in plan.keys]
     moves = parse_profile(plan.profile_text, where=plan.where).moves[plan.move - 1 : plan.move]
     if (
         plan.quantity is not Quantity.OPTIMAL
@@ -207,13 +208,7 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
 
 @lru_cache(maxsize=4096)  # each case asks several times, all cases share most of their texts
 def si_number(text: str) -> float:
-    """Return the SI value of a number with or without a unit; nan for a word.
-
-    Examples
-    --------
-    >>> si_number("2 kN"), si_number("auto")
-    (2000.0, nan)
-    """
+    """Return the SI value of a number with or without a unit; nan for a word."""
     match = NUMBER.match(text)
     if match is None:
         return nan
@@ -226,13 +221,7 @@ def si_number(text: str) -> float:
 
 
 def unit_of(text: str) -> str:
-    """Return what follows the number of a quantity; the whole text where there is no number.
-
-    Examples
-    --------
-    >>> unit_of("2 kN"), unit_of("auto")
-    ('kN', 'auto')
-    """
+    """Return what follows the number of a quantity; the whole text where there is no number."""
     match = NUMBER.match(text)
     return text[match.end() :].strip() if match else text
 
@@ -263,7 +252,7 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
         raise InputError([Fault(where=where, message=message)]) from error
     for number, key in enumerate(keys):
         try:
-            _place(document, plain_key(key).split("."), f"{mark}-{number}")
+            _place(document, read_key(key).split("."), f"{mark}-{number}")
         except (LookupError, TypeError, ValueError) as error:
             kind = "sweep-no-element" if isinstance(error, LookupError) else "sweep-no-key"
             message = Message(kind, example=EXAMPLE_KEY)
@@ -277,19 +266,6 @@ def _write_value(value: str) -> str:
 
 
 EXAMPLE_KEY = "moves[1].distance"
-
-NUMBERED = re.compile(r"\[(\d+)\]")
-
-
-def plain_key(key: str) -> str:
-    """Return a key as the profile's reader names it, elements counted from 0.
-
-    Examples
-    --------
-    >>> plain_key("moves[1].distance"), plain_key("moves.0.distance")
-    ('moves.0.distance', 'moves.0.distance')
-    """
-    return NUMBERED.sub(lambda match: f".{int(match[1]) - 1}" if int(match[1]) else match[0], key)
 
 
 def _place(node: Any, path: Sequence[str], value: str) -> None:

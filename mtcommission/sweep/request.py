@@ -11,6 +11,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 from mtcommission.options import Options
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile.lines import read_key
 from mtcommission.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases
 from mtcommission.sweep.plan import (
@@ -20,7 +21,6 @@ from mtcommission.sweep.plan import (
     Plan,
     Quantity,
     Settings,
-    plain_key,
     read_axis,
     read_range,
     unit_of,
@@ -152,7 +152,7 @@ def _refusals(plan: Plan, axis: Axis, row: int, key: str) -> list[Fault]:
     Tried are nothing else that varies, and the ends of the other axes.
     """
     text = dict(zip(axis.keys, axis.rows[row], strict=True))[key]
-    path = f"{plain_key(key)}."
+    path = f"{read_key(key)}."
     refused: list[Fault] = []
     for others in _companies(plan, axis, row):
         settings = (*((one, value) for one, value in others if one != key), (key, text))

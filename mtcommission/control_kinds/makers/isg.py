@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from mtcommission.control_kinds.control import Axis, Control, acceleration_row, cycles
 from mtcommission.control_kinds.kind import (
     MOVING_AVERAGE,
+    OF_DRIVE,
     ControlKind,
     FilterChoice,
     Jerk,
     PositionLoop,
-    believed,
     read,
 )
 from mtcommission.control_kinds.row import Row, Setting, Values, doubted, fixed
@@ -48,6 +48,7 @@ ISG = ControlKind(
     position_cycle=1e-3,
     force_filters=4,
     features={
+        **OF_DRIVE,
         "acceleration": read(
             AXIS,
             "getriebe[i].slope_profil.a_beschl, a_brems, a_grenz [mm/s^2, deg/s^2], whole",
@@ -93,12 +94,9 @@ ISG = ControlKind(
             "In the drive by default on SERCOS, PROFIdrive, CANopen; in the CNC on +-10 V.",
         ),
         "position_cycle": read(FILTER, note="The NC cycle; 1 and 4 ms in examples."),
-        "velocity_cycle": believed(note="The drive's."),
         "position_gain": read(
             AXIS, "getriebe[i].kv [0.01 1/s], whole", "Only with CNC_POSITION_CONTROL."
         ),
-        "velocity_gain": believed(note="In the drive."),
-        "force_filters": believed(note="Those of the drive; four is what drives usually have."),
         "state_feedback": read(
             AXIS, note="None; Improved Position Control adds a band-passed velocity (not modelled)."
         ),

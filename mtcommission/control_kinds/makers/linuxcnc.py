@@ -10,7 +10,7 @@ from mtcommission.control_kinds.control import (
     jerk_row,
     letter_of,
 )
-from mtcommission.control_kinds.kind import ControlKind, PositionLoop, believed, read
+from mtcommission.control_kinds.kind import OF_DRIVE, ControlKind, PositionLoop, believed, read
 from mtcommission.control_kinds.row import Row, Setting, Values, fixed
 from mtcommission.control_kinds.syntax import INI
 from mtcommission.messages.message import Message
@@ -28,6 +28,7 @@ LINUXCNC = ControlKind(
     position_cycle=1e-3,
     force_filters=4,
     features={
+        **OF_DRIVE,
         "acceleration": read(LINUXCNC_SOURCE, "MAX_ACCELERATION [u/s^2], float"),
         "jerk": read(
             LINUXCNC_SOURCE,
@@ -52,10 +53,8 @@ LINUXCNC = ControlKind(
             note="In the servo thread; in the drive with step/direction or bus position drives.",
         ),
         "position_cycle": read(LINUXCNC_SOURCE, "SERVO_PERIOD [ns]"),
-        "velocity_cycle": believed(note="The drive's."),
         "position_gain": read(LINUXCNC_SOURCE, "P [1/s], float", "With a velocity drive P = Kv."),
         "velocity_gain": read(LINUXCNC_SOURCE, note="In the velocity drive."),
-        "force_filters": believed(note="Those of the drive; four is what drives usually have."),
         "state_feedback": read(
             LINUXCNC_SOURCE, note="None; an own component could: that is state-space."
         ),

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from mtcommission.control_kinds.control import Axis, Control, acceleration_row, identifier, jerk_row
-from mtcommission.control_kinds.kind import EARLIER, ControlKind, PositionLoop, believed, read
+from mtcommission.control_kinds.kind import (
+    EARLIER,
+    OF_DRIVE,
+    ControlKind,
+    PositionLoop,
+    believed,
+    read,
+)
 from mtcommission.control_kinds.row import Row, Values
 from mtcommission.control_kinds.syntax import CONSTANTS
 
@@ -27,6 +34,7 @@ PLCOPEN = ControlKind(
     position_loops=(PositionLoop.DRIVE, PositionLoop.CONTROL),
     force_filters=4,
     features={
+        **OF_DRIVE,
         "acceleration": read(EARLIER, "Acceleration, Deceleration [u/s^2], LREAL"),
         "jerk": read(
             f"{EARLIER}; {VELOCITY_MODE}",
@@ -55,12 +63,9 @@ PLCOPEN = ControlKind(
             POSITION_CONTROL, note="Usually the drive (CSP); else SM_Drive_PosControl."
         ),
         "position_cycle": believed(note="Bus task of 1 to 4 ms."),
-        "velocity_cycle": believed(note="The drive's."),
         "position_gain": read(
             POSITION_CONTROL, "Kp [1/s]", "Only with SM_Drive_PosControl; else the drive's."
         ),
-        "velocity_gain": believed(note="In the drive."),
-        "force_filters": believed(note="Those of the drive; four is what drives usually have."),
         "state_feedback": believed(note="None; own blocks could: that is state-space."),
     },
 )

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from mtcommission.control_kinds.control import Axis, Control, identifier
-from mtcommission.control_kinds.kind import EARLIER, ControlKind, PositionLoop, believed, read
+from mtcommission.control_kinds.kind import (
+    EARLIER,
+    OF_DRIVE,
+    ControlKind,
+    PositionLoop,
+    believed,
+    read,
+)
 from mtcommission.control_kinds.row import Row, Setting, Values, fixed
 from mtcommission.control_kinds.syntax import YAML
 
@@ -20,6 +27,7 @@ ROS2 = ControlKind(
     position_cycle=10e-3,
     force_filters=4,
     features={
+        **OF_DRIVE,
         "acceleration": read(EARLIER, "max_acceleration [rad/s^2, m/s^2], double"),
         "jerk": read(
             EARLIER,
@@ -43,10 +51,7 @@ ROS2 = ControlKind(
         "position_cycle": read(
             CONTROLLERS_SOURCE, "update_rate [Hz]", "100 Hz in the examples, up to 1 kHz (?)."
         ),
-        "velocity_cycle": believed(note="The drive's."),
         "position_gain": read(CONTROLLERS_SOURCE, "gains.<joint>.p [1/s], double"),
-        "velocity_gain": believed(note="In the drive."),
-        "force_filters": believed(note="Those of the drive; four is what drives usually have."),
         "state_feedback": read(CONTROLLERS_SOURCE, note="None; an own controller: state-space."),
     },
 )
