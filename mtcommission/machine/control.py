@@ -31,7 +31,6 @@ from mtcommission.machine.readers import (
     Reading,
     Signals,
     Word,
-    WordOr,
     as_typed,
     describe,
     one_of,
@@ -200,7 +199,7 @@ class Control:
     )
     state_feedback: StateFeedback = StateFeedback.OFF  # auto, off, or given by ``state_gains``
     state_gains: tuple[StateGain, ...] = keyed(
-        WordOr(
+        Word(
             {"auto": StateFeedback.AUTO, "off": StateFeedback.OFF},
             Signals(
                 PerSignal.GAIN,
@@ -224,7 +223,7 @@ class Control:
     seeks_setpoint_filter: bool = False
     """Whether one is chosen together with the limits; else it is ``setpoint_filter``, or none."""
     force_filters: tuple[ForceFilter, ...] = keyed(
-        WordOr({AUTO: AUTO}, Array(Table(ForceFilter), 0, MOST_FORCE_FILTERS)),
+        Word({AUTO: AUTO}, Array(Table(ForceFilter), 0, MOST_FORCE_FILTERS)),
         'Filters in the set-force path; "auto": those that let Kp rise; []: none.',
         default=(),
         left_out=AUTO,

@@ -20,7 +20,6 @@ from mtcommission.machine.readers import (
     Reader,
     Reading,
     Word,
-    WordOr,
     find_close,
     must_be,
     propose,
@@ -63,7 +62,7 @@ class Key:
     @property
     def default(self) -> float | str | bool | None:
         """What the profile means that leaves the key out, in SI or as a word; None: nothing."""
-        if isinstance(self.reader, Word | WordOr):
+        if isinstance(self.reader, Word):
             words = self.reader.meanings.items()
             return next((word for word, one in words if one == self.left_out), None)
         if isinstance(self.left_out, float):

@@ -27,7 +27,7 @@ from mtcommission.machine.readers import (
     Reading,
     Signals,
     Text,
-    WordOr,
+    Word,
     word_of,
 )
 from mtcommission.machine.requirements import Requirements
@@ -62,7 +62,7 @@ class DampingOptimal:
     t_f: float | None = keyed(TIMES, "Final time.", "52.2 ms", default=None)
     """[s]; None: that of the constrained optimum where there are peaks, else 1.2 x t_f,min."""
     weights: tuple[Weight, ...] = keyed(
-        WordOr(
+        Word(
             {"balanced": ()},
             Signals(
                 PerSignal.WEIGHT,

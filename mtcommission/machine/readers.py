@@ -175,21 +175,33 @@ IDENTIFIER = Text(is_identifier=True)
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """One of some words."""
+    """One of some words, or something else in its place."""
 
     meanings: Mapping[str, Any]
+    other: Reader | None = None
+    refused: str = ""  # what is said of a word that is none of them; "": the other reads it
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words, where nothing else may stand there."""
+        return () if self.other else tuple(self.meanings)
 
     def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
-        """Return what the word means."""
+        """Return what the word means, or the other."""
         if isinstance(value, str) and value in self.meanings:
             return self.meanings[value]
-        words = one_of(tuple(self.meanings))
-        reading.refuse(place, must_be(value, words))
+        if self.other and not (isinstance(value, str) and self.refused):
+            return self.other.read(value, place, reading)
+        words, kind = one_of(tuple(self.meanings)), self.refused or "got-other-word"
+        reading.refuse(place, Message(kind, got=describe(value), words=words, hint=None))
         return None
 
     def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
         """Return the JSON schema."""
-        return {"type": "string", "enum": list(self.meanings)}
+        words = list(self.meanings)
+        if self.other is None:
+            return {"type": "string", "enum": words}
+        return {"anyOf": [self.other.schema(tables), {"enum": words}]}
 
 
 def word_of(kinds: type[Enum] | Iterable[str]) -> Word:
@@ -243,29 +255,6 @@ class Array:
         """Return the JSON schema."""
         inner = self.inner.schema(tables)
         return {"type": "array", "items": inner, "minItems": self.least, "maxItems": self.most}
-
-
-@dataclass(frozen=True, slots=True)
-class WordOr:
-    """A word in place of something else; ``refused``: what is said of any other word."""
-
-    meanings: Mapping[str, Any]
-    other: Reader
-    refused: str = ""
-
-    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
-        """Return what the word means, or the other."""
-        if isinstance(value, str) and value in self.meanings:
-            return self.meanings[value]
-        if isinstance(value, str) and self.refused:
-            words = one_of(tuple(self.meanings))
-            reading.refuse(place, Message(self.refused, got=describe(value), words=words))
-            return None
-        return self.other.read(value, place, reading)
-
-    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the JSON schema."""
-        return {"anyOf": [self.other.schema(tables), {"enum": list(self.meanings)}]}
 
 
 class PerSignal(Enum):

@@ -23,7 +23,7 @@ from mtcommission.control_kinds.kind import (
 )
 from mtcommission.machine.keys import Misfit, keyed, read_table, table_schema
 from mtcommission.machine.ranges import FILTER_DAMPINGS, FILTER_TIMES, FREQUENCIES, TAPS
-from mtcommission.machine.readers import Array, KeyPath, Reading, Word, WordOr, describe, one_of
+from mtcommission.machine.readers import Array, KeyPath, Reading, Word, describe, one_of
 from mtcommission.machine.shapers import Impulses, shape
 from mtcommission.messages.message import Message
 
@@ -152,8 +152,8 @@ class _Filter:
 
 
 AUTO = "auto"
-CHOSEN_FILTER = WordOr({AUTO: AUTO, "none": None}, _Filter(), "got-no-filter")
-HELD_FILTER = WordOr({"none": None}, _Filter(), "got-no-filter")
+CHOSEN_FILTER = Word({AUTO: AUTO, "none": None}, _Filter(), "got-no-filter")
+HELD_FILTER = Word({"none": None}, _Filter(), "got-no-filter")
 
 
 def list_misfits(
