@@ -5,6 +5,8 @@ The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
 
 from __future__ import annotations
 
+from math import inf
+
 from mtcommission.machine.readers import AxisRange, Range
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import (
@@ -19,44 +21,42 @@ from mtcommission.units.quantities import (
     Dimension,
 )
 
+Ends = tuple[float, float]
 
-def _same(dimension: Dimension, low: float, high: float, above: float | None = None) -> AxisRange:
-    both = Range(dimension, low, high) if above is None else Range(dimension, low, high, above)
+
+def _same(of: Dimension, low: float, high: float, above: float = -inf) -> AxisRange:
+    both = Range(of, low, high, above)
     return AxisRange(both, both)
 
 
-MASSES = AxisRange(Range(LINEAR.mass, 1e-3, 1e6, 0.0), Range(ROTARY.mass, 1e-9, 1e7, 0.0))
-LOADS = AxisRange(Range(LINEAR.mass, 0.0, 1e6), Range(ROTARY.mass, 0.0, 1e7))
+def _of_axis(name: str, linear: Ends, rotary: Ends | None = None, above: float = -inf) -> AxisRange:
+    """A quantity that is another one on a rotary axis; ``rotary`` None: with the same numbers."""
+    turned = Range(getattr(ROTARY, name), *(rotary or linear), above)
+    return AxisRange(Range(getattr(LINEAR, name), *linear, above), turned)
+
+
+MASSES = _of_axis("mass", (1e-3, 1e6), (1e-9, 1e7), above=0.0)
+LOADS = _of_axis("mass", (0.0, 1e6), (0.0, 1e7))
 # The tower turns on a rotary axis as well, so its own quantities stay rotary.
 INERTIAS = _same(INERTIA, 1e-9, 1e7, 0.0)
 ROTARY_STIFFNESSES = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
 ROTARY_DAMPINGS = _same(ROTARY_DAMPING, 0.0, 1e11)
 ARMS = AxisRange(Range(LENGTH, -100.0, 100.0), Range(RATIO, -1e4, 1e4))
-STIFFNESSES = AxisRange(
-    Range(LINEAR.stiffness, 1.0, 1e12, 0.0), Range(ROTARY.stiffness, 1e-3, 1e13, 0.0)
-)
-DAMPINGS = AxisRange(Range(LINEAR.damping, 0.0, 1e10), Range(ROTARY.damping, 0.0, 1e11))
-FORCES = AxisRange(Range(LINEAR.force, 1e-3, 1e8, 0.0), Range(ROTARY.force, 1e-6, 1e8, 0.0))
+STIFFNESSES = _of_axis("stiffness", (1.0, 1e12), (1e-3, 1e13), above=0.0)
+DAMPINGS = _of_axis("damping", (0.0, 1e10), (0.0, 1e11))
+FORCES = _of_axis("force", (1e-3, 1e8), (1e-6, 1e8), above=0.0)
 LEADS = _same(LENGTH, 1e-5, 100.0, 0.0)
 GEARS = _same(RATIO, 1e-4, 1e4, 0.0)
-RESOLUTIONS = AxisRange(
-    Range(LINEAR.length, 1e-13, 1e-3, 0.0), Range(ROTARY.length, 1e-13, 0.1, 0.0)
-)
-FRICTIONS = AxisRange(Range(LINEAR.force, 0.0, 1e8), Range(ROTARY.force, 0.0, 1e8))
-STATIC_LOADS = AxisRange(Range(LINEAR.force, -1e8, 1e8), Range(ROTARY.force, -1e8, 1e8))
-VELOCITIES = AxisRange(
-    Range(LINEAR.velocity, 1e-6, 100.0, 0.0), Range(ROTARY.velocity, 1e-6, 1e4, 0.0)
-)
-ACCELERATIONS = AxisRange(
-    Range(LINEAR.acceleration, 1e-4, 1e4, 0.0), Range(ROTARY.acceleration, 1e-4, 1e7, 0.0)
-)
-JERKS = AxisRange(Range(LINEAR.jerk, 1e-3, 1e8, 0.0), Range(ROTARY.jerk, 1e-3, 1e11, 0.0))
-DISTANCES = AxisRange(Range(LINEAR.length, 1e-7, 1e3, 0.0), Range(ROTARY.length, 1e-7, 1e5, 0.0))
-BANDS = AxisRange(Range(LINEAR.length, 1e-10, 0.1, 0.0), Range(ROTARY.length, 1e-10, 1.0, 0.0))
-MODE_GAINS = AxisRange(Range(LINEAR.gain, -1e6, 1e6), Range(ROTARY.gain, -1e12, 1e12))
-VELOCITY_GAINS = AxisRange(
-    Range(LINEAR.damping, 1e-6, 1e12, 0.0), Range(ROTARY.damping, 1e-9, 1e12, 0.0)
-)
+RESOLUTIONS = _of_axis("length", (1e-13, 1e-3), (1e-13, 0.1), above=0.0)
+FRICTIONS = _of_axis("force", (0.0, 1e8))
+STATIC_LOADS = _of_axis("force", (-1e8, 1e8))
+VELOCITIES = _of_axis("velocity", (1e-6, 100.0), (1e-6, 1e4), above=0.0)
+ACCELERATIONS = _of_axis("acceleration", (1e-4, 1e4), (1e-4, 1e7), above=0.0)
+JERKS = _of_axis("jerk", (1e-3, 1e8), (1e-3, 1e11), above=0.0)
+DISTANCES = _of_axis("length", (1e-7, 1e3), (1e-7, 1e5), above=0.0)
+BANDS = _of_axis("length", (1e-10, 0.1), (1e-10, 1.0), above=0.0)
+MODE_GAINS = _of_axis("gain", (-1e6, 1e6), (-1e12, 1e12))
+VELOCITY_GAINS = _of_axis("damping", (1e-6, 1e12), (1e-9, 1e12), above=0.0)
 MODEL_TIMES = _same(TIME, 0.0, 10.0)
 DELAYS = AxisRange(MODEL_TIMES.linear, MODEL_TIMES.rotary, word="auto")
 LAGS = _same(TIME, 1e-6, 0.1, 0.0)
@@ -77,4 +77,4 @@ FEEDFORWARDS = _same(RATIO, 0.0, 10.0)
 # A standard error may be as small as it likes; a delay as a clock shows it may be negative.
 MEASURED_FREQUENCIES = _same(FREQUENCY, 0.0, 1e6)
 MEASURED_TIMES = _same(TIME, -10.0, 10.0)
-MEASURED_MASSES = AxisRange(Range(LINEAR.mass, 0.0, 1e8), Range(ROTARY.mass, 0.0, 1e8))
+MEASURED_MASSES = _of_axis("mass", (0.0, 1e8))

@@ -7,77 +7,40 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mtcommission.units.quantities import (
-    ACCELERATION,
-    ANGLE,
-    ANGULAR_ACCELERATION,
-    ANGULAR_JERK,
-    ANGULAR_VELOCITY,
-    DAMPING,
-    FORCE,
-    INERTIA,
-    JERK,
-    LENGTH,
-    MASS,
-    MODAL_DEFLECTION,
-    MODAL_RATE,
-    PER_INERTIA,
-    PER_MASS,
-    RATIO,
-    ROTARY_DAMPING,
-    ROTARY_MODAL_DEFLECTION,
-    ROTARY_MODAL_RATE,
-    ROTARY_STIFFNESS,
-    STIFFNESS,
-    TORQUE,
-    VELOCITY,
-    Dimension,
-)
+from mtcommission.units import quantities as of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisUnits:
     """The quantities of one kind of axis, named as on the linear one."""
 
-    mass: Dimension  # what is moved
-    force: Dimension  # what moves it
-    length: Dimension
-    velocity: Dimension
-    acceleration: Dimension
-    jerk: Dimension
-    stiffness: Dimension  # of a spring in the drive train
-    damping: Dimension  # likewise; the velocity gain Kp is one, too
-    gain: Dimension  # share of a mode in a position, per mass
-    modal_deflection: Dimension  # state q of q'' + 2 ζ ω q' + ω² q = F
-    modal_rate: Dimension  # its rate
+    mass: of.Dimension  # what is moved
+    force: of.Dimension  # what moves it
+    length: of.Dimension
+    velocity: of.Dimension
+    acceleration: of.Dimension
+    jerk: of.Dimension
+    stiffness: of.Dimension  # of a spring in the drive train
+    damping: of.Dimension  # likewise; the velocity gain Kp is one, too
+    gain: of.Dimension  # share of a mode in a position, per mass
+    modal_deflection: of.Dimension  # state q of q'' + 2 ζ ω q' + ω² q = F
+    modal_rate: of.Dimension  # its rate
 
 
-LINEAR = AxisUnits(
-    mass=MASS,
-    force=FORCE,
-    length=LENGTH,
-    velocity=VELOCITY,
-    acceleration=ACCELERATION,
-    jerk=JERK,
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    gain=PER_MASS,
-    modal_deflection=MODAL_DEFLECTION,
-    modal_rate=MODAL_RATE,
-)
-ROTARY = AxisUnits(
-    mass=INERTIA,
-    force=TORQUE,
-    length=ANGLE,
-    velocity=ANGULAR_VELOCITY,
-    acceleration=ANGULAR_ACCELERATION,
-    jerk=ANGULAR_JERK,
-    stiffness=ROTARY_STIFFNESS,
-    damping=ROTARY_DAMPING,
-    gain=PER_INERTIA,
-    modal_deflection=ROTARY_MODAL_DEFLECTION,
-    modal_rate=ROTARY_MODAL_RATE,
-)
+_PAIRS = {
+    "mass": (of.MASS, of.INERTIA),
+    "force": (of.FORCE, of.TORQUE),
+    "length": (of.LENGTH, of.ANGLE),
+    "velocity": (of.VELOCITY, of.ANGULAR_VELOCITY),
+    "acceleration": (of.ACCELERATION, of.ANGULAR_ACCELERATION),
+    "jerk": (of.JERK, of.ANGULAR_JERK),
+    "stiffness": (of.STIFFNESS, of.ROTARY_STIFFNESS),
+    "damping": (of.DAMPING, of.ROTARY_DAMPING),
+    "gain": (of.PER_MASS, of.PER_INERTIA),
+    "modal_deflection": (of.MODAL_DEFLECTION, of.ROTARY_MODAL_DEFLECTION),
+    "modal_rate": (of.MODAL_RATE, of.ROTARY_MODAL_RATE),
+}
+LINEAR, ROTARY = (AxisUnits(**{name: pair[i] for name, pair in _PAIRS.items()}) for i in (0, 1))
 
 
 def of_position_source(axis: AxisUnits) -> AxisUnits:
@@ -88,9 +51,9 @@ def of_position_source(axis: AxisUnits) -> AxisUnits:
     """
     return replace(
         axis,
-        mass=RATIO,
+        mass=of.RATIO,
         force=axis.acceleration,
-        gain=RATIO,
+        gain=of.RATIO,
         modal_deflection=axis.length,
         modal_rate=axis.velocity,
     )
