@@ -12,12 +12,6 @@ from mtcommission.messages.quantities import SUPERSCRIPTS, THIN_SPACE
 
 MILLI, MICRO = 1e-3, 1e-6
 
-HUNDREDTH = 0.01
-"""Unit of the position gain in FANUC's and ISG's parameters [1/s]."""
-
-GAIN_PER_MINUTE = 1000.0 / 60.0
-"""(m/min)/mm = 1000/min in 1/s."""
-
 LETTERS = str.maketrans(
     {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "°": " deg"}
     | {"µ": "u", "×": "x", "·": " ", "−": "-", "–": "-", "„": '"', "“": '"', "≤": "<=", "≥": ">="}

@@ -1,7 +1,7 @@
 """Record -> parameters in a control's own names, units and syntax: text only, to be verified.
 
-``write.export_record`` picks the control, rounds the recommendation to numbers that it takes
-(``rounding``), judges exactly these numbers in every corner (``subject``) and writes them down
-(``numeric``, ``plc``, ``open_source``; layouts in ``control``). ``catalogue`` lists the controls;
-nothing is imported here, so that it can do so without the libraries of the loop.
+``write.export_record`` fills in the control's rows, writes them, reads the text back and judges
+what it holds in every corner; ``choose`` finds numbers that the control takes and that keep what
+the record promises. ``catalogue`` lists the controls; nothing is imported here, so that it can do
+so without the libraries of the loop.
 """

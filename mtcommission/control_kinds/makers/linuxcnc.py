@@ -61,8 +61,6 @@ LINUXCNC = ControlKind(
     },
 )
 
-NANO = 1e-9
-
 
 def _linuxcnc(axis: Axis, loop: Values) -> list[Row]:
     letter = letter_of(axis, LETTERS, "LinuxCNC")
