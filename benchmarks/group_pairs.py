@@ -19,10 +19,10 @@ import numpy as np
 
 from benchmarks.every_size import draw_profile
 from mtcommission.errors import ComputationError
-from mtcommission.group.contours import draw_circle, follow_contours
+from mtcommission.group.contours import worst_circle
 from mtcommission.group.group import Group, join
+from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.task import Task
-from mtcommission.group.verdict import judge_group
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.profile.read import ProfileSource, parse_profile
@@ -69,43 +69,42 @@ def task_of(machines: tuple[Machine, Machine], seed: int) -> Task:
 def driven(group: Group, corners: tuple[int, int]) -> list[Driven]:
     found = []
     for axis, corner in zip(group.drawn, corners, strict=True):
-        machine, tuned = axis.alone.machine, axis.alone.tuned
-        wait = axis.wait * tuned.controller.position_cycle
+        machine, tuned = axis.machine, axis.follower.tuned
         place = tuned.corners[corner]
-        found.append((vary(machine, place), machine, tuned.controller, wait))
+        found.append((vary(machine, place), machine, tuned.controller, axis.follower.wait))
     return found
 
 
 def refuted(group: Group, seed: int) -> list[str]:
     """What the second program says against a group."""
     generator, item, task = np.random.default_rng([39, seed]), group.setpoint_filter, group.task
-    count = len(group.drawn[0].alone.tuned.corners)
+    count = len(group.drawn[0].follower.tuned.corners)
     somewhere = int(generator.integers(count)), int(generator.integers(count))
     found, allowed = [], ROUNDING * group.allowed
     # Smaller than what is driven within a second.
     largest = max(min(50e-3, task.feed * TURN / (2.0 * pi)), 2e-3)
     radius = float(np.exp(generator.uniform(*np.log([1e-3, largest]))))
-    feed = min(task.feed, (group.acceleration * radius) ** 0.5, (group.jerk * radius**2) ** (1 / 3))
+    a, _ = group.path.on_circles
+    feed = min(task.feed, (a * radius) ** 0.5)
     circle = draw_circle(group, radius, feed)
-    first, second = (
-        axis.alone.tuned.corners.index(corner)
-        for axis, corner in zip(group.drawn, circle.corner, strict=True)
-    )
-    off, _ = circle_off(driven(group, (first, second)), item, radius=radius, feed=feed)
+    _, worst = worst_circle(group.pair, np.array([feed / radius]))
+    off, _ = circle_off(driven(group, divmod(int(worst[0]), count)), item, radius=radius, feed=feed)
     for name, ours, theirs in (
         ("radius", circle.radius_deviation, float(off.mean())),
         ("form", circle.form_deviation, float(np.ptp(off))),
     ):
         if abs(ours - theirs) > max(ROOM, 0.01 * abs(theirs)):
             found.append(f"{name} of circle {1e6 * ours:.3f} um, {1e6 * theirs:.3f}")
+    if np.abs(off).max() > allowed:
+        found.append(f"circle {1e6 * np.abs(off).max():.2f} um of {1e6 * group.allowed:.2f}")
     turned = float(generator.uniform(0.0, pi))
-    entered = task.feed**2 / group.acceleration
+    entered = task.feed**2 / a
     off_entry = entry_off(
         driven(group, somewhere), item, radius=entered, feed=task.feed, turned=turned
     )
     if off_entry > allowed:
         found.append(f"entry {1e6 * off_entry:.2f} um of {1e6 * group.allowed:.2f}")
-    corners = follow_contours(group).corners
+    corners = corner_speeds(group)
     one = corners[int(generator.integers(len(corners)))]
     off_corner = corner_off(
         driven(group, somewhere), item, angle=one.angle, arc=one.arc.radius, feed=one.speed,
@@ -113,10 +112,11 @@ def refuted(group: Group, seed: int) -> list[str]:
     )  # fmt: skip
     if off_corner > allowed:
         found.append(f"corner {1e6 * off_corner:.2f} um of {1e6 * group.allowed:.2f}")
-    direction = float(generator.integers(16)) * pi / 8.0
+    direction = float(generator.integers(1, 8)) * pi / 16.0
+    (along,), (jerk,) = group.path.along(np.array([direction]))
     off_line = line_off(
-        driven(group, somewhere), item, feed=task.feed, acceleration=group.acceleration,
-        jerk=group.jerk, direction=direction,
+        driven(group, somewhere), item, feed=task.feed, acceleration=float(along),
+        jerk=float(jerk), direction=direction,
     )  # fmt: skip
     if off_line > allowed:
         found.append(f"line {1e6 * off_line:.2f} um of {1e6 * group.allowed:.2f}")
@@ -138,13 +138,15 @@ def main() -> None:
         except ComputationError as error:
             print(f"{seed}: {error.outcome.name}", flush=True)
             continue
-        contour = judge_group(group, follow_contours(group))[:2]
-        if not all(check.is_met for check in contour):
+        contour = judge_group(group, circle_test(group))[:2]
+        if not all(check.met for check in contour):
             print(f"{seed}: no promise", flush=True)
             continue
         against = refuted(group, seed)
         judged, broken = judged + 1, broken + bool(against)
-        print(f"{seed}: {group.rule.kind.value}: {'; '.join(against) or 'kept'}", flush=True)
+        print(
+            f"{seed}: {group.control.corner.kind.value}: {'; '.join(against) or 'kept'}", flush=True
+        )
     print(f"{judged} pairs, {broken} refuted")
 
 

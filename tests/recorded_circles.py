@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.held import HeldAxis
+from mtcommission.group.contours import Pair
 from mtcommission.loop.simulate import drive_loop, find_friction
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def draw(how: Spoilt) -> dict[str, Array]:
 
 
 def step_axes(
-    axes: tuple[HeldAxis, HeldAxis], *, radius: float, feed: float, turns: float, sign: float
+    axes: Pair, *, radius: float, feed: float, turns: float, sign: float
 ) -> dict[str, Array]:
     """Columns of a circle that both loops drive from rest, with the friction of their profiles."""
     controller = axes[0].tuned.controller
@@ -74,12 +74,15 @@ def step_axes(
         / fine
         * np.arange(-8 * fine, int((2.0 * np.pi * turns / abs(omega) + ramp) / T_p) * fine)
     )
-    share = np.clip(t / ramp, 0.0, 1.0)
-    # The feed rises smoothly; the circle begins at the top, where x moves first.
-    phase = omega * np.where(t < ramp, ramp * (share**3 - 0.5 * share**4), t - 0.5 * ramp)
+
+    def turned(t: Array) -> Array:
+        # The feed rises smoothly; the circle begins at the top, where x moves first.
+        share = np.clip(t / ramp, 0.0, 1.0)
+        return omega * np.where(t < ramp, ramp * (share**3 - 0.5 * share**4), t - 0.5 * ramp)
+
     columns = {}
-    for axis, letter, own in zip(axes, "xy", (np.cos(phase), np.sin(phase)), strict=True):
-        x = [radius * own]
+    for axis, letter, wave in zip(axes, "xy", (np.cos, np.sin), strict=True):
+        x = [radius * wave(turned(t - axis.wait))]
         for _ in range(3):
             x.append(np.gradient(x[-1], T_p / fine, edge_order=2))
         item, drive = axis.setpoint_filter, axis.machine.drive
@@ -93,7 +96,7 @@ def step_axes(
             step=T_v,
         )
         out = drive_loop(axis.tuned.loops[0], held[:, ::fine].T, friction=friction)
-        columns[f"{letter}_ref"] = np.repeat(x[0][::fine], controller.cycles)
+        columns[f"{letter}_ref"] = np.repeat(radius * wave(turned(t[::fine])), controller.cycles)
         columns[letter] = out[:, 0] + x[0][0]
     # The setpoint is known at every position cycle, the tool at every velocity cycle.
     every = controller.cycles

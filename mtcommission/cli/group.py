@@ -39,7 +39,7 @@ def group(
     from mtcommission.cli.group_view import describe_group
     from mtcommission.group.group import join
     from mtcommission.group.record import build_group_record
-    from mtcommission.group.sheet import print_group_html, print_group_pdf
+    from mtcommission.group.sheet import print_group
     from mtcommission.group.task import read_task
     from mtcommission.record.files import dump_json
 
@@ -56,11 +56,8 @@ def group(
         record = build_group_record(join(task, progress=progress), created=now())
         if output:
             progress(Message("stage-sheet"))
-            files = {
-                "group.json": dump_json(record).encode(),
-                "sheet.html": print_group_html(record, language=words().language).encode(),
-                "sheet.pdf": print_group_pdf(record, language=words().language),
-            }
+            printed = print_group(record, language=words().language)
+            files = {"group.json": dump_json(record).encode(), **printed}
     if json_file:
         write_text(json_file, dump_json(record))
     if output:

@@ -20,8 +20,13 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
     names = ", ".join(axis.name for axis in record.axes)
     kind, style = ("verdict-met", "green") if record.assessment.met else ("verdict-not-met", "red")
     has_jerk = record.axes[0].loop.jerk != "none"
-    jerk = show(path.jerk, spoken, "m/s^3") if has_jerk else text("no-jerk-limit")
-    limits = f"{show(path.acceleration, spoken, 'm/s^2')}, {jerk}"
+    missing = "group-path-none" if has_jerk else "no-jerk-limit"
+    limits = ", ".join(
+        (
+            show(path.acceleration, spoken, "m/s^2", "group-path-none"),
+            show(path.jerk, spoken, "m/s^3", missing),
+        )
+    )
     told, feeds = record.corner_rule, record.feed_over_radius
     return [
         heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),

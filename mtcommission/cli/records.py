@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import typer
 
@@ -38,6 +39,7 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
+    from mtcommission.group.record import names_group
     from mtcommission.record.record import load_record
     from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf, remark_on_print
@@ -45,6 +47,11 @@ def sheet(
 
     inputs = [record, *(one for one in (compare, verified) if one)]
     require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)
+    if names_group(record):
+        for name, given in (("--compare", compare), ("--verified", verified)):
+            if given:
+                raise InputError([Fault(where=name, message=Message("group-verify-one-axis"))])
+        _print_group(record, output, language, with_pdf=not no_pdf)
     loaded = load_record(record)
     before = load_record(compare) if compare else None
     found = load_verdict(verified, loaded) if verified else None
@@ -69,11 +76,23 @@ def sheet(
     raise typer.Exit(0 if loaded.assessment.met else 1)
 
 
+def _print_group(record: Path, output: Path, language: str, *, with_pdf: bool) -> NoReturn:
+    from mtcommission.files import write_files
+    from mtcommission.group.record import load_group
+    from mtcommission.group.sheet import print_group
+
+    loaded = load_group(record)
+    with show_stage() as progress:
+        progress(Message("stage-sheet"))
+        files = print_group(loaded, language=language, with_pdf=with_pdf)
+    write_files(output, files)
+    print_written(output, files)
+    raise typer.Exit(0 if loaded.assessment.met else 1)
+
+
 def export(
     control: str = option("--control", "NAME", "E.g. sinumerik; ? lists all.", ...),
-    record: Path | None = argument(
-        "RECORD", "record.json of a run; export and verify take group.json, too.", None
-    ),
+    record: Path | None = argument("RECORD", "record.json of a run, or group.json.", None),
     output: str = option("-o --output", "FILE", "- for the screen.", "-"),
     as_csv: bool = flag("--csv", "Parameter list to tick off instead."),
     language: str = LANGUAGE,

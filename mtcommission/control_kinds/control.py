@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import partial
-from math import ceil
+from math import ceil, inf
 
 from mtcommission.control_kinds.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
-from mtcommission.control_kinds.row import Key, Row, Setting, Values
+from mtcommission.control_kinds.row import AT_CORNERS, Key, Row, Setting, Values
 from mtcommission.control_kinds.syntax import Layout
 from mtcommission.control_kinds.wording import name_mode, show_value
 from mtcommission.errors import Fault, InputError
@@ -53,6 +54,32 @@ class Typed:
     is_met: bool  # whether all requirements are
 
 
+class Corner(Enum):
+    """What a control does at a corner, s = cos(α/2) of the change of direction."""
+
+    STEP = "step"  # each axis may step its velocity by so much
+    JUNCTION = "junction"  # v² = q s/(1 - s), told by the speed at 90 degrees
+    DEVIATION = "deviation"  # the same with q = a d: d is told, a the axes' own along the change
+    ARC = "arc"  # rounds it within a tolerance, v² <= a R
+    OWN = "own"  # rounds it within a tolerance in a way that is not simulated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CornerRule:
+    """What a control does at corners, and where that was read."""
+
+    kind: Corner
+    source: str
+    is_verified: bool = True
+    share: float = 1.0  # of the acceleration limit that an arc may use [-]
+    least: float = 0.0  # that the control can be told; below, it is told nothing [SI]
+    most: float = inf
+
+
+UNKNOWN_CORNER = CornerRule(kind=Corner.STEP, source="assumed", is_verified=False)
+"""No rule was read: each axis is taken to step its velocity."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
     """A control and its parameters."""
@@ -70,11 +97,25 @@ class Control:
     names_axes: bool = False  # whether its names tell the axis: several stand in one text as it is
     axis_in_group: tuple[Row, ...] = ()  # what an axis is told where it moves with others
     group: tuple[Row, ...] = ()  # what the path of axes that move together is told
+    axes_hold: tuple[str, ...] = ("acceleration", "jerk")
+    """Limits of the axes that it keeps along the path, too: those of the path are ceilings then."""
+    corner: CornerRule = UNKNOWN_CORNER
 
     @property
     def key(self) -> str:
         """For ``--control``."""
         return self.kind.key
+
+    def place_of(self, key: Key) -> Row | None:
+        """Return what a value of axes that move together is called; None: it has no place."""
+        rows = (row for row in (*self.axis_in_group, *self.group) if row.key == key)
+        return next(rows, None)
+
+    @property
+    def corner_name(self) -> str:
+        """What it calls its value at corners, "(?)" where that was not read; "" without one."""
+        row = self.place_of(AT_CORNERS)
+        return f"{row.name}{'' if row.is_verified else ' (?)'}" if row else ""
 
 
 def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:

@@ -56,14 +56,7 @@ class Setting(Enum):
     STATE_GAIN = ("gain of a state that is fed back", ROUND_HALF_EVEN, "row-state-gain")
     FIXED = ("what must be so", "", "")
     WAIT = ("wait for the slowest axis", ROUND_HALF_EVEN, "group-row-wait")
-    PATH_ACCELERATION = ("path acceleration", ROUND_FLOOR, "group-row-acceleration")
-    PATH_JERK = ("path jerk", ROUND_FLOOR, "group-row-jerk")
-    PATH_ACCELERATION_CEILING = ("its ceiling", ROUND_FLOOR, "group-row-acceleration-ceiling")
-    PATH_JERK_CEILING = ("ceiling of the path jerk", ROUND_FLOOR, "group-row-jerk-ceiling")
-    CORNER_STEP = ("step of velocity at corners", ROUND_FLOOR, "group-row-step")
-    CORNER_SPEED = ("speed at a right angle", ROUND_FLOOR, "group-row-speed")
-    CORNER_TOLERANCE = ("tolerance of the arc at corners", ROUND_FLOOR, "group-row-arc")
-    CONTOUR_TOLERANCE = ("contour tolerance", ROUND_FLOOR, "group-row-tolerance")
+    TOGETHER = ("what axes that move together are told", ROUND_FLOOR, "group-row-{}")
 
     @property
     def rounding(self) -> str:
@@ -72,7 +65,13 @@ class Setting(Enum):
 
 
 Key: TypeAlias = tuple[Setting, str]
-"""A setting, and which one: a machining mode, the number of a filter, or ""."""
+"""A setting, and which one: a machining mode, the number of a filter, what of axes that move
+together (PATH_ACCELERATION, ...), or ""."""
+
+PATH_ACCELERATION: Key = (Setting.TOGETHER, "acceleration")
+PATH_JERK: Key = (Setting.TOGETHER, "jerk")
+AT_CORNERS: Key = (Setting.TOGETHER, "corner")
+WAIT: Key = (Setting.WAIT, "")
 
 Values: TypeAlias = Mapping[Key, float | str]
 """Settings in SI; words where there is no number."""
@@ -99,7 +98,8 @@ class Row:
     @property
     def text(self) -> Message | None:
         """What it does; None where the name says it."""
-        meaning = self.meaning or self.setting.value[2]
+        of_setting: str = self.setting.value[2]
+        meaning = self.meaning or of_setting.replace("{}", self.index)
         return Message(meaning) if meaning and isinstance(meaning, str) else meaning or None
 
     @property

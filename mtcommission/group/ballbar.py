@@ -1,14 +1,16 @@
-"""Circles as a circle test draws them: the deviation magnified about the nominal circle."""
+"""Circles as a circle test sees them, the deviation magnified about the nominal circle."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import floor, log10, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.drawn import Trace
+from mtcommission.group.contours import Pair
+from mtcommission.group.follow import AFTER, Follower, filter_lag
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.document import Diagram
 from mtcommission.sheet.figures import GRID, INK, LIMIT, LINES, ROW, SAMPLE, SIZE, WIDTH, Canvas
@@ -29,6 +31,62 @@ BESIDE = 2.0 * HALF + 26.0
 """Where the words beside the circle begin [pt]."""
 
 TURN = np.linspace(0.0, 2.0 * pi, 181)
+
+SINCE = AFTER * (np.arange(121) / 120) ** 1.5
+"""When after a reversal the tool is looked at, close together where it moves most [s]."""
+
+PLACES = 720
+"""Of a circle that are drawn, beside those after each reversal."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trace:
+    """A circle as a ballbar sees it: radius less the nominal one over the angle."""
+
+    angle: Array  # [rad]
+    deviation: Array  # outwards positive [m]
+
+    @property
+    def largest(self) -> float:
+        """Radial deviation F_max of ISO 230-4 [m]."""
+        return float(self.deviation.max())
+
+    @property
+    def least(self) -> float:
+        """Radial deviation F_min of ISO 230-4 [m]."""
+        return float(self.deviation.min())
+
+    @property
+    def circular(self) -> float:
+        """Circular deviation G of ISO 230-4 about the centre: largest less smallest radius [m]."""
+        return self.largest - self.least
+
+
+def trace_circle(pair: Pair, *, radius: float, feed: float) -> Trace:
+    """Return how the nominal machine draws a circle, counterclockwise, its reversals included."""
+    omega, quarters = feed / radius, (0.0, 0.5 * pi)
+    late = [quarter + omega * reverses(axis) for axis, quarter in zip(pair, quarters, strict=True)]
+    every = [np.arange(PLACES) * 2.0 * pi / PLACES]
+    every += [half + after + omega * SINCE for after in late for half in (0.0, pi)]
+    phase = np.unique(np.concatenate(every) % (2.0 * pi))
+    path = []
+    for axis, quarter, after in zip(pair, quarters, late, strict=True):
+        answer = axis.response(np.array([omega]))[0, 0]
+        position = radius * (answer * np.exp(1j * (phase - quarter))).real
+        off = axis.reversal(0, radius=radius, feed=feed)
+        if off.size:
+            # From one reversal to the next; friction throws the tool to the side it comes from.
+            halves, since = np.divmod(phase - after, pi)
+            t = axis.poles.velocity_cycle * np.arange(off.size)
+            thrown = np.interp(since / omega, t, off, right=0.0)
+            position = position + np.where(halves % 2 == 0, thrown, -thrown)
+        path.append(position)
+    return Trace(angle=np.arctan2(path[1], path[0]), deviation=np.hypot(*path) - radius)
+
+
+def reverses(axis: Follower) -> float:
+    """Return by how much an axis reverses later than it is told, by wait and filter [s]."""
+    return axis.wait + filter_lag(axis.setpoint_filter)
 
 
 def find_division(tolerance: float, traces: Sequence[Trace]) -> float:

@@ -1,170 +1,409 @@
-"""What circles and corners do with what a group of axes is told."""
+"""What contours do: circles and their entry, corners, lines, of two axes.
+
+**Circle.** An axis answers x = cos(ω t), ω = v/R, with |G| cos(ω t + arg G) at the tool, G of
+filter, wait and loop. Two axes draw (R/2) ((G_x + G_y) e^{iωt} + conj(G_x - G_y) e^{-iωt}), an
+ellipse about the delayed circle, whose radius lies between R (|G_x + G_y| ± |G_x - G_y|)/2. Exact
+for the linear loop while the circle lasts.
+
+**Corner, entry.** The velocity turns at once, on an arc that the control puts in, or for good into
+a circle. An axis answers a step of velocity with s(t), filter, wait and loop together; the tool is
+then at x_i(t) = v u_i (t - T_i) + Σ_k Δv_ik s_i(t - t_k), T_i the delay of axis i, Δv_ik the steps
+in which the velocity turns; in the same way by steps of acceleration where a circle begins. A
+corner's deviation is the larger of the distances from the path to its two lines and from the corner
+to the path: without an arc proportional to v, behind a moving average alone v T/4 sin(α/2).
+
+**Line.** Both axes get their share of one motion, so that the tool leaves it by |u_x u_y| times
+what their answers to the whole motion differ by.
+
+Source: derived here; for small ω a lag gives -v²/(2 R Kv²), a moving average -v² T²/(24 R) (facts
+of the project), held to by tests.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from math import sqrt
+from dataclasses import dataclass, replace
+from math import atan2, ceil, cos, hypot, inf, pi, sin, sqrt, tan
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import fftconvolve
 
-from mtcommission.group.circle import filter_response, reversal_course
-from mtcommission.group.corner import CornerSpeed, Turning, speeds_at_once, speeds_on_arcs, turn
-from mtcommission.group.group import Group, worst_deviation
-from mtcommission.group.rules import Corner
-from mtcommission.machine.moves import largest_velocity
-from mtcommission.machine.variations import Corner as MachineCorner
-from mtcommission.messages.message import Message
+from mtcommission.control_kinds.control import Corner, CornerRule
+from mtcommission.group.follow import Follower, starts_of
+from mtcommission.machine.moves import VelocityStep
+from mtcommission.setpoint.setpoint import jerk_steps
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
-RADII = (1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
-"""Of the circles over which the feed is listed [m]; the last three are a ballbar's."""
+Pair = tuple[Follower, Follower]
+"""The two axes that draw circles and corners."""
 
-FEEDS = (1.0 / 60.0, 3.0 / 60.0, 6.0 / 60.0)
-"""Feeds of the circle test [m/s]."""
+DIRECTIONS = np.exp(1j * pi / 16 * np.arange(16))
+"""In which a corner or a circle is entered, over half a turn (design choice)."""
 
-TESTED_RADIUS = 50e-3
-"""Of the circle test where none is asked for [m]: the shortest usual ballbar."""
+ENTRIES = 24
+"""Circles whose entry is looked at, between the slowest and the fastest (empirical)."""
 
-GRID = np.geomspace(1e-4, 1.0, 400)
-"""Feeds that are looked at, as shares of the largest that acceleration and jerk allow."""
+ANGLES = (15.0, 30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0)
+"""Changes of direction that are looked at [degrees]."""
+
+SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+"""Of the tolerance that an arc may take, the rest is the loop's."""
+
+HALVINGS = 9
+"""Of the range of speeds: to 0.2 % of it."""
+
+RISES = np.array((0.05, 0.2, 0.5, 1.0))
+"""Shares of the feed to which a line accelerates."""
+
+SLOPES = np.arange(1, 8) * pi / 16
+"""Directions of lines that are looked at, beside those in which two axes are at their limits [rad]:
+lines along an axis leave nothing, and the others mirror these."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Circle:
-    """A circle, worst over every corner of both axes."""
-
-    radius: float  # [m]
-    feed: float  # [m/s]
-    radius_deviation: float  # of the mean radius, negative: too small [m]
-    form_deviation: float  # largest less smallest radius [m]
-    thrown_off: dict[str, Array]  # by axis, behind its reversal [m]; empty without friction
-    corner: tuple[MachineCorner, MachineCorner]
-
-    @property
-    def quadrant_peak(self) -> dict[str, float]:
-        """How far friction throws the tool off at most where an axis reverses, by axis [m]."""
-        return {name: float(np.abs(off).max()) for name, off in self.thrown_off.items()}
+# Circles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FeedOverRadius:
-    """The largest feed of circles of some radius, and what forbids more."""
+class Deviation:
+    """How circles come out, as shares of their radius [-], each of the shape of what is asked."""
 
-    radius: float  # [m]
-    feed: float  # [m/s]
-    bound_by: Message
-    axis: str  # "" where no single one does
+    radius: Array  # of the mean radius; negative: too small
+    form: Array  # largest less smallest radius
+
+    @property
+    def largest(self) -> Array:
+        """How far the tool is from the circle at most."""
+        return np.asarray(np.abs(self.radius) + 0.5 * self.form)
+
+
+def deviate(first: Complex, second: Complex) -> Deviation:
+    """Return the deviations of circles from the complex responses of two axes."""
+    return Deviation(
+        radius=0.5 * np.abs(first + second) - 1.0, form=np.asarray(np.abs(first - second))
+    )
+
+
+def worst_circle(pair: Pair, omega: Array) -> tuple[Deviation, NDArray[np.intp]]:
+    """Return the worst deviation of every pair of corners, and which pair it is, shape of omega."""
+    first, second = (axis.response(omega) for axis in pair)
+    every = deviate(first[:, None], second[None])
+    flat = every.largest.reshape(-1, *omega.shape)
+    worst = flat.argmax(axis=0)
+    radius, form = (
+        np.take_along_axis(one.reshape(flat.shape), worst[None], axis=0)[0]
+        for one in (every.radius, every.form)
+    )
+    return Deviation(radius=radius, form=form), worst
+
+
+def find_ellipses(pair: Pair, *, radius: float, feed: float) -> tuple[Array, Complex]:
+    """Return how a circle comes out in every pair of corners, the nominal first, (n_pairs,) [m].
+
+    The deviation of its mean radius, and E: the radius is off by Re E cos 2θ + Im E sin 2θ, too, θ
+    the tool's angle, counterclockwise; clockwise Im E has the other sign.
+    """
+    G_x, G_y = (axis.response(np.array([feed / radius]))[:, 0] for axis in pair)
+    G_x, G_y = G_x[:, None], G_y[None]
+    mean = 0.5 * np.abs(G_x + G_y)
+    E = 0.25 * np.conj(G_x - G_y) * (G_x + G_y) / mean
+    return radius * (mean - 1.0).ravel(), radius * E.ravel()
+
+
+def entries_at_first_look(pair: Pair) -> Array:
+    """Return what ``find_entries`` does, as if each axis alone had its step of acceleration."""
+    worst = 0.0
+    for axis in pair:
+        starts = starts_of([axis])
+        found = axis.to_step(2, starts, axis.cycles(0.0))
+        worst = max(worst, float(np.abs(found - 0.5 * _late(axis, starts, found) ** 2).max()))
+    return np.asarray(worst * pair[0].omega ** 2)
+
+
+def _late(axis: Follower, starts: Array, found: Array) -> Array:
+    """Time since a step without the lag, of slow motion: (n_starts, n_corners, n_times) [s]."""
+    t = axis.step * np.arange(found.shape[2])
+    return np.asarray(np.maximum(t - starts[:, None, None] - axis.lag[:, None], 0.0))
+
+
+def find_entries(pair: Pair) -> Array:
+    """Return how far the tool is off a line and the circle that is entered from it, at most.
+
+    As shares of the radius, by the angular velocities of the pair, shape (n_omega,) [-]: in every
+    direction, at every phase of the cycle, in the nominal machines and those that are furthest off.
+    """
+    omega = np.geomspace(pair[0].omega[0], pair[0].omega[-1], ENTRIES)
+    axes = turnings(pair, derivative=2)
+    step, starts = axes[0].step, axes[0].starts
+    length = max(one.tool.shape[2] for one in axes)
+    # The mean acceleration of each step, so that the velocity is exact at its ends.
+    turned = np.exp(1j * np.outer(omega, step * np.arange(length)))
+    mean = np.exp(1j * omega * step) - 1.0
+    changes = (turned * mean[:, None] / step) * (1.0 - np.exp(-1j * omega * step))[:, None]
+    first = (mean / step)[:, None]
+    t = step * np.arange(length)
+    worst = np.zeros(ENTRIES)
+    answers = []
+    for one in axes:
+        tool = one.extended(length)
+        rest = fftconvolve(changes[:, None, None, 1:], tool[None, ..., :-1], axes=-1)
+        found = first[:, None, None] * tool
+        found[..., 1:] += rest[..., : length - 1]
+        answers.append(found + (t - starts[:, None, None] - one.lag[:, None]))
+    centre = 1j / omega[:, None]
+    for k in range(len(starts)):
+        for C_x in np.moveaxis(answers[0][:, k], 1, 0):
+            for C_y in np.moveaxis(answers[1][:, k], 1, 0):
+                for z in _in_directions(C_x, C_y):
+                    from_circle = np.abs(np.abs(z - centre) - centre.imag)
+                    off = np.where(
+                        z.real < 0.0, np.minimum(np.abs(z.imag), from_circle), from_circle
+                    )
+                    worst = np.maximum(worst, off.max(axis=1) * omega)
+    known = np.log(np.maximum(worst, 1e-30))
+    return np.asarray(np.exp(np.interp(np.log(pair[0].omega), np.log(omega), known)))
+
+
+def _in_directions(C_x: Complex, C_y: Complex) -> Iterator[Complex]:
+    """The tool in the path's own directions, from the axes' answers to it, entered in each."""
+    for turn in DIRECTIONS:
+        yield np.conj(turn) * ((turn * C_x).real + 1j * (turn * C_y).imag)
+
+
+# Corners
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Contours:
-    """Circles and corners of a group."""
+class Turning:
+    """How an axis answers a step of velocity or acceleration, in some corners of the machine."""
 
-    circles: tuple[Circle, ...]
-    feeds: tuple[FeedOverRadius, ...]
-    corners: tuple[CornerSpeed, ...]
+    step: float  # of time [s]
+    starts: Array  # when the step comes, within the first position cycle [s]
+    tool: Array  # its position for a step of 1, (n_starts, n_corners, n_times)
+    lag: Array  # of slow motion behind the setpoint, (n_corners,) [s]
+    largest_step: float = inf  # of velocity, that the force allows [m/s]
 
-
-def follow_contours(group: Group) -> Contours:
-    """Return what circles and corners do: the circle test's, and the feed over radius and angle."""
-    radius = group.task.radius or TESTED_RADIUS
-    feeds = sorted({*FEEDS, group.task.feed})
-    return Contours(
-        circles=tuple(draw_circle(group, radius, feed) for feed in feeds),
-        feeds=tuple(largest_feed(group, one) for one in sorted({*RADII, radius})),
-        corners=tuple(_corner_speeds(group)),
-    )
+    def extended(self, length: int) -> Array:
+        """Return ``tool`` as it coasts on for more times."""
+        last = self.tool[..., -1:]
+        slope = last - self.tool[..., -2:-1]
+        more = last + slope * np.arange(1, length - self.tool.shape[2] + 1)
+        return np.concatenate([self.tool, more], axis=2)
 
 
-def draw_circle(group: Group, radius: float, feed: float) -> Circle:
-    """Return how a circle of some radius [m] at a feed [m/s] comes out, in the worst corners."""
-    item = group.setpoint_filter
-    off, worst = worst_deviation(group.plane.responses, np.array([feed / radius]), item)
-    first, second = group.drawn
-    i, k = divmod(int(worst[0]), len(second.alone.tuned.corners))
-    thrown_off = {
-        axis.name: reversal_course(
-            axis.alone.tuned.loops[0],
-            axis.alone.machine.drive,
-            item=item,
-            radius=radius,
-            feed=feed,
+def turnings(pair: Pair, *, derivative: int = 1) -> tuple[Turning, Turning]:
+    """Return how two axes answer steps, in the nominal machine and the one that is furthest off."""
+    starts, found = starts_of(pair), []
+    cycles = max(axis.cycles(0.0) for axis in pair)
+    for axis in pair:
+        tool = axis.to_step(derivative, starts, cycles)
+        ideal = _late(axis, starts, tool) ** derivative / derivative
+        worst = int(np.abs(tool - ideal).max(axis=(0, 2)).argmax())
+        own = [0, worst] if worst else [0]
+        found.append(
+            Turning(
+                step=axis.step,
+                starts=starts,
+                tool=tool[:, own],
+                lag=axis.lag[own],
+                largest_step=axis.largest_step(starts),
+            )
         )
-        for axis in group.drawn
-        if axis.alone.machine.drive.has_friction
-    }
-    return Circle(
-        radius=radius,
-        feed=feed,
-        radius_deviation=radius * float(off.radius[0]),
-        form_deviation=radius * float(off.form[0]),
-        thrown_off=thrown_off,
-        corner=(first.alone.tuned.corners[i], second.alone.tuned.corners[k]),
-    )
+    return found[0], found[1]
 
 
-def largest_feed(group: Group, radius: float) -> FeedOverRadius:
-    """Return the largest feed of circles of some radius [m], and what forbids more."""
-    limits = {axis.name: axis.choice.limits for axis in group.drawn}
-    slow = min(limits, key=lambda name: limits[name].acceleration)
-    gentle = min(limits, key=lambda name: limits[name].jerk)
-    moves = [max(map(largest_velocity, axis.alone.machine.moves)) for axis in group.drawn]
-    ends = {
-        ("acceleration", slow): sqrt(limits[slow].acceleration * radius),
-        ("jerk", gentle): float(np.cbrt(limits[gentle].jerk * radius**2)),
-        ("velocity", ""): min(moves),
-    }
-    (kind, axis), top = min(ends.items(), key=lambda end: end[1])
-    feeds = top * GRID
-    steady = (
-        radius
-        * worst_deviation(group.plane.responses, feeds / radius, group.setpoint_filter)[0].largest
-    )
-    off = np.maximum(steady, group.entry * feeds**2 / radius)
-    too_much, feed = np.flatnonzero(off > group.allowed), top
-    if len(too_much):
-        k = int(too_much[0])
-        kind, axis = _largest_effect(group, radius, float(feeds[k]), bool(steady[k] < off[k]))
-        # The deviation grows with the square of the feed.
-        feed = float(feeds[k - 1] * sqrt(group.allowed / off[k - 1])) if k else 0.0
-    return FeedOverRadius(
-        radius=radius, feed=feed, bound_by=Message(f"group-bound-{kind}"), axis=axis
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arc:
+    """What a control puts into a corner; no arc: the velocity turns at once."""
+
+    radius: float  # [m]; 0: none
+    deviation: float  # of the arc from the corner [m]
 
 
-def _largest_effect(group: Group, radius: float, feed: float, is_entry: bool) -> tuple[str, str]:
-    """What throws the tool off a circle most, and of which axis; "" where of none alone."""
-    names = [axis.name for axis in group.drawn]
-    if is_entry:
-        return "entry", names[int(np.argmax([axis.entry() for axis in group.answers]))]
-    omega, responses = np.array([feed / radius]), group.plane.responses
-    behind = float(np.abs(filter_response(group.setpoint_filter, omega))[0])
-    delays = [one.delay + one.wait for one in responses]
-    loops = [float(np.abs(np.abs(one.at(omega, None)) - 1.0).max()) for one in responses]
-    effects = {
-        ("filter", ""): 1.0 - behind,
-        ("delay", names[int(np.argmax(delays))]): 0.5 * float(np.ptp(delays) * omega[0]),
-        ("loop", names[int(np.argmax(loops))]): max(loops),
-    }
-    return max(effects, key=lambda effect: effects[effect])
+NO_ARC = Arc(radius=0.0, deviation=0.0)
 
 
-def _corner_speeds(group: Group) -> Iterator[CornerSpeed]:
-    axes = turnings(group)
-    tolerance, feed = group.allowed, group.task.feed
-    if group.rule.kind is Corner.ARC:
-        acceleration = group.rule.share * group.acceleration
-        return speeds_on_arcs(axes, tolerance=tolerance, feed=feed, acceleration=acceleration)
-    return speeds_at_once(axes, tolerance=tolerance, feed=feed)
+def arc_within(deviation: float, angle: float) -> Arc:
+    """Return the arc that passes a corner of a change of direction [rad] at some distance [m]."""
+    s = cos(0.5 * angle)
+    return Arc(radius=deviation * s / (1.0 - s), deviation=deviation)
 
 
-def turnings(group: Group) -> tuple[Turning, Turning]:
-    """Return how the two axes of the plane answer a step of velocity."""
-    first, second = (
-        turn(answers, axis.alone.machine.drive.motion_force)
-        for answers, axis in zip(group.answers, group.drawn, strict=True)
-    )
-    return first, second
+def corner_deviation(axes: tuple[Turning, Turning], angle: float, speed: float, arc: Arc) -> float:
+    """Return the largest deviation at a corner [m], every direction and pair of corners.
+
+    ``angle``: change of direction [rad]; ``speed``: constant, along the path [m/s].
+    """
+    first, _ = axes
+    step, turns = first.step, angle * arc.radius / speed
+    count = max(ceil(turns / step), 1)
+    # The arc begins before the corner, by the length of its tangent.
+    begin = -arc.radius * tan(0.5 * angle) / speed if arc.radius else 0.0
+    turned = np.diff(np.exp(1j * angle * np.minimum(np.arange(count + 1) / count, 1.0)))
+    length = max(one.tool.shape[2] for one in axes) + count
+    # An arc turns the velocity a little in every cycle, so that it has no phase of its own.
+    phases, t = 1 if arc.radius else len(first.starts), begin + step * np.arange(length)
+    tools = [one.extended(length) for one in axes]
+    worst = 0.0
+    for k in range(phases):
+        (x, y) = (
+            [
+                t - first.starts[k] - late + np.convolve(turned, tool)[:length]
+                for late, tool in zip(one.lag, own[k], strict=True)
+            ]
+            for one, own in zip(axes, tools, strict=True)
+        )
+        worst = max(
+            worst, *(_hausdorff(z, angle) for a in x for b in y for z in _in_directions(a, b))
+        )
+    return speed * worst
+
+
+def _hausdorff(path: Complex, angle: float) -> float:
+    """Distance between a path and the corner at the origin, entered along the real axis."""
+    behind = path * np.exp(-1j * angle)
+    nearest = np.abs(path)
+    nearest = np.minimum(nearest, np.where(path.real < 0.0, np.abs(path.imag), inf))
+    nearest = np.minimum(nearest, np.where(behind.real > 0.0, np.abs(behind.imag), inf))
+    # Between two instants the path comes nearer to the corner than at either.
+    legs = np.diff(path)
+    share = -(path[:-1] * legs.conj()).real / np.maximum(np.abs(legs) ** 2, 1e-300)
+    closest = np.abs(path[:-1] + np.clip(share, 0.0, 1.0) * legs).min()
+    return float(max(nearest.max(), closest))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CornerSpeed:
+    """How fast a corner is passed within the tolerance."""
+
+    angle: float  # change of direction [rad]
+    speed: float  # [m/s]
+    arc: Arc
+    deviation: float  # without slowing down, at the feed [m]
+
+
+def speeds_at_once(
+    axes: tuple[Turning, Turning], *, tolerance: float, feed: float
+) -> tuple[CornerSpeed, ...]:
+    """Return the largest speed over the angle where the velocity turns at once.
+
+    No axis steps its velocity by more than its force allows.
+    """
+    largest_step, found = min(axis.largest_step for axis in axes), []
+    for angle in np.radians(ANGLES).tolist():
+        off = corner_deviation(axes, angle, feed, NO_ARC)
+        speed = min(feed, feed * tolerance / off, largest_step / (2.0 * sin(0.5 * angle)))
+        found.append(CornerSpeed(angle=angle, speed=speed, arc=NO_ARC, deviation=off))
+    return tuple(found)
+
+
+def speeds_on_arcs(
+    axes: tuple[Turning, Turning], *, tolerance: float, feed: float, acceleration: float
+) -> tuple[CornerSpeed, ...]:
+    """Return the same where the control puts an arc in: v² <= acceleration times its radius.
+
+    A control is told one deviation for the arcs of all corners: that which passes a right angle
+    soonest, none where turning at once is as fast there.
+    """
+    plain = speeds_at_once(axes, tolerance=tolerance, feed=feed)
+    right = plain[ANGLES.index(90.0)]
+
+    def on_arc(one: CornerSpeed, share: float, *, least: float = 0.0) -> CornerSpeed:
+        arc = arc_within(share * tolerance, one.angle)
+        low, high = 0.0, min(feed, sqrt(acceleration * arc.radius))
+        is_slower = bool(least) and corner_deviation(axes, one.angle, least, arc) > tolerance
+        if high <= least or is_slower:
+            return replace(one, speed=0.0, arc=arc)
+        if corner_deviation(axes, one.angle, high, arc) <= tolerance:
+            low = high
+        for _ in range(0 if low else HALVINGS):
+            middle = 0.5 * (low + high)
+            off = corner_deviation(axes, one.angle, middle, arc)
+            low, high = (middle, high) if off <= tolerance else (low, middle)
+        return replace(one, speed=low, arc=arc)
+
+    tried = (on_arc(right, share, least=right.speed) for share in SHARES)
+    best = max(tried, key=lambda one: one.speed)
+    if best.speed <= right.speed:
+        return plain
+    return tuple(on_arc(one, best.arc.deviation / tolerance) for one in plain)
+
+
+def tell_corner(
+    rule: CornerRule,
+    speeds: tuple[CornerSpeed, ...],
+    *,
+    tolerance: float,
+    accelerations: tuple[float, float],
+) -> float:
+    """Return what a control is told so that it passes no corner faster [SI]; 0: no value does.
+
+    ``accelerations``: of both axes [m/s²].
+    """
+    s = np.cos([0.5 * one.angle for one in speeds])
+    v = np.array([one.speed for one in speeds])
+    q = float((v**2 * (1.0 - s) / s).min())
+    square = cos(0.25 * pi)
+    found = {
+        # At 45 degrees to both axes each of them steps by the least share of the whole.
+        Corner.STEP: float((2.0 * np.sqrt(1.0 - s**2) * v).min()) * square,
+        Corner.JUNCTION: sqrt(q * square / (1.0 - square)),
+        # In no direction do two axes together have more than this.
+        Corner.DEVIATION: q / hypot(*accelerations),
+        Corner.ARC: max(one.arc.deviation for one in speeds),
+        Corner.OWN: tolerance,
+    }[rule.kind]
+    return 0.0 if found < rule.least else min(found, rule.most)
+
+
+# Lines
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathLimits:
+    """What a control keeps along the path: what it is told for it, and the limits of the axes."""
+
+    acceleration: float  # told [m/s²]; inf: nothing
+    jerk: float  # told [m/s³]; inf: nothing
+    accelerations: tuple[float, float]  # of both axes
+    jerks: tuple[float, float]
+
+    @property
+    def on_circles(self) -> tuple[float, float]:
+        """Acceleration and jerk that a circle may take, whose direction turns."""
+        return (
+            min(self.acceleration, *self.accelerations),
+            min(self.jerk, *self.jerks),
+        )
+
+    def along(self, slopes: Array) -> tuple[Array, Array]:
+        """Return acceleration and jerk of lines in some directions [rad], shape of these."""
+        shares = np.array([np.cos(slopes), np.sin(slopes)])
+        a, j = (
+            np.minimum(told, np.min(np.array(axes)[:, None] / shares, axis=0))
+            for told, axes in (
+                (self.acceleration, self.accelerations),
+                (self.jerk, self.jerks),
+            )
+        )
+        return a, j
+
+
+def line_deviation(pair: Pair, *, feed: float, limits: PathLimits) -> tuple[float, float]:
+    """Return how far the tool leaves a line at most while it starts or stops on it, and which.
+
+    Up to the feed [m/s]; result [m], and the direction of the worst line [rad].
+    """
+    bends = [atan2(y, x) for x, y in (limits.accelerations, limits.jerks)]
+    slopes = np.append(SLOPES, bends)
+    a, j = (np.repeat(one, len(RISES)) for one in limits.along(slopes))
+    sizes = np.tile(feed * RISES, len(slopes))
+    steps = jerk_steps(VelocityStep(velocity_step=feed), acceleration=a, jerk=j, size=sizes)
+    cycles = max(axis.cycles(float(steps.duration.max())) for axis in pair)
+    x, y = (np.moveaxis(axis.tool(steps, cycles), 1, 0) for axis in pair)
+    apart = np.max([np.abs(one - other).max(axis=1) for one in x for other in y], axis=0)
+    off = np.sin(slopes) * np.cos(slopes) * apart.reshape(len(slopes), -1).max(axis=1)
+    worst = int(off.argmax())
+    return float(off[worst]), float(slopes[worst])

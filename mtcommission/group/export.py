@@ -13,9 +13,18 @@ from math import inf, isclose
 
 import numpy as np
 
-from mtcommission.control_kinds.control import Control
+from mtcommission.control_kinds.control import Control, Corner
 from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
-from mtcommission.control_kinds.row import Key, Row, Setting, Values
+from mtcommission.control_kinds.row import (
+    AT_CORNERS,
+    PATH_ACCELERATION,
+    PATH_JERK,
+    WAIT,
+    Key,
+    Row,
+    Setting,
+    Values,
+)
 from mtcommission.control_kinds.syntax import LIST, Entry, Layout
 from mtcommission.control_kinds.wording import show_value, to_ascii
 from mtcommission.errors import Fault, InputError
@@ -38,9 +47,11 @@ from mtcommission.export.write import (
     write_body,
     write_head,
 )
-from mtcommission.group.held import find_circle, hold_axis
-from mtcommission.group.record import CircleEntry, GroupRecord
-from mtcommission.group.rules import Corner, rule_of
+from mtcommission.group.contours import Pair, PathLimits, find_ellipses, line_deviation
+from mtcommission.group.follow import follow
+from mtcommission.group.group import tell
+from mtcommission.group.judged import Circle
+from mtcommission.group.record import GroupRecord
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
@@ -50,38 +61,26 @@ SLOW = 1.0 / 60.0
 SAME, SAME_SHARE = 0.1e-6, 0.01
 """By how much a circle of the text may differ from the record's [m], or as a share of it."""
 
-UNBOUND = 1.75
-"""Times the largest value of an axis, with which a limit along the path bounds no direction: more
-than sqrt(3). Source: HEIDENHAIN MANUALplus 620 Technical Manual, p. 834."""
+JUST = 1.0 + 1e-6
+"""Times the record's acceleration of circles that is the same."""
 
 ONE_FOR_ALL = (Setting.FIXED, Setting.POSITION_CYCLE, Setting.VELOCITY_CYCLE)
 """What the control has but once, whichever axis asks for it."""
 
-OF_ONE_AXIS = ("klipper-corner-bound",)
+OF_ONE_AXIS = (
+    "klipper-corner-bound",
+    "marlin-corner-bound",
+    "marlin-step-bound",
+    "grblhal-corners",
+)
 """Notes on values that a group has otherwise."""
-
-AT_CORNERS = {
-    Corner.STEP: Setting.CORNER_STEP,
-    Corner.JUNCTION: Setting.CORNER_SPEED,
-    Corner.ARC: Setting.CORNER_TOLERANCE,
-}
-
-CORNER = {*AT_CORNERS.values(), Setting.CONTOUR_TOLERANCE}
-"""Settings with one of which a control knows what corners may take."""
-
-PLACES = {
-    Setting.WAIT: {Setting.WAIT},
-    Setting.PATH_ACCELERATION: {Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION_CEILING},
-    Setting.PATH_JERK: {Setting.PATH_JERK, Setting.PATH_JERK_CEILING},
-}
-"""Settings each of which a control must have one of, to hold that value of the group."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CircleOfText:
     """A circle as the text draws it, worst corners, beside that of the record."""
 
-    planned: CircleEntry
+    planned: Circle
     radius_deviation: float  # [m]
     form_deviation: float  # [m]
 
@@ -93,6 +92,11 @@ class CircleOfText:
         pairs = zip(found, planned, strict=True)
         return all(abs(a - b) <= max(SAME, SAME_SHARE * abs(b)) for a, b in pairs)
 
+    @property
+    def largest(self) -> float:
+        """How far the tool is off at most [m]."""
+        return abs(self.radius_deviation) + 0.5 * self.form_deviation
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupExport:
@@ -100,7 +104,8 @@ class GroupExport:
 
     header: tuple[str, ...]  # sentences above the parameters
     circles: tuple[CircleOfText, ...]
-    meets_requirements: bool  # each axis its own, and circles the tolerance, by what the text holds
+    line: float  # how far the tool leaves lines at most, with what the text holds [m]
+    meets_requirements: bool  # of each axis, circles and lines, by what the text holds
     text: str  # the file
 
 
@@ -158,19 +163,36 @@ def export_group(
         judge_text(subject, _with_path(values, path))
         for subject, values in zip(subjects, own, strict=True)
     ]
-    circles = tuple(_draw_circles(record, judged))
-    said = _say(record, target, subjects, judged, parts, circles, words)
+    pair, limits = _read_pair(record, judged), _read_path(record, judged, path)
+    circles = tuple(_draw_circles(record, pair))
+    line, _ = line_deviation(pair, feed=record.feed, limits=limits)
+    rows = [row for part in parts for row in part.rows]
+    lacking = tuple(_lack(record, {row.key for row in rows}))
+    said = [
+        *_say_origin(record, target),
+        *_say_contours(circles, line, record),
+        *_say_axes(record, target, subjects, judged, parts),
+        *_say_gaps(lacking, rows),
+    ]
+    # That the rule at corners was not read is of no matter where the text holds no value for it.
+    doubt, holds_corner = Message("group-rule-not-verified"), _hold(rows, AT_CORNERS)
+    warnings = [one for one in record.warnings if holds_corner or one != doubt]
+    said += say_doubts(subjects, judged, warnings, rows, words)
     head = write_head(layout, said, words)
+    off = max(line, *(one.largest for one in circles))
+    is_gentle = limits.on_circles[0] <= JUST * record.limits.on_circles[0]
     return GroupExport(
         header=head.sentences,
         circles=circles,
+        line=line,
         meets_requirements=all(one.is_met and not one.left_out for one in judged)
-        and all(
-            abs(one.radius_deviation) + 0.5 * one.form_deviation <= record.tolerance
-            for one in circles
-        ),
+        and off <= record.tolerance
+        and is_gentle,
         text="\n".join([*head.lines, "", *lines]) + "\n",
     )
+
+
+# What is typed in
 
 
 def fill_in_group(record: GroupRecord, target: Control, subjects: Sequence[Subject]) -> list[Part]:
@@ -181,12 +203,12 @@ def fill_in_group(record: GroupRecord, target: Control, subjects: Sequence[Subje
     parts = []
     for axis, entries in zip(record.axes, own, strict=True):
         kept = [one for one in entries if (one.row.section, one.row.name) not in of_path]
-        more = _entries(target.axis_in_group, {**told, (Setting.WAIT, ""): axis.wait})
+        more = _entries(target.axis_in_group, {**told, WAIT: axis.wait})
         parts.append(Part(name=axis.name, entries=(*kept, *more)))
     return [*parts, Part(name="", entries=tuple(_entries(target.group, told)))]
 
 
-def _entries(rows: Iterable[Row], values: Values) -> Iterator[Entry]:
+def _entries(rows: Iterable[Row], values: Mapping[Key, float]) -> Iterator[Entry]:
     for row in rows:
         if row.setting is Setting.FIXED:
             yield Entry(row=row, value=row.encode("set"))
@@ -199,35 +221,26 @@ def _tell(
     target: Control,
     subjects: Sequence[Subject],
     typed: Sequence[Sequence[Entry]],
-) -> dict[Key, float | str]:
+) -> dict[Key, float]:
     """What the path is told [SI]; nothing for corners where the rule has no value."""
     limits = []
     for subject, entries in zip(subjects, typed, strict=True):
         values = {one.row.key: one.row.decode(one.value) for one in entries}
         cycle = subject.controller.position_cycle
         limits.append(read_limits({(Setting.POSITION_CYCLE, ""): cycle, **values}))
-    best = [axis.limits.recommended for axis in record.axes]
-    path, accelerations = record.path, [one.acceleration for one in limits]
-    jerks = [one.jerk for one in limits]
-    told = {
-        # Where no acceleration keeps circles, a warning says so: an axis must move all the same.
-        Setting.PATH_ACCELERATION: min(path.acceleration or inf, *accelerations),
-        Setting.PATH_JERK: min(path.jerk, *jerks),
-        Setting.PATH_ACCELERATION_CEILING: _ceiling(
-            path.acceleration, [one.acceleration for one in best], accelerations
-        ),
-        Setting.PATH_JERK_CEILING: _ceiling(path.jerk, [one.jerk for one in best], jerks),
-        Setting.CONTOUR_TOLERANCE: record.tolerance,
-    }
-    # The record's value at corners belongs to the rule of its own control.
-    if record.axes[0].loop.kind == target.kind.key:
-        told[AT_CORNERS[rule_of(target.kind.key).kind]] = record.corner_rule.value
-    return {(setting, ""): value for setting, value in told.items() if 0.0 < value < inf}
+    is_own = record.axes[0].loop.kind == target.key
+    corner = record.corner_rule.value if is_own else 0.0
+    told = {AT_CORNERS: record.tolerance if target.corner.kind is Corner.OWN else corner}
+    for key in (PATH_ACCELERATION, PATH_JERK):
+        in_record = getattr(record.path, key[1])
+        # A ceiling is what the record holds, whatever rounding does to the axes below it.
+        is_ceiling = is_own and in_record and key[1] in target.axes_hold
+        axes = [getattr(one, key[1]) for one in limits]
+        told[key] = in_record if is_ceiling else tell(target, key, in_record or inf, axes)
+    return {key: value for key, value in told.items() if 0.0 < value < inf}
 
 
-def _ceiling(path: float, axes: Sequence[float], typed: Sequence[float]) -> float:
-    """A limit along the path of a control that keeps those of the axes, too."""
-    return path if 0.0 < path < min(axes) * (1.0 - 1e-9) else UNBOUND * max(typed)
+# The text, and what it says
 
 
 def _write_together(
@@ -291,30 +304,45 @@ def _write_apart(
     return lines, found
 
 
+# What the text does
+
+
 def _with_path(values: Values, path: Values) -> dict[Key, float | str]:
     """Settings of an axis; a control without limits of the axis gives it those of the path."""
     given = dict(values)
     if not {(Setting.ACCELERATION, ""), (Setting.RISE_TIME, "")} & given.keys():
-        given[Setting.ACCELERATION, ""] = path[Setting.PATH_ACCELERATION, ""]
+        given[Setting.ACCELERATION, ""] = path[PATH_ACCELERATION]
     return given
 
 
-def _draw_circles(record: GroupRecord, judged: Sequence[Judged]) -> Iterator[CircleOfText]:
-    """The record's circle at two feeds, as the text draws it."""
-    axes = {
-        axis.name: hold_axis(
-            one.held.machine,
-            one.held.tuned,
-            one.held.limits().setpoint_filter,
-            float(one.held.values.get((Setting.WAIT, ""), 0.0)),
+def _read_pair(record: GroupRecord, judged: Sequence[Judged]) -> Pair:
+    """The axes that draw circles, as the text makes them."""
+    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
+    first, second = (
+        follow(
+            one.machine, one.tuned, one.limits().setpoint_filter, float(one.values.get(WAIT, 0.0))
         )
-        for axis, one in zip(record.axes, judged, strict=True)
-        if axis.name in record.plane
-    }
-    first, second = (axes[name] for name in record.plane)
+        for one in (by_name[name].held for name in record.plane)
+    )
+    return first, second
+
+
+def _read_path(record: GroupRecord, judged: Sequence[Judged], path: Values) -> PathLimits:
+    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
+    first, second = (by_name[name].held.limits() for name in record.plane)
+    return PathLimits(
+        acceleration=float(path.get(PATH_ACCELERATION, inf)),
+        jerk=float(path.get(PATH_JERK, inf)),
+        accelerations=(first.acceleration, second.acceleration),
+        jerks=(first.jerk, second.jerk),
+    )
+
+
+def _draw_circles(record: GroupRecord, pair: Pair) -> Iterator[CircleOfText]:
+    """The record's circle at two feeds, as the text draws it."""
     for circle in record.circle:
         if any(isclose(circle.feed, feed) for feed in (SLOW, record.feed)):
-            size, E = find_circle(first, second, radius=circle.radius, feed=circle.feed)
+            size, E = find_ellipses(pair, radius=circle.radius, feed=circle.feed)
             worst = int((np.abs(size) + np.abs(E)).argmax())
             yield CircleOfText(
                 planned=circle,
@@ -323,16 +351,33 @@ def _draw_circles(record: GroupRecord, judged: Sequence[Judged]) -> Iterator[Cir
             )
 
 
-def _say(
-    record: GroupRecord,
-    target: Control,
-    subjects: Sequence[Subject],
-    judged: Sequence[Judged],
-    parts: Sequence[Part],
-    circles: Sequence[CircleOfText],
-    words: Catalogue,
-) -> Iterator[Message]:
-    """The sentences above the parameters."""
+def _hold(rows: Sequence[Row], key: Key) -> bool:
+    return any(row.key == key for row in rows)
+
+
+def _lack(record: GroupRecord, held: set[Key]) -> Iterator[Message]:
+    """Values of the group without which it does not do what was judged, and that have no place."""
+    waits = tuple(
+        Message("group-wait-of", name=axis.name, wait=axis.wait)
+        for axis in record.axes
+        if axis.wait
+    )
+    if waits and WAIT not in held:
+        yield Message("group-wait-without-place", waits=waits)
+    limits = record.limits
+    for key, told, axes in (
+        (PATH_ACCELERATION, limits.acceleration, limits.accelerations),
+        (PATH_JERK, limits.jerk, limits.jerks),
+    ):
+        # A circle takes no more than the lesser axis; lines are simulated from the text.
+        if told < min(axes) and key not in held:
+            yield Message(f"group-{key[1]}-without-place", value=told)
+
+
+# The sentences above the parameters
+
+
+def _say_origin(record: GroupRecord, target: Control) -> Iterator[Message]:
     names, profiles = [axis.name for axis in record.axes], [axis.profile for axis in record.axes]
     title, control = record.axes[0].machine.name, name_control(target.key)
     yield Message("group-export-title", name=title, axes=tuple(names), control=control)
@@ -341,61 +386,49 @@ def _say(
     for profile in profiles:
         yield Message("export-hash", hash=profile.sha256)
     yield Message("export-verify")
+
+
+def _say_contours(
+    circles: Sequence[CircleOfText], line: float, record: GroupRecord
+) -> Iterator[Message]:
+    def show(value: float) -> Message:
+        return show_value(value, "m", in_degrees=False)
+
     for one in circles:
-        plan = one.planned
-        values = {
-            "deviation": one.radius_deviation,
-            "form": one.form_deviation,
-            "planned": plan.radius_deviation,
-            "planned_form": plan.form_deviation,
-        }
         yield Message(
             "group-export-circle" if one.is_same else "group-export-other-circle",
-            radius=1e3 * plan.radius,
-            feed=60.0 * plan.feed,
-            **{key: show_value(value, "m", in_degrees=False) for key, value in values.items()},
+            radius=1e3 * one.planned.radius,
+            feed=60.0 * one.planned.feed,
+            deviation=show(one.radius_deviation),
+            form=show(one.form_deviation),
+            planned=show(one.planned.radius_deviation),
+            planned_form=show(one.planned.form_deviation),
         )
-    notes = {}
-    for name, subject, found, part in zip(names, subjects, judged, parts, strict=False):
+    yield Message("group-export-line", feed=60.0 * record.feed, deviation=show(line))
+
+
+def _say_axes(
+    record: GroupRecord,
+    target: Control,
+    subjects: Sequence[Subject],
+    judged: Sequence[Judged],
+    parts: Sequence[Part],
+) -> Iterator[Message]:
+    """What the text does to each axis; what there is to mind once where it is true of all."""
+    notes: dict[Message, list[str]] = {}
+    for axis, subject, found, part in zip(record.axes, subjects, judged, parts, strict=False):
         for sentence in say_axis(subject, target, found):
-            yield Message("group-export-of", name=name, said=sentence)
-        notes[name] = say_notes(subject, target, found, part.rows)
-    rows = [row for part in parts for row in part.rows]
-    yield from _say_without_place(record, {row.setting for row in rows})
-    yield from _say_notes(notes)
-    # That the rule at corners was not read is of no matter where the text holds no value for it.
-    doubt = Message("group-rule-not-verified")
-    holds_corner = any(row.setting in CORNER for row in rows)
-    warnings = [one for one in record.warnings if holds_corner or one != doubt]
-    yield from say_doubts(subjects, judged, warnings, rows, words)
+            yield Message("group-export-of", name=axis.name, said=sentence)
+        for note in say_notes(subject, target, found, part.rows):
+            if note.kind not in OF_ONE_AXIS:
+                notes.setdefault(note, []).append(axis.name)
+    for note, names in notes.items():
+        is_common = len(names) == len(record.axes)
+        yield note if is_common else Message("group-export-of", name=tuple(names), said=note)
 
 
-def _say_notes(by_axis: Mapping[str, Sequence[Message]]) -> Iterator[Message]:
-    """What there is to mind: once where it is true of every axis."""
-    for note in dict.fromkeys(note for notes in by_axis.values() for note in notes):
-        if note.kind not in OF_ONE_AXIS:
-            own = tuple(name for name, notes in by_axis.items() if note in notes)
-            is_common = len(own) == len(by_axis)
-            yield note if is_common else Message("group-export-of", name=own, said=note)
-
-
-def _say_without_place(record: GroupRecord, held: set[Setting]) -> Iterator[Message]:
-    """Which values of the group the text does not hold."""
-    waits = tuple(
-        Message("group-wait-of", name=axis.name, wait=axis.wait)
-        for axis in record.axes
-        if axis.wait
-    )
-    lacking = [setting for setting, places in PLACES.items() if not held & places]
-    if not waits and Setting.WAIT in lacking:
-        lacking.remove(Setting.WAIT)
-    if record.axes[0].loop.jerk == "none" and Setting.PATH_JERK in lacking:
-        lacking.remove(Setting.PATH_JERK)
+def _say_gaps(lacking: tuple[Message, ...], rows: Sequence[Row]) -> Iterator[Message]:
     if lacking:
-        path = {"acceleration": record.path.acceleration, "jerk": record.path.jerk}
-        values = tuple(
-            Message(f"{setting.value[2]}-without-place", waits=waits, **path) for setting in lacking
-        )
-        yield Message("group-export-without-place", values=values)
-    if not held & CORNER:
+        yield Message("group-export-without-place", values=lacking)
+    if not _hold(rows, AT_CORNERS):
         yield Message("group-export-no-corner")

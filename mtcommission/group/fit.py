@@ -17,7 +17,7 @@ from math import log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.circle import AFTER
+from mtcommission.group.follow import AFTER
 from mtcommission.group.traces import CircularTrace
 from mtcommission.identify.formats.contents import refuse
 

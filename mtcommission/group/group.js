@@ -1,4 +1,4 @@
-// Circles and corners of a group from what its record holds, as drawn.py and corner.py; SI.
+// Circles and corners of a group from how its axes answer, as ballbar.py and contours.py; SI.
 
 const contours = (() => {
   const PLACES = 720, DIRECTIONS = 16, HALVINGS = 9;
@@ -49,7 +49,7 @@ const contours = (() => {
       const largest = Math.abs(off) + 0.5 * form;
       if (!worst || largest > worst.largest) worst = {radius: off, form, largest};
     }
-    return {...worst, entry: model.entry * feed * feed / radius};
+    return {...worst, entry: radius * mix(model.entry, between(model.logs, Math.log(omega)))};
   }
 
   function throwOff(axis, acceleration) {
@@ -174,7 +174,7 @@ const groupPage = (() => {
   function compute(isHasty) {
     const begun = performance.now(), {feed, radius, angle} = state, found = contours.circle(model, radius, feed), trace = contours.trace(model, radius, feed);
     const corner = contours.cornerSpeed(model, angle, feed, model.arc > 0 && !isHasty), path = feed * feed / radius;
-    tell("acceleration", `${show(path)} m/s²`, `${show(model.path.acceleration)} m/s²`);
+    tell("acceleration", `${show(path)} m/s²`, `${show(model.acceleration)} m/s²`);
     tell("largest", micro(found.largest), micro(model.allowed));
     tell("radius", micro(found.radius));
     tell("form", micro(found.form));
@@ -191,10 +191,10 @@ const groupPage = (() => {
 
   function sayVerdict({largest, entry}, path) {
     const off = Math.max(largest, entry), line = id("verdict");
-    const isFast = path > model.path.acceleration * (1 + 1e-6), isKept = off <= model.allowed && !isFast;
+    const isFast = path > model.acceleration * (1 + 1e-6), isKept = off <= model.allowed && !isFast;
     const isBeyond = state.feed / state.radius > model.omega[model.omega.length - 1];
     const key = isBeyond ? "beyond" : isFast ? "too_fast" : isKept ? "keeps" : "misses";
-    const values = isFast ? {value: `${show(path)} m/s²`, limit: `${show(model.path.acceleration)} m/s²`} : {value: micro(off), limit: micro(model.allowed)};
+    const values = isFast ? {value: `${show(path)} m/s²`, limit: `${show(model.acceleration)} m/s²`} : {value: micro(off), limit: micro(model.allowed)};
     line.textContent = `${isKept && !isBeyond ? "✓" : "✗"} ${say(key, values)}`;
     line.className = `verdict ${isKept && !isBeyond ? "good" : "bad"}`;
   }

@@ -1,40 +1,46 @@
 """From axes that were judged alone to what they are told together; read ``join`` first.
 
-own loop and limits -> one position gain where lag counts -> one filter -> one delay
-        -> path limits
+own loop and limits -> one position gain where lag counts -> one delay -> one filter -> path limits
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf
+from decimal import ROUND_FLOOR
+from math import ceil, hypot, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import MOVING_AVERAGE
-from mtcommission.group.answers import AxisAnswers, line_deviation
-from mtcommission.group.circle import (
-    Deviation,
-    ToolResponse,
-    deviate,
-    find_response,
-    peak_bound,
+from mtcommission.control_kinds.control import Control
+from mtcommission.control_kinds.kind import MOVING_AVERAGE, Jerk
+from mtcommission.control_kinds.kinds import CONTROLS
+from mtcommission.control_kinds.row import (
+    PATH_ACCELERATION,
+    PATH_JERK,
+    WAIT,
+    Key,
+    round_number,
 )
-from mtcommission.group.rules import CornerRule, rule_of
+from mtcommission.group.contours import (
+    Pair,
+    PathLimits,
+    entries_at_first_look,
+    find_entries,
+    line_deviation,
+    worst_circle,
+)
+from mtcommission.group.follow import Follower, follow
 from mtcommission.group.task import Task
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import Found
-from mtcommission.limits.typed import round_limits
-from mtcommission.loop.disturbance import encoder_noise
-from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
 from mtcommission.recommend import Progress, Recommendation, recommend
-from mtcommission.study.variations import Row, choose, look
+from mtcommission.study.variations import Row, choose, judge, look
 
 Array = NDArray[np.float64]
 
@@ -49,42 +55,32 @@ these and one half as long are (design choice) [-]."""
 LADDER = np.geomspace(1.0, 1e-3, 700)
 """Shares of the axes' acceleration at which circles are looked at, the largest first."""
 
+UNBOUND = 1.75
+"""Times the largest limit of an axis, with which one along the path bounds no direction: more than
+sqrt(3). Source: HEIDENHAIN MANUALplus 620 Technical Manual, p. 834."""
+
+ROUNDS, LOWER = 12, 0.98
+"""Times that path limits are lowered for lines, at most, and by how much more than in proportion
+(empirical)."""
+
+BY_CONTOUR = Message("group-bound-by-contour")
+"""What binds an axis whose limits were lowered in place of those of the path."""
+
+TENTH = 7
+"""Decimals of a wait [s]: a tenth of a microsecond."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AxisAlone:
-    """An axis before the group: its loop, its limits, and how it answers circles."""
+class Alone:
+    """An axis before the group: its loop and its limits, and how it follows contours."""
 
     found: Recommendation
-    poles: LoopPoles
-    response: ToolResponse
+    follower: Follower
 
     @property
     def machine(self) -> Machine:
         """The axis."""
         return self.found.machine
-
-    @property
-    def tuned(self) -> TunedLoop:
-        """Its loop, in every corner."""
-        return self.found.tuned
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Plane:
-    """The two axes that draw circles and corners, as the tool follows them."""
-
-    responses: tuple[ToolResponse, ToolResponse]  # their waits included
-    alone: tuple[AxisAlone, AxisAlone]
-
-    def behind(self, item: SetpointFilter | None) -> tuple[AxisAnswers, AxisAnswers]:
-        """Return the axes behind a filter."""
-        first, second = (
-            AxisAnswers(
-                poles=one.poles, setpoint_filter=item, wait=round(response.wait / one.poles.dt)
-            )
-            for one, response in zip(self.alone, self.responses, strict=True)
-        )
-        return first, second
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,23 +90,26 @@ class FilterTrial:
     setpoint_filter: SetpointFilter | None
     settling_time: float  # of the slowest axis, without the wait of the others [s]; inf: none found
     axes_acceleration: float  # the smallest of the axes' limits [m/s²]
-    acceleration: float  # along the path, with which every circle keeps the tolerance [m/s²]
+    path_acceleration: float  # with which every circle keeps the tolerance [m/s²]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroupAxis:
     """What one axis is told in the group."""
 
-    name: str
-    alone: AxisAlone
+    found: Recommendation  # alone
     choice: Choice  # with the group's filter
-    wait: int  # position cycles by which its setpoint is held back
-    peak_bound: float  # no reversal throws the tool off further [m]
+    follower: Follower  # behind filter and wait
 
     @property
-    def delay(self) -> float:
-        """From setpoint to tool, the filter apart [s]."""
-        return self.alone.response.delay + self.wait * self.alone.poles.dt
+    def machine(self) -> Machine:
+        """The axis."""
+        return self.found.machine
+
+    @property
+    def name(self) -> str:
+        """As the profile gives it."""
+        return self.machine.axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,20 +117,25 @@ class Group:
     """Axes that move together: what they are told."""
 
     task: Task
+    control: Control
     axes: tuple[GroupAxis, ...]
-    setpoint_filter: SetpointFilter | None
     trials: tuple[FilterTrial, ...]  # that were compared, the one in use first
-    acceleration: float  # along the path [m/s²]
-    jerk: float  # [m/s³]
+    path: PathLimits
     reserve: float  # share of the tolerance that circles and corners may use [-]
     encoder_noise: float  # what the encoders of the plane add [m]
-    entry: float  # deviation after a step of acceleration of 1 m/s², as circles begin with [s²]
-    rule: CornerRule
+    entries: Array
+    """What entering a circle does at most, as a share of its radius, by the angular velocities of
+    the plane's axes [-]."""
 
     @property
     def allowed(self) -> float:
         """What is left of the tolerance for circles and corners [m]."""
         return max(self.reserve * self.task.tolerance - self.encoder_noise, 0.0)
+
+    @property
+    def setpoint_filter(self) -> SetpointFilter | None:
+        """That of every axis."""
+        return self.trials[0].setpoint_filter
 
     @property
     def drawn(self) -> tuple[GroupAxis, GroupAxis]:
@@ -140,15 +144,10 @@ class Group:
         return self.axes[first], self.axes[second]
 
     @property
-    def plane(self) -> Plane:
-        """How these follow circles, their waits included."""
-        alone = [axis.alone for axis in self.axes]
-        return _plane(self.task, alone, [axis.wait for axis in self.axes])
-
-    @property
-    def answers(self) -> tuple[AxisAnswers, AxisAnswers]:
-        """The same behind the group's filter."""
-        return self.plane.behind(self.setpoint_filter)
+    def pair(self) -> Pair:
+        """How these follow contours."""
+        first, second = self.drawn
+        return first.follower, second.follower
 
 
 def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
@@ -161,53 +160,50 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     """
     alone = _match_gains([_stand_alone(machine, progress) for machine in task.machines], progress)
     progress(Message("stage-group"))
-    waits, noise = _find_waits(alone), _encoder_noise(task, alone)
+    control = CONTROLS[task.machines[0].control.kind.key]
+    if control.place_of(WAIT):
+        alone = _wait_for_slowest(alone)
+    drives = [alone[i] for i in task.plane]
+    noise = sum(
+        worst_noise(one.follower.tuned.loops, one.machine.drive.encoder_resolution).tool
+        for one in drives
+    )
     reserve = min(machine.requirements.reserve.band for machine in task.machines)
     allowed = max(reserve * task.tolerance - noise, 0.0)
-    plane = _plane(task, alone, waits)
-    trials = _compare_filters(task, alone, plane, allowed)
+    trials = _compare_filters(task, alone, allowed)
     item = trials[0].setpoint_filter
     axes = tuple(
         GroupAxis(
-            name=one.machine.axis,
-            alone=one,
+            found=one.found,
             choice=_with_filter(one, item),
-            wait=wait,
-            peak_bound=peak_bound(one.tuned.loops, one.machine.drive),
+            follower=replace(one.follower, setpoint_filter=item),
         )
-        for one, wait in zip(alone, waits, strict=True)
+        for one in alone
     )
-    largest = min(axis.choice.limits.acceleration for axis in axes)
-    jerk = min(axis.choice.limits.jerk for axis in axes)
-    # Where no circle keeps the tolerance the axes' own limits stand, and the verdict says so.
-    acceleration = path_acceleration(task, plane, item, allowed, largest, jerk) or largest
-    acceleration, jerk = _kept_on_lines(task, plane, item, allowed, acceleration, jerk)
-    typed = round_limits(task.machines[0], acceleration, acceleration / jerk)
-    return Group(
+    group = Group(
         task=task,
+        control=control,
         axes=axes,
-        setpoint_filter=item,
         trials=trials,
-        acceleration=typed.acceleration,
-        jerk=min(typed.jerk, jerk),
+        path=PathLimits(acceleration=inf, jerk=inf, accelerations=(inf, inf), jerks=(inf, inf)),
         reserve=reserve,
         encoder_noise=noise,
-        entry=_entry(plane, item),
-        rule=rule_of(task.machines[0].control.kind.key),
+        entries=find_entries(_plane(task, axes)),
     )
+    path = _lowered_for_lines(group, _lowered_for_circles(group, _path_of(group)))
+    return _judge_again(replace(group, path=path))
 
 
-def _stand_alone(machine: Machine, progress: Progress) -> AxisAlone:
+def _stand_alone(machine: Machine, progress: Progress) -> Alone:
     found = recommend(machine, progress=progress)
-    poles = find_poles(found.tuned.loops)
-    return AxisAlone(found=found, poles=poles, response=find_response(poles))
+    return Alone(found=found, follower=follow(machine, found.tuned))
 
 
-def _match_gains(alone: Sequence[AxisAlone], progress: Progress) -> list[AxisAlone]:
+def _match_gains(alone: list[Alone], progress: Progress) -> list[Alone]:
     """The axes with the position gain of the slowest, where they lag behind by 1/Kv at all."""
-    controllers = [one.tuned.controller for one in alone]
+    controllers = [one.found.tuned.controller for one in alone]
     if all(one.follows or one.velocity_feedforward == 1.0 for one in controllers):
-        return list(alone)
+        return alone
     common = min(one.position_gain for one in controllers)
     matched = []
     for one, controller in zip(alone, controllers, strict=True):
@@ -218,187 +214,228 @@ def _match_gains(alone: Sequence[AxisAlone], progress: Progress) -> list[AxisAlo
     return matched
 
 
-def _find_waits(alone: Sequence[AxisAlone]) -> list[int]:
-    """Position cycles by which each axis waits for the slowest."""
-    delays, cycle = [one.response.delay for one in alone], alone[0].poles.dt
-    return [round((max(delays) - delay) / cycle) for delay in delays]
+def _wait_for_slowest(alone: Sequence[Alone]) -> list[Alone]:
+    """The axes, each behind the time by which it would be sooner than the slowest."""
+    latest = max(one.follower.delay for one in alone)
+    return [
+        replace(
+            one,
+            follower=replace(one.follower, wait=round(latest - one.follower.delay, TENTH)),
+        )
+        for one in alone
+    ]
 
 
-def _encoder_noise(task: Task, alone: Sequence[AxisAlone]) -> float:
-    """What the steps of both encoders of the plane do to the contour at most [m]."""
-    noise = 0.0
-    for i in task.plane:
-        resolution, loops = alone[i].machine.drive.encoder_resolution, alone[i].tuned.loops
-        noise += max(encoder_noise(loop, resolution=resolution).tool for loop in loops)
-    return noise
+def _plane(task: Task, axes: Sequence[Alone | GroupAxis]) -> Pair:
+    first, second = (axes[i].follower for i in task.plane)
+    return first, second
 
 
-def _compare_filters(
-    task: Task,
-    alone: Sequence[AxisAlone],
-    plane: Plane,
-    allowed: float,
-) -> tuple[FilterTrial, ...]:
+def _behind(pair: Pair, item: SetpointFilter | None) -> Pair:
+    first, second = (replace(axis, setpoint_filter=item) for axis in pair)
+    return first, second
+
+
+# The filter
+
+
+def _compare_filters(task: Task, alone: Sequence[Alone], allowed: float) -> tuple[FilterTrial, ...]:
     """Filters for all axes, at a first look, best first: for circles, then for moves."""
-    trials = []
-    for item in _filters_to_try(task, alone, plane, allowed):
-        found = [_look(one, item) for one in alone]
+    trials, pair = [], _plane(task, alone)
+    for item in _filters_to_try(task, alone, allowed):
+        found = [look(_with(one, item)) for one in alone]
         if not all(found):
             trials.append(
                 FilterTrial(
-                    setpoint_filter=item, settling_time=inf, axes_acceleration=0.0, acceleration=0.0
+                    setpoint_filter=item,
+                    settling_time=inf,
+                    axes_acceleration=0.0,
+                    path_acceleration=0.0,
                 )
             )
             continue
-        best = [each[0] for each in found]
+        best: list[Found] = [each[0] for each in found]
         largest = min(one.acceleration for one in best)
-        jerk = min(one.acceleration / one.jerk_time for one in best)
-        delays = [one.poles.delay for one in alone]
+        delays = [one.follower.poles.delay for one in alone]
         trials.append(
             FilterTrial(
                 setpoint_filter=item,
                 settling_time=max(t.duration + d for t, d in zip(best, delays, strict=True)),
                 axes_acceleration=largest,
-                acceleration=path_acceleration(task, plane, item, allowed, largest, jerk),
+                path_acceleration=_first_look(task, _behind(pair, item), allowed, largest),
             )
         )
-    most = max(trial.acceleration for trial in trials)
+    most = max(trial.path_acceleration for trial in trials)
 
     def rank(trial: FilterTrial) -> tuple[bool, float]:
-        return trial.acceleration < NEARLY * most, trial.settling_time
+        return trial.path_acceleration < NEARLY * most, trial.settling_time
 
     return tuple(sorted(trials, key=rank))
 
 
-def _plane(task: Task, alone: Sequence[AxisAlone], waits: Sequence[int]) -> Plane:
-    first, second = (alone[i] for i in task.plane)
-    late = [waits[i] * alone[i].poles.dt for i in task.plane]
-    return Plane(
-        responses=(
-            replace(first.response, wait=late[0]),
-            replace(second.response, wait=late[1]),
-        ),
-        alone=(first, second),
-    )
-
-
 def _filters_to_try(
-    task: Task,
-    alone: Sequence[AxisAlone],
-    plane: Plane,
-    allowed: float,
+    task: Task, alone: Sequence[Alone], allowed: float
 ) -> list[SetpointFilter | None]:
     """The filter that a profile gives; else the axes' own ones, none, and shorter averages."""
     controls = [one.machine.control for one in alone]
     given = [one.setpoint_filter for one in controls if not one.seeks_setpoint_filter]
     if given:
         return given[:1]
-    own = [one.found.choice.limits.setpoint_filter for one in alone]
-    found: list[SetpointFilter | None] = [*own, None]
     limits = [one.found.choice.limits for one in alone]
-    largest, jerk = min(one.acceleration for one in limits), min(one.jerk for one in limits)
-    choice = controls[0].kind.find_filter(MOVING_AVERAGE)
-    if choice is not None:
-        unit = choice.unit(controls[0].position_cycle)
-        least, most = choice.times(controls[0].position_cycle)
+    found: list[SetpointFilter | None] = [*(one.setpoint_filter for one in limits), None]
+    largest = min(one.acceleration for one in limits)
+    cycle, pair = controls[0].position_cycle, _plane(task, alone)
+
+    def kept(item: SetpointFilter | None) -> float:
+        return _first_look(task, _behind(pair, item), allowed, largest)
+
+    if choice := controls[0].kind.find_filter(MOVING_AVERAGE):
+        unit, (least, most) = choice.unit(cycle), choice.times(cycle)
         lengths = np.arange(max(ceil(least / unit - 1e-9), 1), int(most / unit + 1e-9) + 1)
-        kept = SHORT * path_acceleration(task, plane, None, allowed, largest, jerk)
-        short = [
-            item
-            for item in (moving_average(float(k * unit)) for k in lengths)
-            if path_acceleration(task, plane, item, allowed, largest, jerk) >= kept
-        ]
+        enough = SHORT * kept(None)
+        low, high = 0, len(lengths)
+        while low < high:  # the longer, the less is kept
+            middle = (low + high) // 2
+            fits = kept(moving_average(float(lengths[middle] * unit))) >= enough
+            low, high = (middle + 1, high) if fits else (low, middle)
+        short = [moving_average(float(one * unit)) for one in lengths[:low]]
         found += short[-1:] + short[(len(short) - 1) // 2 :][:1]
     return list(dict.fromkeys(found))
 
 
-def _behind(one: AxisAlone, item: SetpointFilter | None) -> Row:
+def _with(one: Alone, item: SetpointFilter | None) -> Row:
     control = replace(one.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
-    return Row(machine=replace(one.machine, control=control), tuned=one.tuned, refined=1)
+    return Row(machine=replace(one.machine, control=control), tuned=one.found.tuned, refined=1)
 
 
-def _look(one: AxisAlone, item: SetpointFilter | None) -> tuple[Found, ...]:
-    """What the search sees of an axis behind a filter."""
-    return look(_behind(one, item))
-
-
-def _with_filter(one: AxisAlone, item: SetpointFilter | None) -> Choice:
+def _with_filter(one: Alone, item: SetpointFilter | None) -> Choice:
     """The limits of an axis behind a filter."""
     own = one.found.choice
-    return own if own.limits.setpoint_filter == item else choose(_behind(one, item))
+    return own if own.limits.setpoint_filter == item else choose(_with(one, item))
 
 
-def worst_deviation(
-    responses: tuple[ToolResponse, ToolResponse], omega: Array, item: SetpointFilter | None
-) -> tuple[Deviation, Array]:
-    """Return the worst deviation of every pair of corners, and which pair it is, shape of omega."""
-    first, second = (one.at(omega, item) for one in responses)
-    every = deviate(first[:, None], second[None])
-    flat = every.largest.reshape(-1, *omega.shape)
-    worst = flat.argmax(axis=0)
-    at = worst[None]
-    return Deviation(
-        radius=np.take_along_axis(every.radius.reshape(flat.shape), at, axis=0)[0],
-        form=np.take_along_axis(every.form.reshape(flat.shape), at, axis=0)[0],
-    ), worst
+# Path limits
 
 
-def _entry(plane: Plane, item: SetpointFilter | None) -> float:
-    return max(axis.entry() for axis in plane.behind(item))
+def tell(control: Control, key: Key, needed: float, axes: Sequence[float]) -> float:
+    """Return the limit that a control is told for the path, as typed; inf: it has no place for it.
 
-
-def path_acceleration(
-    task: Task,
-    plane: Plane,
-    item: SetpointFilter | None,
-    allowed: float,
-    largest: float,
-    jerk: float,
-) -> float:
-    """Return the acceleration with which every circle up to the feed keeps the tolerance [m/s²].
-
-    The largest circle of an angular velocity ω that the limits permit has the radius
-    min(v/ω, a/ω², j/ω³); its entry steps the acceleration by at most a. At most ``largest``; 0
-    where no circle keeps it. A radius that is asked for counts alone, at the feed.
+    ``needed``: what lines and circles need at most, ``axes``: the same limit of each axis [SI].
+    Where the control keeps the axes' own along the path, too, it is a ceiling.
     """
-    entry = _entry(plane, item)
-    if task.radius is not None:
-        omega = np.array([task.feed / task.radius])
-        off = worst_deviation(plane.responses, omega, item)[0].largest[0] * task.radius
-        off = max(off, entry * task.feed**2 / task.radius)
-        return largest if off <= allowed else 0.0
-    omega = plane.responses[0].omega
-    off = worst_deviation(plane.responses, omega, item)[0].largest
-    others = off * np.minimum(task.feed / omega, jerk / omega**3)
-    a = largest * LADDER
-    worst = np.minimum(others, off / omega**2 * a[:, None]).max(axis=1)
-    kept = np.flatnonzero(np.maximum(worst, entry * a) <= allowed)
-    return float(a[kept[0]]) if len(kept) else 0.0
+    if not control.place_of(key):
+        return inf
+    holds = key[1] in control.axes_hold
+    limit = min(needed, UNBOUND * max(axes)) if holds else min(needed, *axes)
+    return _typed(limit)
 
 
-ROUNDS = 6
-"""Times that path limits are lowered for lines, at most."""
+def _path_of(group: Group) -> PathLimits:
+    """What the control keeps along the path where nothing asks for less than the axes."""
+    limits = [axis.choice.limits for axis in group.axes]
+    a, j = [one.acceleration for one in limits], [one.jerk for one in limits]
+    first, second = group.task.plane
+    jerkless = group.control.kind.jerk is Jerk.NONE
+    return PathLimits(
+        acceleration=tell(group.control, PATH_ACCELERATION, inf, a),
+        jerk=inf if jerkless else tell(group.control, PATH_JERK, inf, j),
+        accelerations=(a[first], a[second]),
+        jerks=(j[first], j[second]),
+    )
 
 
-def _kept_on_lines(
-    task: Task,
-    plane: Plane,
-    item: SetpointFilter | None,
-    allowed: float,
-    acceleration: float,
-    jerk: float,
-) -> tuple[float, float]:
-    """Path limits with which lines keep the tolerance, too: both lowered by the same factor.
+def _lowered_for_circles(group: Group, path: PathLimits) -> PathLimits:
+    """Limits with which every circle keeps the tolerance.
+
+    Where none does they stay, and the verdict says so.
+    """
+    largest, _ = path.on_circles
+    kept = circle_acceleration(group.task, group.pair, group.entries, group.allowed, largest)
+    if not 0.0 < kept < largest:
+        return path
+    if group.control.place_of(PATH_ACCELERATION):
+        return replace(path, acceleration=_typed(kept))
+    return _gentler(path, [min(kept / a, 1.0) for a in path.accelerations])
+
+
+def _lowered_for_lines(group: Group, path: PathLimits) -> PathLimits:
+    """Limits with which lines keep the tolerance, too: all of the path, or those of the axes.
 
     What unequal delays do at the feed no limit changes: where that is too much they stay.
     """
-    first, second = plane.behind(item)
-    apart = float(np.abs(first.lag[:, None] - second.lag).max())
-    coasting = 0.5 * task.feed * apart
+    feed, allowed, first_path = group.task.feed, group.allowed, path
+    first, second = group.pair
+    coasting = 0.5 * feed * float(np.abs(first.lag[:, None] - second.lag).max())
     for _ in range(ROUNDS if coasting < allowed else 0):
-        off = line_deviation(first, second, feed=task.feed, acceleration=acceleration, jerk=jerk)
+        off, _ = line_deviation(group.pair, feed=feed, limits=path)
         if off <= allowed:
-            break
-        share = 0.98 * (allowed - coasting) / (off - coasting)
-        acceleration, jerk = share * acceleration, share * jerk
-    return acceleration, jerk
+            return path
+        share = LOWER * (allowed - coasting) / (off - coasting)
+        a = share * min(path.acceleration, hypot(*path.accelerations))
+        j = share * min(path.jerk, hypot(*path.jerks))
+        lowered = replace(
+            path,
+            acceleration=_typed(a) if isfinite(path.acceleration) else inf,
+            jerk=_typed(j) if isfinite(path.jerk) else inf,
+        )
+        path = lowered if lowered != path else _gentler(path, [share, share])
+    return first_path
+
+
+def _gentler(path: PathLimits, shares: Sequence[float]) -> PathLimits:
+    """The limits of the axes lowered, each with the time of its ramps."""
+    limits = zip(path.accelerations, path.jerks, shares, strict=True)
+    (a, j), (b, k) = ((_typed(share * a), _typed(share * j)) for a, j, share in limits)
+    return replace(path, accelerations=(a, b), jerks=(j, k))
+
+
+def _typed(limit: float) -> float:
+    return float(round_number(limit, ROUND_FLOOR))
+
+
+def _judge_again(group: Group) -> Group:
+    """The group with each axis judged whose limits were lowered for circles or lines."""
+    axes = list(group.axes)
+    for i, a, j in zip(group.task.plane, group.path.accelerations, group.path.jerks, strict=True):
+        axis = axes[i]
+        limits = replace(axis.choice.limits, acceleration=a, jerk=j)
+        if limits != axis.choice.limits:
+            alone = Alone(found=axis.found, follower=axis.follower)
+            row = replace(_with(alone, group.setpoint_filter), limits=limits)
+            choice = replace(
+                axis.choice,
+                candidate=judge(row),
+                explain=lambda: BY_CONTOUR,
+            )
+            axes[i] = replace(axis, choice=choice)
+    return replace(group, axes=tuple(axes))
+
+
+def _first_look(task: Task, pair: Pair, allowed: float, largest: float) -> float:
+    return circle_acceleration(task, pair, entries_at_first_look(pair), allowed, largest)
+
+
+def circle_deviation(pair: Pair, entries: Array, omega: Array) -> tuple[Array, Array]:
+    """Return how far circles are off, once they last and when they are entered, of R = 1 [-]."""
+    steady = worst_circle(pair, omega)[0].largest
+    return steady, np.interp(np.log(omega), np.log(pair[0].omega), entries)
+
+
+def circle_acceleration(
+    task: Task, pair: Pair, entries: Array, allowed: float, largest: float
+) -> float:
+    """Return the acceleration with which every circle up to the feed keeps the tolerance [m/s²].
+
+    The largest circle of an angular velocity ω has the radius min(v/ω, a/ω²): not every control
+    slows down on circles by the jerk v³/R². At most ``largest``; 0 where no circle keeps it. A
+    radius that is asked for counts alone, at the feed.
+    """
+    if task.radius is not None:
+        asked = np.array([task.feed / task.radius])
+        is_kept = task.radius * np.max(circle_deviation(pair, entries, asked)) <= allowed
+        return largest if is_kept else 0.0
+    omega = pair[0].omega
+    off = np.maximum(*circle_deviation(pair, entries, omega))
+    radii = np.minimum(task.feed / omega, largest * LADDER[:, None] / omega**2)
+    kept = np.flatnonzero((off * radii).max(axis=1) <= allowed)
+    return float(largest * LADDER[kept[0]]) if len(kept) else 0.0

@@ -1,6 +1,7 @@
-"""The interactive page of a group: what can be moved, and what it is called.
+"""The interactive page of a group: what can be moved, what it is called, and what it is drawn from.
 
-It computes nothing: group.js does, from what the record holds.
+Circles and corners are computed by group.js; this gives it how both axes answer, in the nominal
+machine and the corners that are ever worst.
 """
 
 from __future__ import annotations
@@ -8,19 +9,33 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from mtcommission.control_kinds.control import Corner
+from mtcommission.control_kinds.kinds import CONTROLS
+from mtcommission.group.ballbar import SINCE, reverses
+from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
+from mtcommission.group.follow import AFTER, Follower
 from mtcommission.group.record import GroupRecord
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.shape import to_plain
+from mtcommission.record.shape import finite_or_none, to_plain
+from mtcommission.record.values import rounded
 from mtcommission.sheet.what_if import Field
 
 FOLDER = Path(__file__).parent
 
 SLOWEST, LARGEST = 0.1 / 60.0, 0.5
 """Feed [m/s] and radius [m] at an end of their sliders."""
+
+DECIMALS, DIGITS = 9, 5
+"""Of what is near 1, and of lengths: 1 nm on the largest circle."""
+
+PAUSE = 1.5 * AFTER
+"""Between two reversals where more than those of the circle test are looked at [s]."""
 
 WORDS = ("keeps", "misses", "too-fast", "beyond", "unslowed", "slowed", "division", "band")
 """That the script says, with the places that it fills in."""
@@ -46,12 +61,13 @@ class GroupPanel:
     scripts: tuple[Path, ...] = (FOLDER / "group.js",)
 
 
-def contour_panel(record: GroupRecord, words: Catalogue) -> GroupPanel:
+def contour_panel(record: GroupRecord, pair: Pair, words: Catalogue) -> GroupPanel:
     """Return the interactive part of the page: feed, radius and corner by sliders."""
-    fields, names = _fields(record, words), record.plane
-    left_out = set() if record.drawn.axes[0].reversals else {"peak-1"}
-    left_out |= set() if record.drawn.axes[1].reversals else {"peak-2"}
-    shown = {"peak-1": names[0], "peak-2": names[1]}
+    fields = _fields(record, words)
+    shown = {f"peak-{k}": axis.machine.axis for k, axis in enumerate(pair, start=1)}
+    left_out = {
+        f"peak-{k}" for k, axis in enumerate(pair, start=1) if not axis.machine.drive.has_friction
+    }
     places = {place: f"{{{place}}}" for place in PLACES}
     said = {key.replace("-", "_"): words.text(f"group-page-{key}", **places) for key in WORDS}
     out = words.text(
@@ -67,19 +83,72 @@ def contour_panel(record: GroupRecord, words: Catalogue) -> GroupPanel:
             if key not in left_out
         ),
         data={
-            "model": to_plain(record.drawn)
-            | {
-                "filter": to_plain(record.filter),
-                "arc": record.corner_rule.value if record.drawn.arc_acceleration else 0.0,
-                "tolerance": record.tolerance,
-                "path": to_plain(record.path),
-                "feed": record.feed,
-                "names": names,
-            },
+            "model": draw_model(record, pair),
             "words": said | {"out_of_range": out},
             "fields": [asdict(field) for field in fields],
         },
     )
+
+
+def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
+    """Return what circles and corners are drawn from; SI."""
+    turned, (a, _), rule = turnings(pair), record.limits.on_circles, record.corner_rule
+    _, worst = worst_circle(pair, pair[0].omega)
+    places = np.divmod(worst, len(pair[1].on_circles))
+    is_arc = rule.kind == Corner.ARC.value
+    share = CONTROLS[record.axes[0].loop.kind].corner.share
+    axes = []
+    for axis, own, turning in zip(pair, places, turned, strict=True):
+        answers = np.round(axis.on_circles[sorted({0, *own.tolist()})], DECIMALS)
+        axes.append(
+            {
+                "delay": axis.delay,
+                "reverses": reverses(axis),
+                "real": answers.real.tolist(),
+                "imaginary": answers.imag.tolist(),
+                "turned": np.round(turning.tool, DECIMALS).tolist(),
+                "lag": turning.lag.tolist(),
+                "reversals": _reversals(record, axis),
+            }
+        )
+    return {
+        "omega": pair[0].omega.tolist(),
+        "entry": rounded(find_entries(pair), DIGITS).tolist(),
+        "step": turned[0].step,
+        "starts": turned[0].starts.tolist(),
+        "since": SINCE.tolist(),
+        "allowed": record.allowed,
+        "largest_step": finite_or_none(min(one.largest_step for one in turned)),
+        "arc_acceleration": share * a,
+        "axes": axes,
+        "filter": to_plain(record.filter),
+        "arc": rule.value if is_arc else 0.0,
+        "tolerance": record.tolerance,
+        "acceleration": a,
+        "names": record.plane,
+    }
+
+
+def _reversals(record: GroupRecord, axis: Follower) -> list[dict[str, Any]]:
+    """How friction throws the tool off behind a reversal; that hangs on v²/R alone.
+
+    Those of the circle test, and two more up to the acceleration of circles.
+    """
+    if not axis.machine.drive.has_friction:
+        return []
+    found = {one.feed**2 / one.radius: (one.radius, one.feed) for one in record.circle}
+    last, (most, _) = max(found), record.limits.on_circles
+    for a in (sqrt(last * most), most):
+        if a > last:
+            feed = a * PAUSE / pi
+            found[a] = feed**2 / a, feed
+    every = []
+    for a, (radius, feed) in sorted(found.items()):
+        off = axis.reversal(0, radius=radius, feed=feed)
+        t = axis.poles.velocity_cycle * np.arange(off.size)
+        thrown = rounded(np.interp(SINCE, t, off), DIGITS).tolist()
+        every.append({"acceleration": a, "outwards": thrown})
+    return every
 
 
 def _fields(record: GroupRecord, words: Catalogue) -> tuple[Field, ...]:

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import pi
+from math import inf, pi
 from pathlib import Path
 
 from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.group.contours import Circle, follow_contours
-from mtcommission.group.corner import CornerSpeed
-from mtcommission.group.drawn import Drawn, drawn_part
-from mtcommission.group.group import Group, GroupAxis
-from mtcommission.group.rules import value_of
-from mtcommission.group.verdict import GroupCheck, judge_group
-from mtcommission.limits.judge import describe_place
+from mtcommission.group.contours import Pair, PathLimits, tell_corner
+from mtcommission.group.follow import follow
+from mtcommission.group.group import BY_CONTOUR, Group, GroupAxis
+from mtcommission.group.judged import (
+    Circle,
+    FeedOverRadius,
+    GroupCheck,
+    circle_test,
+    corner_speeds,
+    feeds_over_radius,
+    judge_group,
+)
 from mtcommission.messages.message import Message
-from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
+from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
 from mtcommission.record.limits import (
     ModeLimitsEntry,
     RecommendedEntry,
@@ -33,11 +39,16 @@ from mtcommission.record.machine import (
     list_data,
 )
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.record import Tool, this_tool
-from mtcommission.record.shape import WRONG, entry_of, find_faults, of, to_entry, to_plain
+from mtcommission.record.read_back import close_as_held, read_filter, read_held
+from mtcommission.record.record import Tool, load_sealed, this_tool
+from mtcommission.record.shape import entry_of, of, to_plain
 from mtcommission.record.values import SetpointFilterEntry, Words
+from mtcommission.study.loops import disturb
 
-SCHEMA = 1
+SCHEMA = 2
+
+APART = 1e-6
+"""Difference of delays that is named [s]: 0.1 µm at 6 m/min."""
 
 NOT_OF_A_GROUP = ("assumption-exact-rest", "assumption-calculated")
 """Assumptions about optima, which a group has none of, and what every page says."""
@@ -69,15 +80,18 @@ class AxisEntry:
     loop: LoopPart
     assessment: AssessmentPart  # of its own moves
     wait: float  # by which its setpoint is held back [s]
-    peak_bound: float = of("peak_bound")  # no reversal throws the tool off further [m]
+    peak_bound: float  # no reversal throws the tool off further [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathEntry:
-    """Limits along the path."""
+    """Limits that the control is told for the path, as typed; None: none, those of the axes hold.
 
-    acceleration: float
-    jerk: float
+    Of a control that keeps those of the axes, too, they bound only what lies below these.
+    """
+
+    acceleration: float | None
+    jerk: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,28 +100,6 @@ class FeedforwardTogether:
 
     delay: float  # from setpoint to tool, wait included, filter apart [s]
     mass: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CircleEntry:
-    """A circle, worst over every corner of both axes."""
-
-    radius: float
-    feed: float
-    radius_deviation: float
-    form_deviation: float
-    quadrant_peak: dict[str, float]
-    corner: dict[str, Message]  # by axis
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FeedEntry:
-    """The largest feed of circles of some radius, and what forbids more."""
-
-    radius: float
-    feed: float
-    bound_by: Message
-    axis: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,8 +117,8 @@ class RuleEntry:
     """How the control slows down at corners, and what it is told for that."""
 
     kind: str
-    name: str  # of its parameter
-    value: float  # step of velocity or speed at 90 degrees [m/s], or tolerance [m]
+    name: str  # of its parameter, "(?)" where that was not read; "": it has none
+    value: float  # of that [SI]; 0: none keeps the tolerance
     source: str
     is_verified: bool
 
@@ -138,21 +130,7 @@ class TrialEntry:
     filter: SetpointFilterEntry | None = of("setpoint_filter")
     settling_time: float | None
     axes_acceleration: float
-    path_acceleration: float = of("acceleration")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CheckEntry:
-    """One requirement of the group."""
-
-    name: str
-    label: Message
-    value: float | None
-    limit: float
-    reserve: float
-    unit: str
-    met: bool
-    where: Message
+    path_acceleration: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,7 +138,7 @@ class GroupAssessment:
     """The verdict."""
 
     met: bool
-    checks: list[CheckEntry]
+    checks: list[GroupCheck]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,28 +155,52 @@ class GroupRecord:
     delay: float  # of every axis, from setpoint to tool, filter apart [s]
     feedforward: dict[str, FeedforwardTogether]
     path: PathEntry
-    circle: list[CircleEntry]
-    feed_over_radius: list[FeedEntry]
+    circle: list[Circle]
+    feed_over_radius: list[FeedOverRadius]
     speed_over_angle: list[AngleEntry]
     corner_rule: RuleEntry
     filters: list[TrialEntry]  # that were compared, the one in use first
     tolerance: float
+    allowed: float  # of that for circles and corners
     feed: float
     assessment: GroupAssessment
     assumptions: list[Words]
     warnings: list[Words]
-    drawn: Drawn
 
     def axis(self, name: str) -> AxisEntry:
         """Return the axis of a name."""
         return next(axis for axis in self.axes if axis.name == name)
 
+    @property
+    def drawn(self) -> tuple[AxisEntry, AxisEntry]:
+        """The two axes of the plane."""
+        first, second = map(self.axis, self.plane)
+        return first, second
+
+    @property
+    def limits(self) -> PathLimits:
+        """What the control keeps along the path."""
+        best = [axis.limits.recommended for axis in self.drawn]
+        return PathLimits(
+            acceleration=self.path.acceleration or inf,
+            jerk=self.path.jerk or inf,
+            accelerations=(best[0].acceleration, best[1].acceleration),
+            jerks=(best[0].jerk, best[1].jerk),
+        )
+
 
 def build_group_record(group: Group, *, created: str) -> GroupRecord:
     """Return the record of axes that move together; ``created``: ISO 8601."""
-    task = group.task
-    contours = follow_contours(group)
-    checks = judge_group(group, contours)
+    task, path, control = group.task, group.path, group.control
+    circles, corners = circle_test(group), corner_speeds(group)
+    checks, delays = judge_group(group, circles), _delays(group)
+    told = tell_corner(
+        control.corner,
+        corners,
+        tolerance=task.tolerance,
+        accelerations=path.accelerations,
+    )
+    item = group.setpoint_filter
     record = GroupRecord(
         schema=SCHEMA,
         checksum="",
@@ -209,41 +211,38 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
             for axis, source in zip(group.axes, task.sources, strict=True)
         ],
         plane=[axis.name for axis in group.drawn],
-        filter=entry_of(SetpointFilterEntry, group.setpoint_filter)
-        if group.setpoint_filter
-        else None,
-        delay=max(axis.delay for axis in group.axes),
+        filter=entry_of(SetpointFilterEntry, item) if item else None,
+        delay=max(delays.values()),
         feedforward={
             axis.name: FeedforwardTogether(
-                delay=axis.delay, mass=axis.alone.tuned.controller.feedforward_mass
+                delay=delays[axis.name], mass=axis.found.tuned.controller.feedforward_mass
             )
             for axis in group.axes
         },
-        path=PathEntry(acceleration=group.acceleration, jerk=group.jerk),
-        circle=[_circle_entry(group, circle) for circle in contours.circles],
-        feed_over_radius=[entry_of(FeedEntry, one) for one in contours.feeds],
-        speed_over_angle=[_angle_entry(one) for one in contours.corners],
-        corner_rule=entry_of(
-            RuleEntry,
-            group.rule,
-            kind=group.rule.kind.value,
-            value=value_of(group.rule, contours.corners),
-        ),
+        path=entry_of(PathEntry, path),
+        circle=circles,
+        feed_over_radius=feeds_over_radius(group),
+        speed_over_angle=[
+            entry_of(AngleEntry, one, angle_deg=round(one.angle * 180.0 / pi, 9)) for one in corners
+        ],
+        corner_rule=entry_of(RuleEntry, control.corner, name=control.corner_name, value=told),
         filters=[entry_of(TrialEntry, trial) for trial in group.trials],
         tolerance=task.tolerance,
+        allowed=group.allowed,
         feed=task.feed,
-        assessment=GroupAssessment(
-            met=all(check.is_met for check in checks), checks=[_check_entry(one) for one in checks]
-        ),
+        assessment=GroupAssessment(met=all(check.met for check in checks), checks=checks),
         assumptions=_assumptions(group),
-        warnings=_warnings(group, circle_kept=checks[0].is_met),
-        drawn=drawn_part(group, contours),
+        warnings=list(_warn(group, checks)),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
 
 
+def _delays(group: Group) -> dict[str, float]:
+    return {axis.name: axis.follower.delay for axis in group.axes}
+
+
 def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
-    found, machine = axis.alone.found, axis.alone.machine
+    found, machine = axis.found, axis.machine
     return AxisEntry(
         name=axis.name,
         machine=entry_of(MachineEntry, machine),
@@ -254,58 +253,52 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
             recommended=recommended_entry(RecommendedEntry, machine, axis.choice),
             today=today_entry(machine, found.today) if found.today else None,
         ),
-        loop=loop_part(machine, found.plant, found.loop, found.tuned, {}),
+        loop=loop_part(machine, found.plant, found.loop, found.tuned, disturb(found.loop)),
         assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
-        wait=axis.wait * axis.alone.poles.dt,
-        peak_bound=axis.peak_bound,
+        wait=axis.follower.wait,
+        peak_bound=axis.follower.peak_bound(),
     )
-
-
-def _circle_entry(group: Group, circle: Circle) -> CircleEntry:
-    corners = zip(group.drawn, circle.corner, strict=True)
-    return entry_of(
-        CircleEntry,
-        circle,
-        corner={axis.name: describe_place(1, corner, 1) for axis, corner in corners},
-    )
-
-
-def _angle_entry(found: CornerSpeed) -> AngleEntry:
-    return entry_of(AngleEntry, found, angle_deg=found.angle * 180.0 / pi)
-
-
-def _check_entry(check: GroupCheck) -> CheckEntry:
-    return entry_of(CheckEntry, check)
 
 
 def _assumptions(group: Group) -> list[Words]:
     """What the computation assumes of any of the axes, each once."""
-    found = [item for axis in group.axes for item in list_assumptions(axis.alone.machine)]
-    return [
-        item
-        for i, item in enumerate(found)
-        if item not in found[:i] and item.kind not in NOT_OF_A_GROUP
-    ]
+    found = [item for axis in group.axes for item in list_assumptions(axis.machine)]
+    cycle = group.axes[0].follower.poles.dt
+    if any(abs((axis.follower.wait / cycle + 0.5) % 1.0 - 0.5) > 1e-6 for axis in group.axes):
+        found.append(Message("group-wait-in-parts"))
+    return [item for item in dict.fromkeys(found) if item.kind not in NOT_OF_A_GROUP]
 
 
-def _warnings(group: Group, *, circle_kept: bool) -> list[Words]:
-    """What the verdict does not show."""
-    found = list[Words]()
-    delays = [axis.delay for axis in group.axes]
-    apart = max(delays) - min(delays)
-    if apart > 1e-9:
-        found.append(Message("group-delays-apart", apart=apart, feed=group.task.feed))
-    drives = [axis.alone.machine.drive for axis in group.drawn]
+def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
+    """What the verdict does not show, and what to do where it is not met."""
+    delays, control = _delays(group), group.control
+    apart = max(delays.values()) - min(delays.values())
+    if apart > APART:
+        slowest = max(delays, key=lambda name: delays[name])
+        yield Message("group-delays-apart", apart=apart, feed=group.task.feed, slowest=slowest)
+    drives = [axis.machine.drive for axis in group.drawn]
     if not any(drive.has_friction or drive.follows for drive in drives):
-        found.append(Message("group-no-friction"))
-    if not group.rule.is_verified:
-        found.append(Message("group-rule-not-verified"))
-    if not circle_kept:
-        found.append(Message("group-circles-not-kept"))
+        yield Message("group-no-friction")
+    if not control.corner.is_verified:
+        yield Message("group-rule-not-verified")
+    circle, line, *_ = checks
+    if not (circle.met and line.met):
+        yield Message("group-contour-not-kept")
+    if any(axis.choice.bound_by == BY_CONTOUR for axis in group.axes):
+        yield Message("group-path-without-place")
     item = group.setpoint_filter
     if item is not None and item.kind in SHAPERS:
-        found.append(Message("group-one-shaper"))
-    return found
+        yield Message("group-one-shaper")
+
+
+def read_pair(record: GroupRecord) -> Pair:
+    """Return how the two axes that draw circles follow contours, as the record was made."""
+    item = read_filter(record.filter) if record.filter else None
+    first, second = (
+        follow(machine, close_as_held(machine), item, axis.wait)
+        for axis, machine in ((one, read_held(one)) for one in record.drawn)
+    )
+    return first, second
 
 
 def load_group(path: Path) -> GroupRecord:
@@ -316,25 +309,10 @@ def load_group(path: Path) -> GroupRecord:
     InputError
         If the file is none of this schema, or not as it was written; says what is wrong.
     """
-    data = load_json(path, most=LARGEST_FILE)
-    if not is_group(data):
-        raise fault(path, Message("group-not-a-group"))
-    if data["schema"] != SCHEMA:
-        given = repr(data["schema"])
-        raise fault(path, Message("record-of-other-schema", given=given, read=SCHEMA), "schema")
-    if data.get("checksum") != find_checksum(data):
-        raise fault(path, Message("record-edited"), "checksum")
-    try:
-        return to_entry(data, GroupRecord)
-    except WRONG as error:
-        raise fault(path, next(find_faults(error))) from error
+    return load_sealed(path, GroupRecord, schema=SCHEMA)
 
 
 def names_group(path: Path) -> bool:
-    """Return whether a file is the record of a group."""
-    return is_group(load_json(path, most=LARGEST_FILE))
-
-
-def is_group(data: object) -> bool:
-    """Return whether JSON is that of a group, not of one axis."""
-    return isinstance(data, dict) and {"schema", "axes", "path"} <= data.keys()
+    """Return whether a file is the record of a group, not of one axis."""
+    data = load_json(path, most=LARGEST_FILE)
+    return isinstance(data, dict) and {"axes", "path"} <= data.keys()

@@ -7,18 +7,25 @@ from dataclasses import replace
 from math import inf, isclose
 from typing import Any
 
-from mtcommission.control_kinds.row import Setting
+from mtcommission.control_kinds.row import (
+    AT_CORNERS,
+    PATH_ACCELERATION,
+    PATH_JERK,
+    Key,
+    Setting,
+)
 from mtcommission.control_kinds.syntax import Entry
 from mtcommission.errors import InputError
-from mtcommission.group.ballbar import draw_ballbar
-from mtcommission.group.drawn import Trace, trace_circle
+from mtcommission.group.ballbar import Trace, draw_ballbar, trace_circle
+from mtcommission.group.contours import Pair
 from mtcommission.group.export import Part, type_in_group
+from mtcommission.group.group import UNBOUND
+from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel
-from mtcommission.group.record import CheckEntry, GroupRecord
+from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import pretty_unit
 from mtcommission.record.machine import say_assumed
-from mtcommission.record.read_back import read_filter
 from mtcommission.sheet.document import (
     HASH_DIGITS,
     BigValue,
@@ -50,13 +57,15 @@ from mtcommission.sheet.tables import (
 )
 from mtcommission.sheet.verdict import entry_name, show_typed
 
-FILTER: tuple[Setting, ...] = (
-    *(Setting.AVERAGE, Setting.SECOND_AVERAGE),
-    *(Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING),
-)
-AT_CORNERS: tuple[Setting, ...] = (
-    *(Setting.CORNER_STEP, Setting.CORNER_SPEED),
-    *(Setting.CORNER_TOLERANCE, Setting.CONTOUR_TOLERANCE),
+JUST_BELOW = 0.999
+"""Of a ceiling that bounds nothing, for it was rounded."""
+
+FILTER: tuple[Key, ...] = tuple(
+    (setting, "")
+    for setting in (
+        *(Setting.AVERAGE, Setting.SECOND_AVERAGE),
+        *(Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING),
+    )
 )
 OF_AXIS = {
     Setting.ACCELERATION: "acceleration",
@@ -72,36 +81,30 @@ OF_AXIS = {
 }
 """What each axis is told, and what it is called; the export has all the rest."""
 
-PATH = (
-    ("acceleration", "m/s^2", (Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION_CEILING)),
-    ("jerk", "m/s^3", (Setting.PATH_JERK, Setting.PATH_JERK_CEILING)),
-)
-CORNER_UNITS = {"arc": "m", "junction": "m/s", "step": "m/s"}
+PATH = (("acceleration", "m/s^2", PATH_ACCELERATION), ("jerk", "m/s^3", PATH_JERK))
 
-ABOVE = 1.01
-"""Times what the path may use, from which what is typed in is explained."""
+CORNER_UNITS = {"arc": "m", "own": "m", "deviation": "m", "junction": "m/s", "step": "m/s"}
 
 HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
 
 
-def print_group_html(record: GroupRecord, *, language: str = "en") -> str:
-    """Return the sheet of a group as one HTML file that works offline."""
-    words = words_of(record, language)
-    panel = contour_panel(record, words)
-    found = compose_group(record, words)
-    return set_html(found, panel=panel)
-
-
-def print_group_pdf(record: GroupRecord, *, language: str = "en") -> bytes:
-    """Return the sheet of a group as PDF, A4.
+def print_group(
+    record: GroupRecord, *, language: str = "en", with_pdf: bool = True
+) -> dict[str, bytes]:
+    """Return the sheet of a group: HTML that works offline, and PDF, A4.
 
     Raises
     ------
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
-    found = compose_group(record, words_of(record, language))
-    return set_pdf(found)
+    words, pair = words_of(record, language), read_pair(record)
+    found = compose_group(record, pair, words)
+    html = set_html(found, panel=contour_panel(record, pair, words))
+    files = {"sheet.html": html.encode()}
+    if with_pdf:
+        files["sheet.pdf"] = set_pdf(found)
+    return files
 
 
 def words_of(record: GroupRecord, language: str) -> Catalogue:
@@ -109,14 +112,14 @@ def words_of(record: GroupRecord, language: str) -> Catalogue:
     return words_for(record.axes[0].machine, language)
 
 
-def compose_group(record: GroupRecord, words: Catalogue) -> Document:
+def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document:
     """Return the sheet of a group: a page of values to enter, a page of circles and corners."""
     text = words.text
     profiles = [
         text("identity", name=axis.profile.name, hash=axis.profile.sha256[:HASH_DIGITS])
         for axis in record.axes
     ]
-    pages = {"verdict": first_page(record, words), "contours": second_page(record, words)}
+    pages = {"verdict": first_page(record, words), "contours": second_page(record, pair, words)}
     return document(
         words,
         script_note="group-script-note",
@@ -146,7 +149,7 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         yield Paragraph(text=why, tone=Tone.WARNING)
     yield _together(record, parts, words)
     yield _each_axis(record, parts, words)
-    yield note(" ".join([*_bounds(record, words), *_ceilings(record, parts[-1], words)]))
+    yield note(" ".join(_bounds(record, words)))
     yield _filters(record, words)
     yield _checks(record, words)
     yield pairs(
@@ -165,10 +168,12 @@ def _headline(record: GroupRecord, words: Catalogue) -> Headline:
     missed = [words.say(check.label) for check in record.assessment.checks if not check.met]
     if missed:
         said.append(text("group-missed", checks=", ".join(missed)))
-    limits = (("acceleration", "m/s^2"), *([("jerk", "m/s^3")] if _limits_jerk(record) else []))
     values = [
-        BigValue(label=text(f"group-path-{name}"), value=show(getattr(path, name), words, unit))
-        for name, unit in limits
+        BigValue(
+            label=text(f"group-path-{name}"),
+            value=show(getattr(path, name), words, unit, "group-path-none"),
+        )
+        for name, unit, _ in _paths(record)
     ]
     (label, kind), *numbers = filter_rows(record.filter, words)
     filter_value = ", ".join(number for _, number in numbers)
@@ -185,23 +190,22 @@ def _headline(record: GroupRecord, words: Catalogue) -> Headline:
     )
 
 
-def _limits_jerk(record: GroupRecord) -> bool:
-    return record.axes[0].loop.jerk != "none"
+def _paths(record: GroupRecord) -> Sequence[tuple[str, str, Key]]:
+    return PATH[:1] if record.axes[0].loop.jerk == "none" else PATH
 
 
 def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
     """What all axes are told alike: value, what limits it, and what is typed in."""
-    text, told, jerk = words.text, record.corner_rule, _limits_jerk(record)
+    text, told = words.text, record.corner_rule
     item = say_filter(record.filter, words)
     rows = [("setpoint-filter", item, _leads(record, words), FILTER)]
-    for name, unit, settings in PATH if jerk else PATH[:1]:
-        value = show(getattr(record.path, name), words, unit)
-        rows.append((f"group-path-{name}", value, _bound(record, name, words), settings))
+    for name, unit, key in _paths(record):
+        value = show(getattr(record.path, name), words, unit, "group-path-none")
+        rows.append((f"group-path-{name}", value, _bound(record, name, words), (key,)))
     value = show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none")
-    rows.append((f"group-corner-{told.kind}", value, text("group-corner-holds"), AT_CORNERS))
-    # Where the control has no place that is known, or nothing is typed in, the rule still has one.
-    of_rule = f"{told.name}{'' if told.is_verified else ' (?)'}" if told.name else DASH
-    otherwise = {AT_CORNERS: of_rule}
+    rows.append((f"group-corner-{told.kind}", value, text("group-corner-holds"), (AT_CORNERS,)))
+    # Where nothing is typed in, the rule still has a name.
+    otherwise: dict[tuple[Key, ...], str] = {(AT_CORNERS,): told.name or DASH}
     heads = {"quantity": 1.7, "value": 1.6, "bound-by-column": 1.9, "group-typed": 3.6}
     return Table(
         caption=text("group-together-caption"),
@@ -210,17 +214,17 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
             for head, width in heads.items()
         ),
         rows=tuple(
-            (text(name), value, why, _type(parts, settings, words) or otherwise.get(settings, DASH))
-            for name, value, why, settings in rows
+            (text(name), value, why, _type(parts, keys, words) or otherwise.get(keys, DASH))
+            for name, value, why, keys in rows
         ),
     )
 
 
-def _type(parts: Sequence[Part], settings: Sequence[Setting], words: Catalogue) -> str:
+def _type(parts: Sequence[Part], keys: Sequence[Key], words: Catalogue) -> str:
     """What is typed in for some settings, each name once; "" where the control has no place."""
     found = {}
     for entry in (entry for part in parts for entry in part.entries):
-        if entry.row.setting in settings:
+        if entry.row.key in keys:
             name = _parameter(entry, words)
             found[name] = f"{name} = {show_typed(entry.value, entry, words)}"
             if entry.old:
@@ -242,10 +246,13 @@ def _leads(record: GroupRecord, words: Catalogue) -> str:
 
 
 def _bound(record: GroupRecord, name: str, words: Catalogue) -> str:
-    """Whose limit it is; the tolerance where it is less than that of each axis."""
+    """What it bounds: nothing where the limits of the axes do, which hold in every direction."""
+    told = getattr(record.path, name)
     limits = {axis.name: getattr(axis.limits.recommended, name) for axis in record.axes}
     least = min(limits, key=lambda axis: limits[axis])
-    if isclose(getattr(record.path, name), limits[least], rel_tol=1e-3):
+    if told is None or told > max(limits.values()) * UNBOUND * JUST_BELOW:
+        return words.text("group-bound-by-axes")
+    if isclose(told, limits[least], rel_tol=1e-3):
         return words.text("group-bound-by-axis", name=least)
     return words.text("group-bound-by-tolerance")
 
@@ -295,16 +302,6 @@ def _bounds(record: GroupRecord, words: Catalogue) -> Iterator[str]:
         yield words.text("group-axis-bound", name=axis.name, by=by)
 
 
-def _ceilings(record: GroupRecord, path: Part, words: Catalogue) -> Iterator[str]:
-    """Why more is typed in for the path than it may use: where the axes bound it already."""
-    for name, _, settings in PATH:
-        for entry in path.entries:
-            typed = entry.row.decode(entry.value) if entry.row.setting in settings else 0.0
-            if isinstance(typed, float) and typed > ABOVE * getattr(record.path, name):
-                meaning = words.say(entry.row.text) if entry.row.text else ""
-                yield f"{_parameter(entry, words)}: {meaning}."
-
-
 def _filters(record: GroupRecord, words: Catalogue) -> Table:
     columns = (
         Quantity("setpoint-filter", lambda one: say_filter(one.filter, words), width=1.9),
@@ -320,7 +317,7 @@ def _filters(record: GroupRecord, words: Catalogue) -> Table:
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
     """Of each requirement the axis that keeps it least, and whatever is not kept."""
-    least: dict[str, CheckEntry] = {}
+    least: dict[str, GroupCheck] = {}
     names = tuple(f" {axis.name}" for axis in record.axes)
     for check in record.assessment.checks:
         own = next((name for name in names if check.name.endswith(name)), "")
@@ -329,7 +326,7 @@ def _checks(record: GroupRecord, words: Catalogue) -> Table:
             least[kind] = check
     shown = [one for one in record.assessment.checks if one in least.values() or not one.met]
 
-    def unit_of(check: CheckEntry) -> str:
+    def unit_of(check: GroupCheck) -> str:
         return check.unit
 
     columns = (
@@ -342,7 +339,7 @@ def _checks(record: GroupRecord, words: Catalogue) -> Table:
     return table(words, "group-checks-caption", columns, shown, strong=lambda check: not check.met)
 
 
-def _share_used(check: CheckEntry) -> float | None:
+def _share_used(check: GroupCheck) -> float | None:
     return None if check.value is None else check.value / check.limit
 
 
@@ -357,9 +354,9 @@ def _rests_on(record: GroupRecord, words: Catalogue) -> list[tuple[str, str]]:
     return [(", ".join(names), rests) for rests, names in found.items()]
 
 
-def second_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
+def second_page(record: GroupRecord, pair: Pair, words: Catalogue) -> Iterator[Block]:
     """Yield the circle test, feed over radius, speed over angle, and what to measure."""
-    traces = _traces(record)
+    traces = _traces(record, pair)
     yield draw_ballbar(
         words,
         names=record.plane,
@@ -396,13 +393,9 @@ def second_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     yield Form(fields=(words.text("measure-field-1"), words.text("measure-field-2")))
 
 
-def _traces(record: GroupRecord) -> dict[float, Trace]:
+def _traces(record: GroupRecord, pair: Pair) -> dict[float, Trace]:
     """The circles of the test in the nominal machine, by feed."""
-    item = read_filter(record.filter) if record.filter else None
-    return {
-        one.feed: trace_circle(record.drawn, item, radius=one.radius, feed=one.feed)
-        for one in record.circle
-    }
+    return {one.feed: trace_circle(pair, radius=one.radius, feed=one.feed) for one in record.circle}
 
 
 def _forbids(one: Any, words: Catalogue) -> str:

@@ -9,10 +9,9 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.group.circle import reversal_course
+from mtcommission.group.contours import Pair, find_ellipses
 from mtcommission.group.fit import FittedCircle, Found, fit_circles
-from mtcommission.group.held import HeldAxis, find_circle, read_plane
-from mtcommission.group.record import GroupRecord
+from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.traces import CircularTrace
 from mtcommission.messages.message import Message
 from mtcommission.verify.checks import Check, Part, Verdict, judge, judge_all, judged, what_of
@@ -103,8 +102,8 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
     InputError
         A trace holds no circle of at least a turn at constant feed.
     """
-    axes = read_plane(record)
-    circles = [foresee(axes, one) for trace in traces for one in fit_circles(trace)]
+    pair = read_pair(record)
+    circles = [foresee(pair, one) for trace in traces for one in fit_circles(trace)]
     squareness = find_squareness(circles)
     checks = [
         check
@@ -121,29 +120,18 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
     )
 
 
-def foresee(axes: tuple[HeldAxis, HeldAxis], circle: FittedCircle) -> CircleBeside:
+def foresee(pair: Pair, circle: FittedCircle) -> CircleBeside:
     """Return a circle beside what the record makes of that radius, feed and direction."""
-    radius, ellipse = find_circle(*axes, radius=circle.radius, feed=circle.feed)
+    radius, ellipse = find_ellipses(pair, radius=circle.radius, feed=circle.feed)
     course, peaks = np.zeros(circle.angle.size), []
-    for place, axis in enumerate(axes):
-        if not axis.machine.drive.has_friction:
-            peaks.append(np.zeros(0))
-            continue
-        every = [
-            reversal_course(
-                loop,
-                axis.machine.drive,
-                item=axis.setpoint_filter,
-                radius=circle.radius,
-                feed=circle.feed,
-            )
-            for loop in axis.tuned.loops
-        ]
-        peaks.append(np.array([np.abs(one).max() for one in every]))
-        step = axis.tuned.controller.velocity_cycle
-        t, own = circle.since(place), circle.angle - 0.5 * np.pi * place
-        late = np.interp(t, step * np.arange(every[0].size), every[0], right=0.0)
-        course += late * np.abs(np.cos(own))
+    for place, axis in enumerate(pair):
+        corners = range(len(axis.tuned.loops))
+        every = [axis.reversal(k, radius=circle.radius, feed=circle.feed) for k in corners]
+        peaks.append(np.array([np.abs(one).max() for one in every if one.size]))
+        if every[0].size:
+            t = axis.poles.velocity_cycle * np.arange(every[0].size)
+            late = np.interp(circle.since(place), t, every[0], right=0.0)
+            course += late * np.abs(np.cos(circle.angle - 0.5 * np.pi * place))
     return CircleBeside(
         fitted=circle,
         radius=radius,
@@ -283,6 +271,6 @@ def _warn(
     for one in (circle.fitted for circle in circles):
         if one.is_assumed:
             yield Message("group-trace-radius", file=one.trace.file, radius=one.radius)
-        a, most = one.feed**2 / one.radius, record.path.acceleration
+        a, (most, _) = one.feed**2 / one.radius, record.limits.on_circles
         if a > most * (1.0 + MODEL_SHARE):
             yield Message("group-trace-too-fast", file=one.trace.file, got=a, most=most)

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.plausibility import check_plausibility
@@ -50,6 +50,8 @@ from mtcommission.version import __version__
 
 if TYPE_CHECKING:
     from mtcommission.commission import Commissioning
+
+Sealed = TypeVar("Sealed")
 
 SCHEMA = 8
 
@@ -211,16 +213,27 @@ def load_record(path: Path) -> Record:
     InputError
         If the file is no record of this schema, or not as it was written; says what is wrong.
     """
+    return load_sealed(path, Record, schema=SCHEMA)
+
+
+def load_sealed(path: Path, form: type[Sealed], *, schema: int) -> Sealed:
+    """Return what a file holds that was sealed by its checksum.
+
+    Raises
+    ------
+    InputError
+        If the file is of another form or schema, or not as it was written; says what is wrong.
+    """
     data = load_json(path, most=LARGEST_FILE)
     if any(STEERING.search(text.translate(LAYOUT)) for text in _texts(data)):
         raise fault(path, Message("record-steers"))
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
         raise fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
-    if data["schema"] != SCHEMA:
+    if data["schema"] != schema:
         given = json.dumps(data["schema"])
-        raise fault(path, Message("record-of-other-schema", given=given, read=SCHEMA), "schema")
-    record, wrong = _read(data)
+        raise fault(path, Message("record-of-other-schema", given=given, read=schema), "schema")
+    record, wrong = _read(data, form)
     if data["checksum"] != find_checksum(data):
         edited = Message("record-edited-where", wrong=wrong) if wrong else Message("record-edited")
         raise fault(path, edited, "checksum")
@@ -241,9 +254,9 @@ def _texts(data: object) -> Iterator[str]:
             yield from _texts(inner)
 
 
-def _read(data: object) -> tuple[Record | None, Message | None]:
+def _read(data: object, form: type[Sealed]) -> tuple[Sealed | None, Message | None]:
     """The record, or the first place that is of another form in it."""
     try:
-        return to_entry(data, Record), None
+        return to_entry(data, form), None
     except WRONG as error:
         return None, next(find_faults(error))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mtcommission.control_kinds.control import Axis, Control, Typed, cycles
+from mtcommission.control_kinds.control import Axis, Control, Corner, CornerRule, Typed, cycles
 from mtcommission.control_kinds.kind import (
     EARLIER,
     MOVING_AVERAGE,
@@ -92,9 +92,25 @@ def _fanuc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
-IN_GROUP = (Row(Setting.CORNER_STEP, "1783", unit="mm/min", step=1),)
+IN_GROUP = (
+    Row(
+        Setting.TOGETHER,
+        "1783",
+        index="corner",
+        unit="mm/min",
+        step=1,
+        meaning="group-row-step",
+    ),
+)
 """Source: FANUC 0i Connection Manual (Function) B-63833EN-1/02, 7, p. 354; A-63512EN, 2.4."""
 
 CONTROL = Control(
-    kind=FANUC, rows=_fanuc, layout=TABLE, notes_of=_fanuc_notes, axis_in_group=IN_GROUP
+    kind=FANUC,
+    rows=_fanuc,
+    layout=TABLE,
+    notes_of=_fanuc_notes,
+    axis_in_group=IN_GROUP,
+    corner=CornerRule(
+        kind=Corner.STEP, source="FANUC Series 0i Connection Manual B-63833EN-1/02, 7 p. 354"
+    ),
 )

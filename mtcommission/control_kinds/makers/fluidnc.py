@@ -6,13 +6,15 @@ from mtcommission.control_kinds.control import (
     LETTERS,
     Axis,
     Control,
+    Corner,
+    CornerRule,
     Typed,
     acceleration_row,
     letter_of,
 )
 from mtcommission.control_kinds.kind import read
 from mtcommission.control_kinds.makers.stepping import make_up, sends_steps
-from mtcommission.control_kinds.row import Row, Values
+from mtcommission.control_kinds.row import Row, Setting, Values
 from mtcommission.control_kinds.syntax import YAML
 from mtcommission.messages.message import Message
 
@@ -49,6 +51,28 @@ def _fluidnc_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
+GROUP = (
+    Row(
+        Setting.TOGETHER,
+        "junction_deviation_mm",
+        index="corner",
+        unit="mm",
+        meaning="group-row-deviation",
+    ),
+)
+
 CONTROL = Control(
-    kind=FLUIDNC, rows=_fluidnc, layout=YAML, names_axes=True, notes_of=_fluidnc_notes
+    kind=FLUIDNC,
+    rows=_fluidnc,
+    layout=YAML,
+    names_axes=True,
+    notes_of=_fluidnc_notes,
+    group=GROUP,
+    corner=CornerRule(
+        kind=Corner.DEVIATION,
+        source="wiki.fluidnc.com, config; the rule is that of Grbl (?)",
+        is_verified=False,
+        least=1e-5,
+        most=1e-3,
+    ),
 )

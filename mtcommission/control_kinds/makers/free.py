@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from mtcommission.control_kinds.control import Axis, Control, say_neutrally
+from functools import partial
+
+from mtcommission.control_kinds.control import Axis, Control, Corner, CornerRule, say_neutrally
 from mtcommission.control_kinds.kind import (
     FEATURES,
     FIR,
@@ -72,21 +74,30 @@ def _state_space(axis: Axis, loop: Values) -> tuple[Row, ...]:
 
 IN_GROUP = (
     Row(Setting.WAIT, "wait", unit="ms", digits=9),
-    Row(Setting.CORNER_STEP, "velocity step at corners", unit="m/s"),
+    Row(
+        Setting.TOGETHER,
+        "velocity step at corners",
+        index="corner",
+        unit="m/s",
+        meaning="group-row-step",
+    ),
 )
 
 GROUP = (
-    Row(Setting.PATH_ACCELERATION, "path acceleration", unit="m/s^2"),
-    Row(Setting.PATH_JERK, "path jerk", unit="m/s^3"),
+    Row(Setting.TOGETHER, "path acceleration", index="acceleration", unit="m/s^2"),
+    Row(Setting.TOGETHER, "path jerk", index="jerk", unit="m/s^3"),
 )
 
-CONTROL = Control(
-    kind=GENERIC,
-    rows=_generic,
+neutral = partial(
+    Control,
     layout=TABLE,
     in_degrees=False,
     axis_in_group=IN_GROUP,
     group=GROUP,
+    axes_hold=(),
+    corner=CornerRule(kind=Corner.STEP, source=DEFINED),
 )
 
-FREE = Control(kind=STATE_SPACE, rows=_state_space, layout=TABLE, in_degrees=False)
+CONTROL = neutral(kind=GENERIC, rows=_generic)
+
+FREE = neutral(kind=STATE_SPACE, rows=_state_space)

@@ -6,13 +6,15 @@ from mtcommission.control_kinds.control import (
     LETTERS,
     Axis,
     Control,
+    Corner,
+    CornerRule,
     acceleration_row,
     jerk_row,
     letter_of,
 )
 from mtcommission.control_kinds.kind import Jerk, read
 from mtcommission.control_kinds.makers.stepping import sends_steps
-from mtcommission.control_kinds.row import Row, Values
+from mtcommission.control_kinds.row import Row, Setting, Values
 from mtcommission.control_kinds.syntax import MACHINE_DATA
 
 GRBLHAL_SOURCE = "grblHAL core at f80fc34d: settings, planner, stepper"
@@ -49,10 +51,14 @@ def _grblhal(axis: Axis, _loop: Values) -> list[Row]:
     ]
 
 
+GROUP = (Row(Setting.TOGETHER, "$11", index="corner", unit="mm", meaning="group-row-deviation"),)
+
 CONTROL = Control(
     kind=GRBLHAL,
     rows=_grblhal,
     layout=MACHINE_DATA,
     names_axes=True,
+    group=GROUP,
+    corner=CornerRule(kind=Corner.DEVIATION, source="grblHAL core at 030c8299, planner.c"),
     notes=("grblhal-builds", "grblhal-corners", "export-segments"),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from mtcommission.control_kinds.control import Axis, Control, say_mode
+from mtcommission.control_kinds.control import Axis, Control, Corner, CornerRule, say_mode
 from mtcommission.control_kinds.kind import (
     EARLIER,
     MOVING_AVERAGE,
@@ -144,9 +144,15 @@ def _heidenhain(axis: Axis, _loop: Values) -> list[Row]:
 
 
 GROUP = (
-    Row(Setting.PATH_JERK_CEILING, "maxPathJerk", unit="m/s^3"),
-    Row(Setting.PATH_JERK_CEILING, "maxPathJerkHi", unit="m/s^3"),
-    doubted(Setting.CONTOUR_TOLERANCE, "pathTolerance", unit="mm"),
+    Row(Setting.TOGETHER, "maxPathJerk", index="jerk", unit="m/s^3"),
+    Row(Setting.TOGETHER, "maxPathJerkHi", index="jerk", unit="m/s^3"),
+    doubted(
+        Setting.TOGETHER,
+        "pathTolerance",
+        index="corner",
+        unit="mm",
+        meaning="group-row-tolerance",
+    ),
 )
 """Source: MANUALplus 620 Technical Manual 01/2012, 6.16, pp. 502, 829, 834."""
 
@@ -155,5 +161,6 @@ CONTROL = Control(
     rows=_heidenhain,
     layout=TABLE,
     group=GROUP,
+    corner=CornerRule(kind=Corner.OWN, source="names second-hand", is_verified=False),
     notes=("heidenhain-path", "heidenhain-filters", "heidenhain-speed-gains", "heidenhain-itnc"),
 )

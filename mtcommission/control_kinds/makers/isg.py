@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.control_kinds.control import Axis, Control, acceleration_row, cycles
+from mtcommission.control_kinds.control import (
+    Axis,
+    Control,
+    Corner,
+    CornerRule,
+    acceleration_row,
+    cycles,
+)
 from mtcommission.control_kinds.kind import (
     MOVING_AVERAGE,
     OF_DRIVE,
@@ -153,8 +160,10 @@ def _isg(axis: Axis, loop: Values) -> Iterator[Row]:
 
 GROUP = (
     doubted(
-        Setting.CORNER_TOLERANCE,
+        Setting.TOGETHER,
         "#CONTOUR MODE [DEV, PATH_DEV v]: v",
+        index="corner",
+        meaning="group-row-arc",
         unit="mm",
         is_elsewhere=True,
     ),
@@ -166,4 +175,5 @@ CONTROL = Control(
     layout=NAMED_LIST,
     notes=("isg-gear-sets", "isg-own-limits", "isg-slope"),
     group=GROUP,
+    corner=CornerRule(kind=Corner.ARC, source="names second-hand", is_verified=False),
 )

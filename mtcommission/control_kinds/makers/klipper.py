@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 
-from mtcommission.control_kinds.control import Axis, Control, Typed, letter_of, require_linear
+from mtcommission.control_kinds.control import (
+    Axis,
+    Control,
+    Corner,
+    CornerRule,
+    Typed,
+    letter_of,
+    require_linear,
+)
 from mtcommission.control_kinds.kind import SHAPERS, FilterChoice, read
 from mtcommission.control_kinds.makers.stepping import (
     DAMPING_STEP,
@@ -119,13 +127,21 @@ def _klipper_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
 
 GROUP = (
     Row(
-        Setting.PATH_ACCELERATION,
+        Setting.TOGETHER,
         "max_accel",
+        index="acceleration",
         unit="mm/s^2",
         meaning="klipper-tool-head",
         section="printer",
     ),
-    Row(Setting.CORNER_SPEED, "square_corner_velocity", unit="mm/s", section="printer"),
+    Row(
+        Setting.TOGETHER,
+        "square_corner_velocity",
+        index="corner",
+        unit="mm/s",
+        meaning="group-row-speed",
+        section="printer",
+    ),
 )
 
 CONTROL = Control(
@@ -136,4 +152,6 @@ CONTROL = Control(
     notes_of=_klipper_notes,
     names_axes=True,
     group=GROUP,
+    axes_hold=(),
+    corner=CornerRule(kind=Corner.JUNCTION, source="Klipper 84104bbb, toolhead.py"),
 )

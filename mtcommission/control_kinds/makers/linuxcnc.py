@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 from mtcommission.control_kinds.control import (
     LETTERS,
     Axis,
     Control,
+    Corner,
+    CornerRule,
     acceleration_row,
     jerk_row,
     letter_of,
@@ -87,19 +91,28 @@ def _linuxcnc(axis: Axis, loop: Values) -> list[Row]:
 
 GROUP = (
     Row(
-        Setting.PATH_ACCELERATION_CEILING,
+        Setting.TOGETHER,
         "MAX_LINEAR_ACCELERATION",
+        index="acceleration",
         unit="mm/s^2",
         section="TRAJ",
     ),
     Row(
-        Setting.PATH_JERK,
+        Setting.TOGETHER,
         "MAX_LINEAR_JERK",
+        index="jerk",
         unit="mm/s^3",
         meaning="linuxcnc-path-jerk",
         section="TRAJ",
     ),
-    Row(Setting.CORNER_TOLERANCE, "G64 P", unit="mm", is_elsewhere=True),
+    Row(
+        Setting.TOGETHER,
+        "G64 P",
+        index="corner",
+        unit="mm",
+        meaning="group-row-arc",
+        is_elsewhere=True,
+    ),
 )
 
 CONTROL = Control(
@@ -108,5 +121,11 @@ CONTROL = Control(
     layout=INI,
     names_axes=True,
     group=GROUP,
+    axes_hold=("acceleration",),
+    corner=CornerRule(
+        kind=Corner.ARC,
+        source="LinuxCNC 5c41560e, blendmath.c: 0.866 of the acceleration for the arc",
+        share=sqrt(0.75),
+    ),
     notes=("linuxcnc-units", "linuxcnc-joints", "linuxcnc-least-jerk"),
 )

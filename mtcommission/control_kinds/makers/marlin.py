@@ -8,6 +8,8 @@ from math import sqrt
 from mtcommission.control_kinds.control import (
     Axis,
     Control,
+    Corner,
+    CornerRule,
     Typed,
     acceleration_row,
     letter_of,
@@ -154,6 +156,20 @@ def _marlin_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     )
 
 
+GROUP = (Row(Setting.TOGETHER, "M205 J", index="corner", unit="mm", meaning="group-row-deviation"),)
+
 CONTROL = Control(
-    kind=MARLIN, rows=_marlin, layout=G_CODE, names_axes=True, shapers=USUAL, notes_of=_marlin_notes
+    kind=MARLIN,
+    rows=_marlin,
+    layout=G_CODE,
+    names_axes=True,
+    shapers=USUAL,
+    notes_of=_marlin_notes,
+    group=GROUP,
+    corner=CornerRule(
+        kind=Corner.DEVIATION,
+        source="Marlin 5ec63799, planner.cpp: junction deviation",
+        least=JUNCTION_DEVIATIONS[0],
+        most=JUNCTION_DEVIATIONS[1],
+    ),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.control_kinds.control import Axis, Control, Typed, say_mode
+from mtcommission.control_kinds.control import Axis, Control, Corner, CornerRule, Typed, say_mode
 from mtcommission.control_kinds.kind import (
     EARLIER,
     MOVING_AVERAGE,
@@ -297,14 +297,21 @@ def _sinumerik_notes(axis: Axis, _typed: Typed) -> tuple[Message, ...]:
 IN_GROUP = (
     fixed("N32900 $MA_DYN_MATCH_ENABLE", "1", "group-row-match"),
     Row(Setting.WAIT, "N32910 $MA_DYN_MATCH_TIME[0]", unit="s", digits=6),
-    Row(Setting.CORNER_TOLERANCE, "N33100 $MA_COMPRESS_POS_TOL", unit="mm"),
+    Row(
+        Setting.TOGETHER,
+        "N33100 $MA_COMPRESS_POS_TOL",
+        index="corner",
+        unit="mm",
+        meaning="group-row-arc",
+    ),
 )
-"""Source: 828D Basic Functions 09/2011, G2 7.5; 01/2015, B1 4.3 p. 193 (for G642 and G643)."""
+"""Source: 828D Basic Functions 09/2011, G2 7.5, and 802S p. 4-41 (0.0960 s, more exactly for fine
+adaptation; that it acts in parts of a position cycle (?)); 01/2015, B1 4.3 p. 193."""
 
 GROUP = (
     fixed("N42502 $SC_IS_SD_MAX_PATH_ACCEL", "1", "group-row-acceleration-on"),
-    Row(Setting.PATH_ACCELERATION_CEILING, "N42500 $SC_SD_MAX_PATH_ACCEL", unit="m/s^2"),
-    doubted(Setting.PATH_JERK_CEILING, "N20600 $MC_MAX_PATH_JERK[0]", unit="m/s^3"),
+    Row(Setting.TOGETHER, "N42500 $SC_SD_MAX_PATH_ACCEL", index="acceleration", unit="m/s^2"),
+    doubted(Setting.TOGETHER, "N20600 $MC_MAX_PATH_JERK[0]", index="jerk", unit="m/s^3"),
 )
 """Source: 828D Basic Functions 09/2011, B2 4.2.6 and 4.2.12.3; the index of MD20600 (?)."""
 
@@ -315,4 +322,9 @@ CONTROL = Control(
     notes_of=_sinumerik_notes,
     axis_in_group=IN_GROUP,
     group=GROUP,
+    corner=CornerRule(
+        kind=Corner.ARC,
+        source="SINUMERIK Basic Functions 01/2015, B1 4.3 p. 193; that it is an arc (?)",
+        is_verified=False,
+    ),
 )

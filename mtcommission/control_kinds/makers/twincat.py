@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from mtcommission.control_kinds.control import Axis, Control
+from mtcommission.control_kinds.control import Axis, Control, Corner, CornerRule
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop, believed, read
 from mtcommission.control_kinds.makers.plcopen import constants
 from mtcommission.control_kinds.row import Row, Setting, Values
@@ -147,19 +147,19 @@ def _twincat_loop(axis: Axis, loop: Values) -> list[Row]:
 GROUP = (
     *(
         Row(
-            setting,
+            Setting.TOGETHER,
             f"#set paramPathDynamics[{number}]",
+            index=limit,
             unit="mm/s^2, mm/s^3",
             meaning="limit-path-nci",
             section=INLINE,
         )
-        for number, setting in enumerate(
-            (Setting.PATH_ACCELERATION, Setting.PATH_ACCELERATION, Setting.PATH_JERK), start=1
-        )
+        for number, limit in enumerate(("acceleration", "acceleration", "jerk"), start=1)
     ),
     Row(
-        Setting.CORNER_TOLERANCE,
+        Setting.TOGETHER,
         "#set paramVertexSmoothing(2; 2; radius)#: radius",
+        index="corner",
         unit="mm",
         meaning="group-row-parabola",
         is_elsewhere=True,
@@ -173,5 +173,11 @@ CONTROL = Control(
     layout=CONSTANTS,
     names_axes=True,
     group=GROUP,
+    axes_hold=(),
+    corner=CornerRule(
+        kind=Corner.ARC,
+        source="TwinCAT TF5100 NCI, parabolic smoothing; an arc is taken for the parabola",
+        is_verified=False,
+    ),
     notes=("twincat-jerk-unit", "twincat-no-jerk-filter"),
 )

@@ -10,7 +10,6 @@ group-other-control = "{ $got }" erhalten, die erste Achse hat "{ $first }"; Ach
 group-other-drive = eine Achse hat einen Lageregelkreis, die andere folgt ihrem Sollwert; Achsen, die zusammen fahren, sind gleich angetrieben
 group-other-cycle = { TIME($got) } erhalten, die erste Achse hat { TIME($first) }; Achsen, die zusammen fahren, haben einen Takt: angleichen
 group-other-filter = nennt ein anderes Sollwertfilter als die erste Achse; Achsen, die zusammen fahren, brauchen dasselbe: angleichen, oder "auto" schreiben, dann wird es gewählt
-group-not-a-group = ist keine group.json: mtcommission group schreibt eine
 group-bound-acceleration = Beschleunigungsgrenze
 group-bound-jerk = Ruckgrenze
 group-bound-velocity = Verfahrgeschwindigkeit
@@ -20,14 +19,17 @@ group-bound-delay = Toleranz: Verzögerungen
 group-bound-loop = Toleranz: Regelkreis
 group-where-circle = Radius { LENGTH($radius) } bei { FEED($feed) }
 group-check-circle = Kontur auf Kreisen
-group-where-line = Gerade unter 45° bis { FEED($feed) }
+group-where-line = Gerade unter { NUMBER($slope, digits: 2) }° bis { FEED($feed) }
 group-check-line = Kontur auf Geraden
 group-check-peak = Umkehrspitze, { $name }
 group-check-of = { $requirement }, { $name }
-group-delays-apart = Die Verzögerungen der Achsen unterscheiden sich um { TIME($apart) }, weniger als einen halben Lagereglertakt, was kein Warten um ganze Takte beseitigt: bei { FEED($feed) } werden Kreise schon dadurch oval.
+group-delays-apart = Die Verzögerungen der Achsen unterscheiden sich um { TIME($apart) }, und eine Stelle für eine Wartezeit ist in dieser Steuerung nicht bekannt: Bei { FEED($feed) } macht allein das Kreise oval. Den anderen Achsen die control.force_filters von { $slowest } geben und neu rechnen.
 group-no-friction = Keine Reibung angegeben: Spitzen bei der Umkehr einer Achse fehlen. drive.coulomb_friction angeben oder von identify bestimmen lassen.
+group-wait-in-parts = Dass die Steuerung in Teilen eines Lagetakts wartet, wurde nicht nachgelesen (?): messen, wie oval ein Kreis ist.
 group-rule-not-verified = Wie diese Steuerung Ecken fährt, wurde nicht im Handbuch nachgelesen: (?) kennzeichnet ihre Namen.
-group-circles-not-kept = Keine Bahnbeschleunigung hält die Toleranz auf jedem Kreis: Toleranz erhöhen, --feed senken oder die Achsen versteifen.
+group-contour-not-kept = Mit keinen Bahngrenzen, die sich eingeben lassen, wird die Toleranz eingehalten: Toleranz erhöhen, --feed senken oder die Achsen versteifen.
+group-path-without-place = Eine Stelle für Bahngrenzen ist in dieser Steuerung nicht bekannt: Die Achsgrenzen sind gesenkt, bis Kreise und Geraden die Toleranz einhalten.
+group-bound-by-contour = Kontur auf Kreisen und Geraden (eine Stelle für Bahngrenzen ist nicht bekannt)
 group-one-shaper = Ein Shaper für alle Achsen: er liegt auf der Eigenfrequenz einer von ihnen.
 group-axes = { $name }, Achsen { $axes }
 group-filter = Filter jeder Achse
@@ -45,7 +47,9 @@ group-peak = Spitze { $name }
 group-circle-of = Kreis von { LENGTH($radius) }
 group-corner-told = Ecken: { $kind ->
     [arc] { $name } { LENGTH($value) } der Toleranz für den Bogen.
-    [junction] { $name } { VELOCITY($value) } (Tempo bei 90°).
+    [junction] { $name } { VELOCITY($value) } (Geschwindigkeit bei 90°).
+    [deviation] { $name } { LENGTH($value) } (Junction Deviation).
+    [own] { $name } { LENGTH($value) } (eigenes Filter der Steuerung, nicht simuliert).
    *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
 }
 group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten oben sofort zu drehen.
@@ -55,14 +59,13 @@ group-axis = Achse
 # Export einer Gruppe: Was Steuerungen lesen, kommt ohne Sonderzeichen aus.
 group-row-wait = zusätzliche Verzögerung, mit der die Achse auf die langsamste wartet
 group-row-match = die Achse wartet auf die langsamste
-group-row-acceleration = Bahnbeschleunigung
-group-row-jerk = Bahnruck
+group-row-acceleration = Bahnbeschleunigung; oberhalb der Achsgrenzen begrenzt sie nichts
+group-row-jerk = Bahnruck; oberhalb der Achsgrenzen begrenzt er nichts
 group-row-acceleration-on = die Obergrenze der Bahnbeschleunigung wirkt
-group-row-acceleration-ceiling = Obergrenze der Bahnbeschleunigung: begrenzt Kreise und Geraden, wo diese weniger als die Achsen brauchen, sonst nichts
-group-row-jerk-ceiling = Obergrenze des Bahnrucks: begrenzt Geraden, wo diese weniger als die Achsen brauchen, sonst über diesen, wie es der Hersteller verlangt
 group-row-step = Geschwindigkeitssprung, den Ecken einer Achse zumuten dürfen
 group-row-speed = Geschwindigkeit am rechten Winkel
 group-row-arc = wie weit die Verrundung einer Ecke von ihr abweichen darf
+group-row-deviation = Junction Deviation
 group-row-parabola = Abstand der Parabel von der Ecke; simuliert wurde ein Bogen
 group-row-tolerance = Konturtoleranz; die eigenen Filter der Steuerung sind nicht simuliert
 group-part-axis = Achse { $name }
@@ -71,12 +74,13 @@ group-export-title = { $name }, Achsen { $axes }: aufeinander abgestimmte Grenzw
 # $radius: mm, $feed: m/min
 group-export-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie im Protokoll.
 group-export-other-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; NICHT WIE IM PROTOKOLL: Radius { $planned }, Form { $planned_form }. Der Steuerung fehlt, worauf die Gruppe baut, oder sie rundet es: die Profile für diese Steuerung rechnen.
+group-export-line = Geraden bis { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, in der schlechtesten Richtung: Abweichung { $deviation }.
 group-export-of = Achse { $name }: { $said }
 group-export-without-place = NICHT IN DIESEM TEXT, weil in dieser Steuerung kein Platz dafür bekannt ist: { $values }.
-group-row-wait-without-place = Wartezeit { $waits }
+group-wait-without-place = Wartezeit { $waits }
+group-acceleration-without-place = Bahnbeschleunigung { SI($value, "ACCELERATION") }
+group-jerk-without-place = Bahnruck { SI($value, "JERK") }
 group-wait-of = { $name } { TIME($wait) }
-group-row-acceleration-without-place = Bahnbeschleunigung { SI($acceleration, "ACCELERATION") }
-group-row-jerk-without-place = Bahnruck { SI($jerk, "JERK") }
 group-export-same-name = { $control } hat für die Achsen { $names } nur einen Namen: ihnen in machine.axis eigene Buchstaben geben, die Gruppe erneut rechnen oder --control generic verwenden
 group-export-no-corner = KEIN WERT FÜR ECKEN: sie mit den Geschwindigkeiten über dem Winkel aus dem Protokoll durchfahren. Ein Wert gehört zu der Steuerung, für die die Gruppe gerechnet ist; es gibt keinen, wo innerhalb der Toleranz kein Verrunden schneller ist als sofortiges Abbiegen.
 
@@ -126,9 +130,13 @@ group-filter-chosen = schwingt von denen, die Kreise nicht bremsen, zuerst ein
 group-filter-binds = erlaubt die schnellsten Kreise
 group-bound-by-axis = Grenzwert der Achse { $name }
 group-bound-by-tolerance = Konturtoleranz
+group-bound-by-axes = Grenzen der Achsen gelten
+group-path-none = die der Achsen
 group-corner-arc = Ecken: Bogentoleranz
 group-corner-step = Ecken: Geschwindigkeitssprung
 group-corner-junction = Ecken: Tempo bei 90°
+group-corner-deviation = Ecken: Junction Deviation
+group-corner-own = Ecken: eigenes Filter der Steuerung (nicht simuliert)
 group-corner-none = keiner
 group-corner-holds = Toleranz, siehe Seite 2
 group-each-caption = Für jede Achse, wie einzugeben; export group.json hat alle Parameter

@@ -10,7 +10,6 @@ group-other-control = got "{ $got }", the first axis has "{ $first }"; axes that
 group-other-drive = one axis has a position loop, the other follows its setpoint; axes that move together are driven alike
 group-other-cycle = got { TIME($got) }, the first axis has { TIME($first) }; axes that move together have one cycle: make them alike
 group-other-filter = gives another setpoint filter than the first axis; axes that move together need the same: make them alike, or write "auto" for it to be chosen
-group-not-a-group = is no group.json: mtcommission group writes one
 group-bound-acceleration = acceleration limit
 group-bound-jerk = jerk limit
 group-bound-velocity = velocity of the moves
@@ -20,14 +19,17 @@ group-bound-delay = tolerance: unequal delays
 group-bound-loop = tolerance: loop
 group-where-circle = radius { LENGTH($radius) } at { FEED($feed) }
 group-check-circle = contour on circles
-group-where-line = line at 45° up to { FEED($feed) }
+group-where-line = line at { NUMBER($slope, digits: 2) }° up to { FEED($feed) }
 group-check-line = contour on lines
 group-check-peak = peak at reversal, { $name }
 group-check-of = { $requirement }, { $name }
-group-delays-apart = The delays of the axes differ by { TIME($apart) }, less than half a position cycle, which no wait of whole cycles removes: at { FEED($feed) } that alone makes circles oval.
+group-delays-apart = The delays of the axes differ by { TIME($apart) }, and no place for a wait is known in this control: at { FEED($feed) } that alone makes circles oval. Give the other axes the control.force_filters of { $slowest } and compute again.
 group-no-friction = No friction is stated: peaks where an axis reverses are left out. Write drive.coulomb_friction, or let identify find it.
+group-wait-in-parts = That the control waits in parts of a position cycle was not read (?): measure how oval a circle is.
 group-rule-not-verified = How this control takes corners was not read in its manual: (?) marks its names.
-group-circles-not-kept = No path acceleration keeps the tolerance on every circle: raise the tolerance, lower --feed, or stiffen the axes.
+group-contour-not-kept = No limits of the path that can be told keep the tolerance: raise the tolerance, lower --feed, or stiffen the axes.
+group-path-without-place = No place for path limits is known in this control: the limits of the axes are lowered until circles and lines keep the tolerance.
+group-bound-by-contour = contour on circles and lines (no place for path limits is known)
 group-one-shaper = One shaper for all axes: it is on the mode of one of them.
 group-axes = { $name }, axes { $axes }
 group-filter = Filter of every axis
@@ -46,6 +48,8 @@ group-circle-of = Circle of { LENGTH($radius) }
 group-corner-told = Corners: { $kind ->
     [arc] { $name } { LENGTH($value) } of the tolerance for the arc.
     [junction] { $name } { VELOCITY($value) } (speed at 90°).
+    [deviation] { $name } { LENGTH($value) } (junction deviation).
+    [own] { $name } { LENGTH($value) } (the control's own filter, not simulated).
    *[step] { $name } velocity step of an axis { FEED($value) }.
 }
 group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds above.
@@ -55,14 +59,13 @@ group-axis = Axis
 # Export of a group: what controls read comes without special letters.
 group-row-wait = extra delay, by which the axis waits for the slowest
 group-row-match = the axis waits for the slowest
-group-row-acceleration = path acceleration
-group-row-jerk = path jerk
+group-row-acceleration = path acceleration; above the limits of the axes it bounds nothing
+group-row-jerk = path jerk; above the limits of the axes it bounds nothing
 group-row-acceleration-on = the ceiling of the path acceleration acts
-group-row-acceleration-ceiling = ceiling of the path acceleration: bounds circles and lines where these need less than the axes, else none
-group-row-jerk-ceiling = ceiling of the path jerk: bounds lines where these need less than the axes, else above them, as the maker wants
 group-row-step = step of velocity that corners may ask of an axis
 group-row-speed = speed at a right angle
 group-row-arc = how far the rounding of a corner may be off it
+group-row-deviation = junction deviation
 group-row-parabola = distance of the parabola from the corner; an arc was simulated
 group-row-tolerance = contour tolerance; the control's own filters are not simulated
 group-part-axis = Axis { $name }
@@ -71,12 +74,13 @@ group-export-title = { $name }, axes { $axes }: limits and loops that go togethe
 # $radius: mm, $feed: m/min
 group-export-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; equals the record.
 group-export-other-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; NOT AS IN THE RECORD: radius { $planned }, form { $planned_form }. The control lacks what the group counts on, or rounds it: compute the profiles for this control.
+group-export-line = Lines up to { NUMBER($feed, digits: 4) } m/min, simulated from this text, in the worst direction: off by { $deviation }.
 group-export-of = Axis { $name }: { $said }
 group-export-without-place = NOT IN THIS TEXT, for no place of it is known in this control: { $values }.
-group-row-wait-without-place = wait { $waits }
+group-wait-without-place = wait { $waits }
+group-acceleration-without-place = path acceleration { SI($value, "ACCELERATION") }
+group-jerk-without-place = path jerk { SI($value, "JERK") }
 group-wait-of = { $name } { TIME($wait) }
-group-row-acceleration-without-place = path acceleration { SI($acceleration, "ACCELERATION") }
-group-row-jerk-without-place = path jerk { SI($jerk, "JERK") }
 group-export-same-name = { $control } has one name for the axes { $names }: give them letters of their own in machine.axis, compute the group again, or use --control generic
 group-export-no-corner = NO VALUE FOR CORNERS: pass them at the speeds over the angle of the record. A value belongs to the control that the group was computed for; there is none where no rounding within the tolerance is faster than turning at once.
 
@@ -126,9 +130,13 @@ group-filter-chosen = settles first of those that leave circles alone
 group-filter-binds = allows the fastest circles
 group-bound-by-axis = limit of axis { $name }
 group-bound-by-tolerance = contour tolerance
+group-bound-by-axes = limits of the axes hold
+group-path-none = those of the axes
 group-corner-arc = Corners: tolerance of arc
 group-corner-step = Corners: step of velocity
 group-corner-junction = Corners: speed at 90°
+group-corner-deviation = Corners: junction deviation
+group-corner-own = Corners: the control's own filter (not simulated)
 group-corner-none = none
 group-corner-holds = tolerance, see page 2
 group-each-caption = For each axis, as typed in; export group.json has every parameter
