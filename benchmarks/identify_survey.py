@@ -20,9 +20,8 @@ from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.measurement import (
     FrequencyResponse,
-    Input,
-    Output,
     Sensor,
+    Signal,
     Source,
 )
 from mtcommission.messages.message import Message
@@ -98,8 +97,8 @@ def measure(
         coherence=np.clip(seen, 1e-3, 0.99999),
         averages=AVERAGES,
         resolution_hz=0.0,
-        input=Input.FORCE,
-        output=Output.VELOCITY,
+        input=Signal.FORCE,
+        output=Signal.VELOCITY,
         sensor=Sensor.ENCODER,
         rotary=False,
     )

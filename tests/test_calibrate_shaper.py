@@ -14,7 +14,7 @@ from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.identify.axes import by_axis
-from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
+from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
@@ -22,7 +22,6 @@ from mtcommission.identify.matching import states_differ
 from mtcommission.identify.measurement import AllDirections, Spectrum
 from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.shapers import shape
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -108,29 +107,6 @@ def test_proposals_are_those_of_klippers_own_script(states: tuple[Modes, ...]) -
         assert one.vibration == pytest.approx(float(vibration), abs=1e-6)
         assert 1e3 * one.smoothing == pytest.approx(float(smoothing), abs=1e-6)
         assert 1e3 * one.max_acceleration == pytest.approx(float(acceleration), abs=1e-3)
-
-
-def test_max_acceleration_rounds_a_corner_by_klippers_target() -> None:
-    """If it failed, max_accel would not belong to 0.12 mm: the path of a corner, integrated."""
-    (one,) = [
-        p
-        for p in propose_shapers(
-            [AllDirections(frequency_hz=LINES, density=density(ONE), is_divided=False)]
-        )
-        if p.shaper == "zv"
-    ]
-    delays, shares = shape("zv", frequency_hz=one.frequency_hz, damping_ratio=0.1)
-    centre = float(np.dot(delays, shares))
-    a, v = one.max_acceleration, CORNER_VELOCITY
-    # At the centre of the kernel: an axis that begins from the corner, another that brakes into it.
-    begun = sum(
-        share * (v * -min(centre - t, 0.0) + 0.5 * a * min(centre - t, 0.0) ** 2)
-        for t, share in zip(delays, shares, strict=True)
-    )
-    turned = sum(
-        share * 0.5 * a * (centre - t) ** 2 for t, share in zip(delays, shares, strict=True)
-    )
-    assert max(begun * np.sqrt(2.0), turned) == pytest.approx(0.12e-3, rel=1e-6)
 
 
 def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None:

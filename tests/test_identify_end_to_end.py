@@ -15,16 +15,12 @@ import numpy as np
 import pytest
 import tomlkit
 
-from mtcommission.identify.gather import gather
-from mtcommission.identify.given import Given
-from mtcommission.identify.identified import identify
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL
-from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import OUTPUTS, Plant, build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -76,8 +72,6 @@ LAG = 0.6e-3
 NOISE, AVERAGES = 0.02, 25
 LINES = np.linspace(1.0, 500.0, 500)
 
-FROM = ("set force", "actual force")
-
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
@@ -114,13 +108,11 @@ def _complete(profile: str, *, force_lag: float) -> Machine:
     return parse_profile(tomlkit.dumps(document), where="axis.toml")
 
 
-def _measure(path: Path, plant: Plant, *, sensor: str, excited_by: str, seed: int) -> str:
+def _measure(path: Path, plant: Plant, *, sensor: str, seed: int) -> str:
     """Velocity per force, with the noise that its coherence states, as an analyser writes it."""
     rng, s = np.random.default_rng(seed), 2j * np.pi * LINES
     eye, row = np.eye(plant.A.shape[0]), plant.C[OUTPUTS.index(sensor)]
     H = s * [row @ np.linalg.solve(one * eye - plant.A, plant.B.ravel()) for one in s]
-    if excited_by == "actual force":
-        H = H * (1.0 + s * LAG)
     H = H * (1.0 + NOISE * (rng.normal(size=s.size) + 1j * rng.normal(size=s.size)))
     coherence = np.full(s.size, 1.0 / (1.0 + 2.0 * AVERAGES * NOISE**2))
     heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]", "coherence"]
@@ -129,26 +121,19 @@ def _measure(path: Path, plant: Plant, *, sensor: str, excited_by: str, seed: in
     return str(path)
 
 
-def _files(folder: Path, true: Machine, *, excited_by: str, first: int = 0) -> list[str]:
-    plant = build_plant(true)
-    return [
-        _measure(folder / f"{sensor}.csv", plant, sensor=sensor, excited_by=excited_by, seed=seed)
-        for seed, sensor in enumerate(("encoder", "tcp"), start=first)
-    ]
-
-
-def _course(run: Run, folder: Path, excited_by: str) -> Course:
+def _course(run: Run, folder: Path) -> Course:
     true = _complete(TRUE, force_lag=LAG)
-    files = _files(folder, true, excited_by=excited_by)
+    files = [
+        _measure(folder / f"{sensor}.csv", build_plant(true), sensor=sensor, seed=seed)
+        for seed, sensor in enumerate(("encoder", "tcp"))
+    ]
     profile, entry = folder / "axis.toml", folder / "axis.json"
     code, _, errors = run("identify", *files, "-o", str(profile), "--json", str(entry))
     assert code == 0, errors
     found = json.loads(entry.read_text())
-    # Who measured from the set force sees the lag; else it is on the drive's papers.
-    lag = LAG
-    if excited_by == "set force":
-        lag = found["delay"]["value"] + found["lag"]["value"]
-        assert lag == pytest.approx(LAG, rel=0.05)
+    # Who measured from the set force sees the lag.
+    lag = found["delay"]["value"] + found["lag"]["value"]
+    assert lag == pytest.approx(LAG, rel=0.05)
     machine = _complete(profile.read_text(), force_lag=lag)
     tuned = tune_loop(machine)
     choice = choose_limits(machine, build_plant(machine), tuned)
@@ -187,11 +172,8 @@ def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
         assert abs(one.value - value) < 3.5 * one.sigma
 
 
-@pytest.mark.parametrize("excited_by", FROM)
-def test_limits_of_the_identified_axis_hold_on_the_true_one(
-    run: Run, tmp_path: Path, excited_by: str
-) -> None:
-    course = _course(run, tmp_path, excited_by)
+def test_limits_of_the_identified_axis_hold_on_the_true_one(run: Run, tmp_path: Path) -> None:
+    course = _course(run, tmp_path)
     assert len(course.tuned.corners) == 5  # the intervals are corners
     said = course.choice.candidate
     assert said.assessment.is_met
@@ -202,28 +184,3 @@ def test_limits_of_the_identified_axis_hold_on_the_true_one(
     limits = course.choice.limits
     steep = MotionLimits(acceleration=limits.acceleration, jerk=3.0 * limits.jerk)
     assert not course.judge(steep).assessment.is_met
-
-
-@pytest.mark.parametrize("excited_by", FROM)
-def test_intervals_hold_the_true_values_as_often_as_they_say(
-    tmp_path: Path, excited_by: str
-) -> None:
-    """From the set force its lag would make the gains smaller, were it not found."""
-    true = _complete(TRUE, force_lag=LAG)
-    assert isinstance(true.mechanics, Modal)
-    held = []
-    for first in range(0, 20, 2):
-        files = _files(tmp_path, true, excited_by=excited_by, first=first)
-        found = identify(gather(files, Given())).part
-        pairs = [(found.moving_mass, true.mechanics.moving_mass)]
-        for seen, mode in zip(found.modes, true.mechanics.modes, strict=True):
-            pairs += [
-                (seen.frequency_hz, mode.natural_frequency / (2.0 * np.pi)),
-                (seen.damping_ratio, mode.damping_ratio),
-                (seen.tcp_gain, mode.tcp_gain),
-                (seen.measured_gain, mode.measured_gain),
-            ]
-        held += [
-            one is not None and abs(one.value - value) <= 2 * one.sigma for one, value in pairs
-        ]
-    assert np.mean(held) >= 0.9

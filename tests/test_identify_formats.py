@@ -16,9 +16,8 @@ from mtcommission.identify.gather import gather, read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
     FrequencyResponse,
-    Input,
-    Output,
     Sensor,
+    Signal,
     Spectrum,
     TimeRecord,
 )
@@ -27,7 +26,7 @@ from tests import identify_files as made
 LINES = made.LINES
 ENCODER, TOOL = made.response(LINES), made.response(LINES, sensor="tcp", derivative=2)
 GAMMA2 = np.linspace(0.9, 0.999, LINES.size)
-FORCE = Given(sensor=Sensor.ENCODER, input="force", output=Output.VELOCITY)
+FORCE = Given(sensor=Sensor.ENCODER, input="force", output=Signal.VELOCITY)
 
 
 def one(data: bytes, given: Given = FORCE) -> FrequencyResponse:
@@ -65,7 +64,7 @@ def test_response_tables_in_every_dialect(separator: str, decimal: str, end: str
     same(found, ENCODER)
     assert found.coherence == pytest.approx(GAMMA2)
     assert (found.input, found.output, found.sensor) == (
-        Input.FORCE, Output.VELOCITY, Sensor.ENCODER,
+        Signal.FORCE, Signal.VELOCITY, Sensor.ENCODER,
     )  # fmt: skip
     assert not found.rotary
 
@@ -153,7 +152,7 @@ def test_sinumerik_session() -> None:
     found = one(made.session(LINES, ENCODER, GAMMA2), Given())
     same(found, ENCODER, close=1e-12)
     assert found.coherence == pytest.approx(GAMMA2, rel=1e-12)
-    assert (found.output, found.sensor, found.rotary) == (Output.VELOCITY, Sensor.ENCODER, True)
+    assert (found.output, found.sensor, found.rotary) == (Signal.VELOCITY, Sensor.ENCODER, True)
 
 
 def test_a_session_may_lack_the_line_at_zero() -> None:
@@ -174,7 +173,7 @@ def test_a_session_with_a_real_coherence_and_lengths_elsewhere() -> None:
 
 
 def test_sinumerik_measurement_by_its_spectra() -> None:
-    given = Given(input="torque", output=Output.VELOCITY)
+    given = Given(input="torque", output=Signal.VELOCITY)
     found = one(made.measurement(LINES, ENCODER, GAMMA2), given)
     same(found, ENCODER, close=1e-9)
     assert found.coherence == pytest.approx(GAMMA2, rel=1e-9)
@@ -186,7 +185,7 @@ def test_the_real_sinumerik_measurement_is_that_of_a_loop() -> None:
     name = str(made.REAL / "sinumerik" / "freq_trace.XML")
     with pytest.raises(InputError, match="closed loop from its setpoint"):
         gather([name], Given())
-    (found,) = gather([name], Given(input="torque", output=Output.VELOCITY)).responses
+    (found,) = gather([name], Given(input="torque", output=Signal.VELOCITY)).responses
     assert found.source.measured_on == "2022-11-23"
     # From the time series of the two directions, transformed here.
     assert np.abs(found.values[0]) == pytest.approx(1.002, abs=0.01)
@@ -202,7 +201,7 @@ def test_uff_with_coherence_and_units() -> None:
     found = one(data, Given(sensor=Sensor.TCP))
     assert found.values == pytest.approx(H * 9.80665 / 9.81, rel=1e-6)
     assert found.coherence == pytest.approx(GAMMA2, rel=1e-6)
-    assert found.output is Output.ACCELERATION
+    assert found.output is Signal.ACCELERATION
 
 
 def test_klipper_spectra_of_three_versions() -> None:
@@ -363,7 +362,7 @@ BROKEN = {
     ),
     "unknown unit": (made.table(["f", "re [V/V]", "im"], MASS_LINE), Given(), "--output"),
     "unit against option": (
-        made.table(HEADS, MASS_LINE), Given(output=Output.POSITION), "that of velocity",
+        made.table(HEADS, MASS_LINE), Given(output=Signal.POSITION), "that of velocity",
     ),
     "clipped": (
         made.table(["t [s]", "force [N]", "encoder [m]"], [T, np.clip(F, -9, 9), X]),

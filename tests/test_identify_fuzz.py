@@ -6,8 +6,6 @@ MTCOMMISSION_FUZZ sets how many mutated files are tried (default: 300).
 from __future__ import annotations
 
 import os
-import time
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +14,13 @@ from benchmarks.fuzz import call
 from mtcommission.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import Finding, FrequencyResponse, Output, Sensor, Spectrum
+from mtcommission.identify.measurement import (
+    Finding,
+    FrequencyResponse,
+    Sensor,
+    Signal,
+    Spectrum,
+)
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.files import dump_json
 from mtcommission.verify.report import report, verification_entry
@@ -28,14 +32,12 @@ from tests.test_identify_formats import ENCODER, GAMMA2, LINES, time_files
 from tests.test_verify import GANTRY, axis_of, limits_of, rebuilt_of, record_of
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "300"))
-LONGEST = 5.0
-"""CPU time of one file that counts as a hang [s]; a good one takes some 10 ms."""
 
 
 def files() -> list[tuple[bytes, Given]]:
     f = np.arange(1.0, 150.0, 1.6)
     peak = 1e4 / ((1 - (f / 60) ** 2) ** 2 + 0.01) + 1.0
-    given = Given(sensor=Sensor.TCP, input="force", output=Output.VELOCITY)
+    given = Given(sensor=Sensor.TCP, input="force", output=Signal.VELOCITY)
     heads = ["f [Hz]", "re [m/s/N]", "im", "coherence"]
     columns = [LINES, ENCODER.real, ENCODER.imag, GAMMA2]
     raw = ["#time", "accel_x", "accel_y", "accel_z"]
@@ -71,7 +73,6 @@ def test_broken_files_are_used_or_refused_by_name() -> None:
         rng = np.random.default_rng([31, seed])
         data, given = good[seed % len(good)]
         broken = made.mutated(data, rng)
-        start = time.process_time()
         findings, error = attempt(broken, given)
         if error is not None:
             refused += 1
@@ -87,7 +88,6 @@ def test_broken_files_are_used_or_refused_by_name() -> None:
             if isinstance(one, Spectrum):
                 assert np.isfinite(one.density).all(), seed
             assert all(words.say(remark) for remark in one.remarks), seed
-        assert time.process_time() - start < LONGEST, seed
     assert used > 0.1 * COUNT  # else nothing beyond the readers was tried
     assert refused > 0.2 * COUNT
 
@@ -103,9 +103,7 @@ def test_broken_files_end_the_command_with_0_1_or_2(tmp_path: Path) -> None:
         options += [f"--input={given.input}"] if given.input else []
         options += [f"--output={given.output}"] if given.output else []
         options += [f"--columns={name}={column}" for name, column in given.columns.items()]
-        start = time.process_time()
         code, said = call("identify", str(path), *options, "-o", str(tmp_path / "new.toml"))
-        assert time.process_time() - start < LONGEST, seed
         assert code in (0, 1, 2), (seed, said)
         assert "Traceback" not in said, seed
         assert code in (0, 1) or "broken.dat" in said or "--columns" in said, (seed, said)
@@ -132,21 +130,3 @@ def test_broken_traces_are_judged_or_refused_by_name(tmp_path: Path) -> None:
     assert all("None" not in str(error) for error in refused)
     assert judged
     assert refused
-
-
-def test_reading_takes_time_and_space_in_proportion_to_the_file() -> None:
-    """Twenty times the rows, not four hundred times the time."""
-    rows = np.column_stack([np.arange(200_000) * 1e-4, np.sin(np.arange(200_000) * 0.1)] * 2)
-
-    def cost(count: int) -> tuple[float, int, int]:
-        data = made.table(["t [s]", "force [N]", "a [s]", "encoder [m]"], list(rows[:count].T))
-        tracemalloc.start()
-        start = time.process_time()
-        attempt(data, Given())
-        peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return time.process_time() - start, peak, len(data)
-
-    short, long = cost(10_000), cost(200_000)
-    assert long[0] < 60 * short[0]
-    assert long[1] < 40 * long[2]

@@ -111,11 +111,3 @@ def test_a_profile_with_such_a_misfit_is_never_taken_without_a_word(
     code, printed, said = run("check", str(new))
     assert code == 0, said
     assert "misfit 60, at most 10" in " ".join(printed.split())
-
-
-def test_a_good_fit_says_nothing_of_it(run: Run, tmp_path: Path) -> None:
-    file, new = _table(tmp_path / "x.csv", _plant(LINES)), tmp_path / "x.toml"
-    code, printed, _ = run("identify", file, "-o", str(new), "--force")
-    assert code == 0
-    assert printed.startswith("Identified axis")
-    assert not new.read_text(encoding="utf-8").startswith("# Forced")

@@ -14,8 +14,8 @@ from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
-    Input,
     Sensor,
+    Signal,
     Spectrum,
 )
 from tests import identify_files as made
@@ -241,7 +241,7 @@ def test_a_tool_shaken_by_its_motor_shows_the_modes_on_a_held_motor(drive: str) 
     given = Given(input="acceleration", sensor=Sensor.TCP)
     heads = ["t [s]", "motor_acceleration [m/s^2]", "acceleration [m/s^2]"]
     one = found(heads, columns, given)
-    assert one.input is Input.ACCELERATION
+    assert one.input is Signal.ACCELERATION
     assert one.sensor is Sensor.TCP
     assert "identify-no-reference" not in kinds(one)
     axis = identify(Evidence(findings=(one,))).part

@@ -15,7 +15,11 @@ import pytest
 from mtcommission.errors import InputError
 from mtcommission.identify.gather import gather, read_file
 from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import FrequencyResponse, Output, Sensor
+from mtcommission.identify.measurement import (
+    FrequencyResponse,
+    Sensor,
+    Signal,
+)
 from tests import identify_files as made
 from tests.test_cli import Run, run
 
@@ -113,7 +117,7 @@ def test_of_several_records_the_last_is_taken_and_the_others_have_names(tmp_path
     (remark,) = [one for one in last.remarks if one.kind == "identify-last-response-taken"]
     assert remark.values["name"] == "m_pPlant[2]"
     assert remark.values["others"] == "m_pPlant[1], m_CurrentControllerResponse"
-    given = Given(input="torque", output=Output.VELOCITY, sensor=Sensor.ENCODER)
+    given = Given(input="torque", output=Signal.VELOCITY, sensor=Sensor.ENCODER)
     (other,) = gather([f"{path}@m_CurrentControllerResponse"], given).responses
     assert np.abs(other.values[0]) == pytest.approx(1.0, rel=1e-3)
     with pytest.raises(InputError, match=r"there are: m_pPlant\[1\], m_pPlant\[2\]"):

@@ -70,14 +70,22 @@ def axis_of(rebuilt: Rebuilt) -> Given:
     return Given().on(rebuilt.machine)
 
 
+def shown(name: str, file: Path, columns: dict[str, np.ndarray], **units: str) -> Verification:
+    """What ``verify`` finds in a file of these columns."""
+    own = ROTARY if rebuilt_of(name).machine.motion.value == "rotary" else UNITS
+    write_csv(file, columns, units=own | units)
+    return verify(record_of(name), [read_trace(str(file), axis_of(rebuilt_of(name)))])
+
+
+def columns_of(name: str, how: Spoilt) -> dict[str, np.ndarray]:
+    return record_moves(rebuilt_of(name), limits_of(record_of(name)), how)
+
+
 def verified(name: str, path: Path, how: Spoilt, *, only: tuple[str, ...] = ()) -> Verification:
-    record, rebuilt = record_of(name), rebuilt_of(name)
-    columns = record_moves(rebuilt, limits_of(record), how)
+    columns = columns_of(name, how)
     if only:
         columns = {key: values for key, values in columns.items() if key in ("t", "x_ref", *only)}
-    units = ROTARY if axis_of(rebuilt).rotary else UNITS
-    file = write_csv(path / "trace.csv", columns, units=units)
-    return verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    return shown(name, path / "trace.csv", columns)
 
 
 def find(found: Verification, name: str) -> Check:
@@ -129,8 +137,7 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
 @pytest.mark.parametrize("dwell", [-0.05, 0.0])
 def test_a_trace_that_ends_while_the_axis_moves_never_holds(dwell: float, tmp_path: Path) -> None:
     """Whoever stops the recorder too soon would be told of a fault of the program."""
-    found = verified(MILLING, tmp_path, Spoilt(dwell=dwell))
-    assert found.verdict is not Verdict.HOLDS
+    assert verified(MILLING, tmp_path, Spoilt(dwell=dwell)).verdict is not Verdict.HOLDS
 
 
 @pytest.mark.parametrize("share", [0.45, 0.6, 0.75])
@@ -138,11 +145,9 @@ def test_a_trace_that_ends_before_the_setpoint_does_blames_nobody(
     share: float, tmp_path: Path
 ) -> None:
     """Of such a move neither velocity nor acceleration are the planned ones yet."""
-    record, rebuilt = record_of("rotary-table"), rebuilt_of("rotary-table")
-    whole = record_moves(rebuilt, limits_of(record), Spoilt(dwell=0.0, before=0.1))
+    whole = columns_of("rotary-table", Spoilt(dwell=0.0, before=0.1))
     rows = int(share * len(whole["t"]))
-    file = write_csv(tmp_path / "cut.csv", {k: v[:rows] for k, v in whole.items()}, units=ROTARY)
-    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    found = shown("rotary-table", tmp_path / "cut.csv", {k: v[:rows] for k, v in whole.items()})
     assert all(one.motion.is_cut for one in found.recorded)
     assert found.verdict is Verdict.UNKNOWN
     assert not [check.key for check in found.checks if check.verdict is Verdict.FAILS]
@@ -151,19 +156,13 @@ def test_a_trace_that_ends_before_the_setpoint_does_blames_nobody(
 @pytest.mark.parametrize("name", ["modal-two-modes", "ball-screw"])
 def test_the_feed_forward_is_what_the_machine_would_need(name: str, tmp_path: Path) -> None:
     """A heavier machine asks for its mass, a late encoder for its delay; both are tested apart."""
-    record, rebuilt = record_of(name), rebuilt_of(name)
-    mass = rebuilt.plant.moving_mass
-    how = Spoilt(payload=0.2 * mass, repeats=2)
-    file = write_csv(tmp_path / "heavy.csv", record_moves(rebuilt, limits_of(record), how))
-    fed = suggest_feedforward(verify(record, [read_trace(str(file), axis_of(rebuilt))]))
+    mass = rebuilt_of(name).plant.moving_mass
+    fed = suggest_feedforward(verified(name, tmp_path, Spoilt(payload=0.2 * mass, repeats=2)))
     new = {one.key: one.new.value for one in fed.values}
     assert new["feedforward_mass"] == pytest.approx(1.2 * mass, rel=0.03)
     assert fed.tested == 1
     assert fed.after < 0.4 * fed.before
-    file = write_csv(
-        tmp_path / "late.csv", record_moves(rebuilt, limits_of(record), Spoilt(lag=1e-3))
-    )
-    fed = suggest_feedforward(verify(record, [read_trace(str(file), axis_of(rebuilt))]))
+    fed = suggest_feedforward(verified(name, tmp_path, Spoilt(lag=1e-3)))
     (delay,) = [one for one in fed.values if one.key == "reference_delay"]
     assert delay.new.value - delay.old == pytest.approx(1e-3, rel=0.02)
     assert fed.after < 0.1 * fed.before
@@ -178,7 +177,7 @@ def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path: Pa
     assert fed.after < 0.6 * fed.before
 
 
-@pytest.mark.parametrize("factor", [0.85, 0.9, 0.92, 1.06, 1.1, 1.15])
+@pytest.mark.parametrize("factor", [0.85, 0.92, 1.06, 1.15])
 def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) -> None:
     found = verified(GANTRY, tmp_path, Spoilt(frequency=factor, noise=1e-7))
     assert found.verdict is Verdict.FAILS
@@ -209,9 +208,8 @@ def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_bla
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
 
-@pytest.mark.parametrize("name", [MILLING, GANTRY])
-def test_a_planner_that_never_reaches_the_limits_proves_nothing(name: str, tmp_path: Path) -> None:
-    found = verified(name, tmp_path, Spoilt(slower=0.7))
+def test_a_planner_that_never_reaches_the_limits_proves_nothing(tmp_path: Path) -> None:
+    found = verified(MILLING, tmp_path, Spoilt(slower=0.7))
     assert found.warnings[0].kind == "verify-planner-below"
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
@@ -321,15 +319,12 @@ def test_a_setpoint_recorded_behind_the_delay_is_recognised(
 @pytest.mark.parametrize("name", [MILLING, GANTRY])
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path: Path) -> None:
-    record, rebuilt = record_of(name), rebuilt_of(name)
-    tau = rebuilt.controller.reference_delay
-    how = Spoilt(step=5e-4, behind=share * tau)
-    columns = record_moves(rebuilt, limits_of(record), how)
-    late = np.interp(columns["t"] - (1.0 - share) * tau, columns["t"], columns["x_ref"])
-    own = {"t": columns["t"], "x_ref": columns["x_ref"],
-           "following_error": late - columns["encoder"]}  # fmt: skip
-    file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
-    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    tau = rebuilt_of(name).controller.reference_delay
+    columns = columns_of(name, Spoilt(step=5e-4, behind=share * tau))
+    t, x = columns["t"], columns["x_ref"]
+    late = np.interp(t - (1.0 - share) * tau, t, x)
+    own = {"t": t, "x_ref": x, "following_error": late - columns["encoder"]}
+    found = shown(name, tmp_path / "e.csv", own, following_error="m")
     said = [warning.kind for warning in found.warnings]
     assert said == ["verify-behind-delay"] * (share == 1.0)
     residual = find(found, "move 1: residual deviation")
@@ -395,10 +390,8 @@ def there_and_back(name: str, how: Spoilt, count: int) -> dict[str, np.ndarray]:
 
 
 def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_path: Path) -> None:
-    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
     how = Spoilt(coulomb=80.0, viscous=400.0, payload=30.0, noise=3e-7, step=5e-4, dwell=0.6)
-    file = write_csv(tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
-    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    found = shown(GANTRY, tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
     refined = refine(found)
     new = {one.name: one.new for one in refined.parameters}
     assert new["mass"].value == pytest.approx(350.0, rel=0.01)
@@ -411,7 +404,9 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     assert refined.tested == 3
     assert refined.unexplained_after < 0.5 * refined.unexplained_before
     assert refined.force_unexplained < 0.05
-    text = renew_profile(record.profile.text, refined, words=words_of(found), date="2026-01-01")
+    text = renew_profile(
+        found.record.profile.text, refined, words=words_of(found), date="2026-01-01"
+    )
     drive = parse_profile(text, where="new").drive
     assert drive.coulomb_friction == pytest.approx(new["coulomb_friction"].value, rel=1e-4)
     entry = json.loads(json.dumps(verification_entry(report(found))))
@@ -421,10 +416,9 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
 
 
 def test_the_command_and_the_sheet_say_the_same(tmp_path: Path, capsys, monkeypatch) -> None:
-    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
-    (tmp_path / "record.json").write_text(dump_json(record), encoding="utf-8")
+    (tmp_path / "record.json").write_text(dump_json(record_of(GANTRY)), encoding="utf-8")
     how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)
-    write_csv(tmp_path / "move.csv", record_moves(rebuilt, limits_of(record), how))
+    write_csv(tmp_path / "move.csv", columns_of(GANTRY, how))
     monkeypatch.chdir(tmp_path)
 
     def run(*words: str) -> int:
@@ -459,14 +453,11 @@ def words_of(found: Verification) -> Catalogue:
 
 
 def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
-    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
-    columns = record_moves(rebuilt, limits_of(record), Spoilt(frequency=1.08))
+    columns = columns_of(GANTRY, Spoilt(frequency=1.08))
     t, tool = columns["t"], columns["tcp"]
     own = {"t": t, "x_ref": columns["x_ref"], "encoder": columns["encoder"],
            "acceleration": np.gradient(np.gradient(tool, t), t)}  # fmt: skip
-    units = {**UNITS, "acceleration": "m/s^2"}
-    file = write_csv(tmp_path / "acc.csv", own, units=units)
-    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    found = shown(GANTRY, tmp_path / "acc.csv", own, acceleration="m/s^2")
     beam = find(found, "beam: frequency")
     assert beam.verdict is Verdict.FAILS
     assert beam.measured == pytest.approx(1.08 * beam.predicted, rel=0.01)
@@ -474,14 +465,12 @@ def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
 
 
 def test_without_a_setpoint_position_and_following_error_tell_it(tmp_path: Path) -> None:
-    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
-    columns = record_moves(rebuilt, limits_of(record), Spoilt())
-    t, tau = columns["t"], rebuilt.controller.reference_delay
+    columns = columns_of(GANTRY, Spoilt())
+    t, tau = columns["t"], rebuilt_of(GANTRY).controller.reference_delay
     late = np.interp(t - tau, t, columns["x_ref"])
     own = {"t": t, "encoder": columns["encoder"], "tcp": columns["tcp"],
            "following_error": late - columns["encoder"]}  # fmt: skip
-    file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
-    found = verify(record, [read_trace(str(file), axis_of(rebuilt))])
+    found = shown(GANTRY, tmp_path / "e.csv", own, following_error="m")
     assert found.obeyed is True
     assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
 
@@ -498,8 +487,7 @@ def test_on_a_rotary_axis_torque_stands_for_force(tmp_path: Path) -> None:
 
 
 def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path) -> None:
-    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
-    columns = record_moves(rebuilt, limits_of(record), Spoilt(step=2.5e-4))
+    columns = columns_of(GANTRY, Spoilt(step=2.5e-4))
     jitter = np.random.default_rng(1).uniform(-0.2, 0.2, columns["t"].size) * 2.5e-4
     t = columns["t"] + jitter
     rows = [
@@ -514,10 +502,10 @@ def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path)
     head = "Zeit [ms];Sollposition X [mm];Istposition Geber [mm];Position Werkzeug [µm]"
     file = tmp_path / "komma.csv"
     file.write_text("\n".join([head, *rows]), encoding="utf-8")
-    trace = read_trace(str(file), axis_of(rebuilt))
+    trace = read_trace(str(file), axis_of(rebuilt_of(GANTRY)))
     kinds = {remark.kind for remark in trace.remarks}
     assert {"identify-resampled", "verify-reversed"} <= kinds
-    found = verify(record, [trace])
+    found = verify(record_of(GANTRY), [trace])
     assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
 
 
@@ -531,27 +519,16 @@ def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path)
         ("t [s],x_ref [m],encoder [mm],b", "verify-other-travel"),
         ("t [s],x_ref [rad],encoder [rad],b", "verify-other-motion"),
         ("t [s],x_ref [m],force [N],b", "verify-missing-measured"),
+        ("t [s],x_ref [m],encoder [m],b", "identify-series-not-finite"),
     ],
 )
 def test_what_a_file_lacks_is_said_with_the_remedy(head: str, kind: str, tmp_path: Path) -> None:
-    rebuilt = rebuilt_of(GANTRY)
-    t = 1e-3 * np.arange(400)
-    x = np.clip(t - 0.1, 0.0, 0.1)
-    file = tmp_path / "bad.csv"
-    np.savetxt(file, np.column_stack([t, x, x, x]), delimiter=",", header=head, comments="")
-    with pytest.raises(InputError) as caught:
-        read_trace(str(file), axis_of(rebuilt))
-    assert caught.value.faults[0].message.kind == kind
-
-
-def test_values_that_no_measurement_gives_are_refused(tmp_path: Path) -> None:
-    """Their squares once ended the page in a traceback."""
     t = 1e-3 * np.arange(400)
     x = np.clip(t - 0.1, 0.0, 0.1)
     torn = x.copy()
-    torn[200] = 1e300
-    file = tmp_path / "torn.csv"
-    head = "t [s],x_ref [m],encoder [m]"
-    np.savetxt(file, np.column_stack([t, x, torn]), delimiter=",", header=head, comments="")
-    with pytest.raises(InputError, match="encoder holds values that no measurement gives"):
+    torn[200] = 1e300 if "not-finite" in kind else torn[200]  # its square ended in a traceback
+    file = tmp_path / "bad.csv"
+    np.savetxt(file, np.column_stack([t, x, torn, x]), delimiter=",", header=head, comments="")
+    with pytest.raises(InputError) as caught:
         read_trace(str(file), axis_of(rebuilt_of(GANTRY)))
+    assert caught.value.faults[0].message.kind == kind

@@ -191,18 +191,22 @@ def _read_given(
     sensor: str, input_: str, constant: str, measured: str, columns: list[str], profile: Path | None
 ) -> Given:
     from mtcommission.identify.given import INPUTS, Given
-    from mtcommission.identify.measurement import Output, Sensor
+    from mtcommission.identify.measurement import (
+        MOTIONS,
+        Sensor,
+        Signal,
+    )
     from mtcommission.options import Options
 
     with Options() as options:
         options.word("--sensor", sensor, ("", *(one.value for one in Sensor)))
         options.word("--input", input_, ("", *INPUTS))
-        options.word("--output", measured, ("", *(one.value for one in Output)))
+        options.word("--output", measured, ("", *(one.value for one in MOTIONS)))
     given = Given(
         sensor=Sensor(sensor) if sensor else None,
         input=input_,
         constant=read_number("--constant", constant, units=PER_AMPERE) if constant else None,
-        output=Output(measured) if measured else None,
+        output=Signal(measured) if measured else None,
         columns=read_columns(columns),
     )
     return given.on(read_machine(profile)[0]) if profile else given

@@ -10,17 +10,15 @@ far it rounds a corner.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import AllDirections
+from mtcommission.identify.measurement import AllDirections, Array
 from mtcommission.machine.identified import ShaperProposal
 from mtcommission.machine.shapers import TOLERANCE, shape
-
-Array = NDArray[np.float64]
 
 LEAST_FREQUENCIES_HZ = {"zv": 21.0, "mzv": 23.0, "ei": 29.0, "2hump_ei": 39.0, "3hump_ei": 48.0}
 """Shapers that it tries, in its order, and from which frequency."""
@@ -47,35 +45,14 @@ def _by_frequency(one: AllDirections) -> Array:
     shifted = one.frequency_hz + 0.1
     low = one.frequency_hz < 2.0 * LOWEST_LINE_HZ
     fade = np.where(low, np.exp(1.0 - (2.0 * LOWEST_LINE_HZ / shifted) ** 2), 1.0)
-    found: Array = one.density / shifted * fade
-    return found
+    return np.asarray(one.density / shifted * fade)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Tried:
-    """A shaper at every frequency, from the highest downwards; shape (n_frequencies,)."""
+class _Tried(NamedTuple):
+    """A shaper at a frequency."""
 
-    shaper: str
-    frequency_hz: Array
-    vibration: Array
-    smoothing: Array
-    max_acceleration: Array
-
-    @property
-    def score(self) -> Array:
-        """Smoothing times a function of the vibration, as its source states it."""
-        v = self.vibration
-        found: Array = self.smoothing * (v**1.5 + 0.2 * v + 0.01)
-        return found
-
-    def at(self, place: int) -> ShaperProposal:
-        return ShaperProposal(
-            shaper=self.shaper,
-            frequency_hz=float(self.frequency_hz[place]),
-            vibration=float(self.vibration[place]),
-            smoothing=float(self.smoothing[place]),
-            max_acceleration=float(self.max_acceleration[place]),
-        )
+    shaper: ShaperProposal
+    score: float  # smoothing times a function of the vibration, as its source states it
 
 
 def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, ...]:
@@ -83,53 +60,44 @@ def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, 
     if not measured:
         return ()
     proposals: list[ShaperProposal] = []
-    best, best_score = 0, np.inf
+    leader: _Tried | None = None
     for kind, least in LEAST_FREQUENCIES_HZ.items():
         tried = _try(kind, least, measured)
-        place = _best_frequency(tried)
-        found, score = tried.at(place), float(tried.score[place])
-        number = len(proposals)
-        if number == 0 or _is_better(found, score, proposals[best], best_score):
-            best, best_score, leader = number, score, found
-        else:
-            leader = proposals[best]
+        found = _best(tried)
+        if leader is None or _is_better(found, leader):
+            leader = found
         # Any frequency of this shaper that leaves less and smooths less than the leader.
-        for i in range(tried.frequency_hz.size - 1, -1, -1):
-            if tried.vibration[i] < leader.vibration and tried.smoothing[i] < leader.smoothing:
-                found = leader = tried.at(i)
-                best, best_score = number, float(tried.score[i])
-        proposals.append(found)
-    if proposals[best].shaper == "zv":
-        less = [n for n, one in enumerate(proposals) if _leaves_less(one, proposals[best])]
-        best = less[0] if less else best
-    proposals[best] = replace(proposals[best], is_recommended=True)
-    return tuple(proposals)
+        for one in reversed(tried):
+            own, other = one.shaper, leader.shaper
+            if own.vibration < other.vibration and own.smoothing < other.smoothing:
+                found = leader = one
+        proposals.append(found.shaper)
+    best = leader.shaper if leader else proposals[0]
+    if best.shaper == "zv":
+        less = (one for one in proposals[1:] if 1.1 * one.vibration < best.vibration)
+        best = next(less, best)
+    return tuple(replace(one, is_recommended=one is best) for one in proposals)
 
 
-def _is_better(
-    found: ShaperProposal, score: float, leader: ShaperProposal, leader_score: float
-) -> bool:
+def _is_better(found: _Tried, leader: _Tried) -> bool:
     """A fifth better by score, or a twentieth with a tenth less smoothing."""
-    much = 1.2 * score < leader_score
-    return much or (1.05 * score < leader_score and 1.1 * found.smoothing < leader.smoothing)
+    much = 1.2 * found.score < leader.score
+    less = 1.1 * found.shaper.smoothing < leader.shaper.smoothing
+    return much or (1.05 * found.score < leader.score and less)
 
 
-def _leaves_less(one: ShaperProposal, zv: ShaperProposal) -> bool:
-    return one.shaper != "zv" and 1.1 * one.vibration < zv.vibration
-
-
-def _best_frequency(tried: _Tried) -> int:
+def _best(tried: Sequence[_Tried]) -> _Tried:
     """The best score among the frequencies that leave nearly as little as the best one."""
-    v, score = tried.vibration, tried.score
-    chosen = int(np.argmin(v))
-    good = np.flatnonzero(v < 1.1 * v[chosen] + 0.0005)
-    for i in good[::-1].tolist():
-        if score[i] < score[chosen]:
-            chosen = i
+    chosen = min(tried, key=lambda one: one.shaper.vibration)
+    most = 1.1 * chosen.shaper.vibration + 0.0005
+    for one in reversed(tried):
+        if one.shaper.vibration < most and one.score < chosen.score:
+            chosen = one
     return chosen
 
 
-def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> _Tried:
+def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> list[_Tried]:
+    """A shaper at every frequency, from the highest downwards."""
     frequencies = np.arange(least, MOST_FREQUENCY_HZ, STEP_HZ)[::-1]
     unit = shape(kind, frequency_hz=1.0, damping_ratio=DESIGN_DAMPING)
     delays, shares = np.array(unit.delays), np.array(unit.shares)
@@ -148,21 +116,17 @@ def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> _Tried:
     late = np.maximum(T, 0.0)
     step, bend = float(shares @ late) / frequencies, float(shares @ late**2) / frequencies**2
     whole_bend = float(shares @ T**2) / frequencies**2
-
-    def smoothing(a: float) -> Array:
-        corner = sqrt(2.0) * (CORNER_VELOCITY * step + 0.5 * a * bend)
-        found: Array = np.maximum(corner, 0.5 * a * whole_bend)
-        return found
-
-    corner = 2.0 * (TARGET_SMOOTHING / sqrt(2.0) - CORNER_VELOCITY * step) / bend
-    turn = 2.0 * TARGET_SMOOTHING / whole_bend
-    return _Tried(
-        shaper=kind,
-        frequency_hz=frequencies,
-        vibration=vibration,
-        smoothing=smoothing(USUAL_ACCELERATION),
-        max_acceleration=np.maximum(np.minimum(corner, turn), 0.0),
-    )
+    corner = sqrt(2.0) * (CORNER_VELOCITY * step + 0.5 * USUAL_ACCELERATION * bend)
+    smoothing = np.maximum(corner, 0.5 * USUAL_ACCELERATION * whole_bend)
+    by_corner = 2.0 * (TARGET_SMOOTHING / sqrt(2.0) - CORNER_VELOCITY * step) / bend
+    most = np.maximum(np.minimum(by_corner, 2.0 * TARGET_SMOOTHING / whole_bend), 0.0)
+    score = smoothing * (vibration**1.5 + 0.2 * vibration + 0.01)
+    rows = np.array([frequencies, vibration, smoothing, most, score]).T.tolist()
+    keys = ("frequency_hz", "vibration", "smoothing", "max_acceleration")
+    return [
+        _Tried(ShaperProposal(shaper=kind, **dict(zip(keys, row, strict=False))), row[-1])
+        for row in rows
+    ]
 
 
 def _left(delays: Array, shares: Array, ratios: Array, zeta: float) -> Array:

@@ -67,8 +67,7 @@ def _model_of(
         (one, fit.band_hz)
         for fit in fits
         for one in fit.responses
-        if one.response.sensor is channel.sensor
-        and one.response.output.value == channel.signal.value
+        if one.response.sensor is channel.sensor and one.response.output is channel.signal
     ]
     own = [pair for pair in fitting if pair[0].response.source.file == record.source.file]
     return next(iter(own or fitting), None)

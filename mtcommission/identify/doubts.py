@@ -10,7 +10,6 @@ from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.lines import spacing_at
 from mtcommission.identify.measurement import (
     FrequencyResponse,
-    Input,
     Sensor,
     Signal,
     TimeRecord,
@@ -101,7 +100,7 @@ def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> Iterator[Message
     """
     files = {one.response.source.file for one in fit.responses}
     swings = [swing for one in records if one.source.file in files for swing in _swings(one)]
-    is_driven = fit.has(Sensor.ENCODER) and fit.responses[0].response.input is Input.FORCE
+    is_driven = fit.has(Sensor.ENCODER) and fit.responses[0].response.input is Signal.FORCE
     if not is_driven or not fit.modes or (swings and max(swings)[0] < LEAST_REVERSED):
         return
     low = fit.band_hz[0] if any(not one.is_used[0] for one in fit.responses) else 0.0

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from types import MappingProxyType
 
-from mtcommission.identify.measurement import Output, Sensor
+from mtcommission.identify.measurement import (
+    Sensor,
+    Signal,
+)
 from mtcommission.machine.machine import Machine, Motion
 
 INPUTS = ("force", "torque", "current", "acceleration")
@@ -21,7 +24,7 @@ class Given:
     sensor: Sensor | None = None  # ``--sensor``; ``FILE@tcp`` goes before it
     input: str = ""  # ``--input``, one of ``INPUTS``
     constant: float | None = None  # Force or torque per ampere, or per unit of the file [SI]
-    output: Output | None = None  # ``--output``
+    output: Signal | None = None  # ``--output``
     # ``--columns NAME=COLUMN``: our names to those of the file, with a unit in brackets where the
     # file has none; ``sample_time`` is a time.
     columns: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))

@@ -21,8 +21,7 @@ from mtcommission.identify.matching import find_spread, match_modes, middle_of
 from mtcommission.identify.measurement import (
     Array,
     Evidence,
-    Input,
-    Output,
+    Signal,
     Source,
     Spectrum,
 )
@@ -85,7 +84,7 @@ def identify(
     part = IdentifiedPart(
         created=created,
         rotary=rotary,
-        base_excited=not inputs or inputs == {Input.ACCELERATION},
+        base_excited=not inputs or inputs == {Signal.ACCELERATION},
         sources=[
             MeasuredFile(name=one.source.name, sensor=one.sensor.value, sha256=one.source.sha256)
             for one in measured
@@ -172,8 +171,8 @@ def _of_response(one: FittedResponse, fit: Fitted) -> MeasuredResponseEntry:
     if response.coherence is not None:
         coherence = np.interp(f[chosen], response.frequency_hz, response.coherence)
     length, force = ("rad", "N m") if response.rotary else ("m", "N")
-    rate = {Output.POSITION: "", Output.VELOCITY: "/s", Output.ACCELERATION: "/s²"}
-    by = force if response.input is Input.FORCE else f"{length}/s²"
+    rate = {Signal.POSITION: "", Signal.VELOCITY: "/s", Signal.ACCELERATION: "/s²"}
+    by = force if response.input is Signal.FORCE else f"{length}/s²"
     return MeasuredResponseEntry(
         name=response.source.name,
         unit=f"{length}{rate[response.output]} / ({by})",

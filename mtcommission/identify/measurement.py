@@ -21,24 +21,25 @@ LEAST_COHERENCE = 1e-4
 """Below it a line says nothing; keeps its standard error finite."""
 
 
-class Input(StrEnum):
-    """What excites the axis; current times its constant is a force."""
+class Signal(StrEnum):
+    """What is measured, and what excites the axis; the value is the name on the command line."""
 
     FORCE = "force"
-    ACCELERATION = "acceleration"
-
-
-class Output(StrEnum):
-    """What a sensor shows; the value is the name on the command line."""
-
+    TORQUE = "torque"
+    CURRENT = "current"
+    REFERENCE = "reference"
     POSITION = "position"
     VELOCITY = "velocity"
     ACCELERATION = "acceleration"
 
     @property
     def derivative(self) -> int:
-        """Power of s by which it differs from the position."""
-        return (Output.POSITION, Output.VELOCITY, Output.ACCELERATION).index(self)
+        """Power of s by which a motion differs from the position."""
+        return MOTIONS.index(self)
+
+
+FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
+MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
 
 
 class Sensor(StrEnum):
@@ -80,9 +81,8 @@ class FrequencyResponse:
     # Width of the window's main lobe, in which a narrower mode is smeared [Hz]; 0 for periodic
     # excitation without leakage, None where the file does not say.
     resolution_hz: float | None
-    # input, output, sensor: What was applied and seen, and where.
-    input: Input
-    output: Output
+    input: Signal  # A force, or an acceleration; current times its constant is a force
+    output: Signal  # A motion
     sensor: Sensor
     rotary: bool  # Whether lengths are angles [rad], forces torques [N m]
     remarks: tuple[Message, ...] = ()  # How it was estimated, what was assumed and what is doubtful
@@ -151,22 +151,6 @@ class FreeVibration:
 
 
 Finding = FrequencyResponse | Spectrum | FreeVibration
-
-
-class Signal(StrEnum):
-    """What a column of a time record holds."""
-
-    FORCE = "force"
-    TORQUE = "torque"
-    CURRENT = "current"
-    REFERENCE = "reference"
-    POSITION = "position"
-    VELOCITY = "velocity"
-    ACCELERATION = "acceleration"
-
-
-FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
-MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,8 +14,8 @@ from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
-    Input,
     Sensor,
+    Signal,
     Source,
     Spectrum,
 )
@@ -140,7 +140,7 @@ def _of_fit(fit: Fitted) -> State:
 def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
     """The surest gain of a sensor; base-excited, with the sign of the profile."""
     found = [
-        replace(gain, value=-gain.value) if one.response.input is Input.ACCELERATION else gain
+        replace(gain, value=-gain.value) if one.response.input is Signal.ACCELERATION else gain
         for one, gain in zip(fit.responses, mode.gains, strict=True)
         if one.response.sensor is sensor
     ]

@@ -19,7 +19,10 @@ from mtcommission.identify.fit.band import (
 from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
 from mtcommission.identify.fit.lines import Lines, ends_of
 from mtcommission.identify.fit.projection import Variances, find_variances
-from mtcommission.identify.measurement import FrequencyResponse, Input
+from mtcommission.identify.measurement import (
+    FrequencyResponse,
+    Signal,
+)
 from mtcommission.machine.identified import MOST_MISFIT, Estimate
 from mtcommission.messages.message import Message
 
@@ -71,7 +74,7 @@ def fit_state(
         count, low, high = len(broad), min(broad), max(broad)
         notes.append(Message("identify-background", count=count, low=low, high=high))
     found = _collect(trial)
-    is_drive = trial.by_drive and all(one.input is Input.FORCE for one in trial.used)
+    is_drive = trial.by_drive and all(one.input is Signal.FORCE for one in trial.used)
     is_rigid = any(one.has_rigid_body for one in found.responses) and len(broad) < MOST_BROAD
     shows = bool(is_rigid or found.modes)
     is_far = trial.misfit > MOST_MISFIT or found.model_error > FAR
@@ -159,7 +162,7 @@ def _response(
         lines=lines,
         polarity=polarity,
         inverse_mass=Estimate(value=polarity * inverse_mass, sigma=mass_sigma),
-        has_rigid_body=is_rigid and response.input is Input.FORCE,
+        has_rigid_body=is_rigid and response.input is Signal.FORCE,
         delay=Estimate(value=delay, sigma=delay_sigma),
         lag=Estimate(value=lag, sigma=lag_sigma) if lag else None,
         poles=fit.poles,

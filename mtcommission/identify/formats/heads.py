@@ -45,11 +45,6 @@ def words_of(name: str) -> tuple[str, ...]:
 def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
     """Return the place of a column that ``--columns`` names, and the unit that it gives it.
 
-    Raises
-    ------
-    InputError
-        There is no such column.
-
     Examples
     --------
     >>> find_column(["t", "pos"], "pos [mm]")
@@ -69,10 +64,7 @@ def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
 def find_columns(
     names: Sequence[str], said: Mapping[str, str], known: Collection[str]
 ) -> dict[int, tuple[str, str | None]]:
-    """Return our name and the unit given for each column that ``--columns`` names, by its place.
-
-    Raise InputError where a name is none of ours, or there is no such column.
-    """
+    """Return our name and the unit given for each column that ``--columns`` names, by its place."""
     found = {}
     for own, wanted in said.items():
         if own in (CLOCK, SAMPLE_TIME):

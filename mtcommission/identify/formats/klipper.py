@@ -52,10 +52,7 @@ def header_of(lines: Sequence[str]) -> str:
 
 
 def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
-    """Return the spectra or accelerations of a file of Klipper's.
-
-    Raise InputError where its numbers cannot be read.
-    """
+    """Return the spectra or accelerations of a file of Klipper's."""
     names = [name.strip().strip('"') for name in header_of(lines).split(",")]
     return _raw(lines, where=where) if names[0] == "time" else _power(lines, names, where=where)
 

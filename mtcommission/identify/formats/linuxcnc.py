@@ -19,10 +19,7 @@ PERIOD = re.compile(r"^#\s*Sampling period is\s+(\d{1,12})\s*ns", re.IGNORECASE)
 
 
 def read_halscope(lines: Sequence[str], *, where: str) -> FileContents:
-    """Return the channels of a file that halscope saved.
-
-    Raise InputError where its period or its numbers cannot be read.
-    """
+    """Return the channels of a file that halscope saved."""
     match = PERIOD.match(lines[0])
     period = 1e-9 * int(match[1]) if match else 0.0
     if period <= 0.0:

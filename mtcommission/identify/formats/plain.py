@@ -25,7 +25,7 @@ from mtcommission.identify.formats.contents import (
 from mtcommission.identify.formats.heads import CLOCK, find_column, split_head, words_of
 from mtcommission.identify.formats.table import Table, read_table
 from mtcommission.identify.given import INPUTS, Given
-from mtcommission.identify.measurement import ComplexArray, Output, Sensor
+from mtcommission.identify.measurement import MOTIONS, ComplexArray, Sensor, Signal
 from mtcommission.messages.message import Message
 
 FREQUENCY = "frequency_hz"
@@ -56,10 +56,7 @@ class _Head(NamedTuple):
 
 
 def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) -> FileContents:
-    """Return what a table holds.
-
-    Raise InputError where it is no table, or has neither times nor frequencies.
-    """
+    """Return what a table holds."""
     table = read_table(lines, where=where)
     split = map(split_head, table.heads)
     heads = [_Head(name, unit, words_of(name)) for name, unit in split]
@@ -91,19 +88,24 @@ def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) 
 
 def _said(settings: Mapping[str, str], *, where: str) -> Given:
     """What comments say where the command line may say it."""
-    sensor, output, constant = (settings.get(key) for key in ("sensor", "output", "constant"))
-    word = settings.get("input", "")
-    if word and word not in INPUTS:
-        raise refuse(where, "identify-setting-unknown", got=word)
+
+    def word(key: str, known: Collection[str]) -> str:
+        got = settings.get(key, "")
+        if got and got not in known:
+            raise refuse(where, "identify-setting-unknown", got=got)
+        return got
+
+    sensor, output = word("sensor", tuple(Sensor)), word("output", MOTIONS)
+    constant = settings.get("constant", "")
     try:
         return Given(
             sensor=Sensor(sensor) if sensor else None,
-            input=word,
-            output=Output(output) if output else None,
+            input=word("input", INPUTS),
+            output=Signal(output) if output else None,
             constant=float(constant) if constant else None,
         )
     except ValueError as error:
-        raise refuse(where, "identify-setting-unknown", got=str(error)) from error
+        raise refuse(where, "identify-setting-unknown", got=constant) from error
 
 
 def _positive(text: str) -> float | None:

@@ -42,10 +42,7 @@ def read_measured(name: str) -> bytes:
 def read_contents(
     data: bytes, columns: Mapping[str, str], *, where: str, response: str = ""
 ) -> FileContents:
-    """Return what a file holds.
-
-    Raise InputError where no reader knows it, or the one that does finds it broken.
-    """
+    """Return what a file holds."""
     if len(data) > LARGEST_FILE:
         raise refuse(where, "identify-file-too-large", most=LARGEST_FILE)
     for mark, name in _BINARY:

@@ -30,7 +30,12 @@ from mtcommission.identify.formats.contents import (
     refuse,
 )
 from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import Array, ComplexArray, Output, Sensor
+from mtcommission.identify.measurement import (
+    Array,
+    ComplexArray,
+    Sensor,
+    Signal,
+)
 from mtcommission.messages.message import Message
 
 ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
@@ -53,10 +58,7 @@ UNITY = 0.25
 
 
 def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileContents:
-    """Return the measurement, session or trace in a file.
-
-    Raise InputError where it is no XML, none of these, or a series in it is broken.
-    """
+    """Return the measurement, session or trace in a file."""
     if b"<!DOCTYPE" in data[:4096] or b"<!ENTITY" in data:
         raise refuse(where, "identify-xml-unknown", root="DOCTYPE")
     try:
@@ -244,7 +246,7 @@ def _by_spectra(
         scale=1.0,
         said=Given(
             input=SETPOINT if is_setpoint else "",
-            output=Output.VELOCITY if is_setpoint else None,
+            output=Signal.VELOCITY if is_setpoint else None,
             sensor=Sensor.ENCODER,
             motor_turn=_motor_turn(root),
         ),
@@ -313,10 +315,7 @@ def _measured(root: Element, name: str = "") -> list[Element]:
 def _frequency_unit(
     root: Element, speed: Element, response: Element, *, where: str
 ) -> tuple[float, list[Message]]:
-    """Hz per unit of the file's frequencies, which reach to half of one of its sampling rates.
-
-    Raise InputError where the last line is that in neither Hz nor rad/s.
-    """
+    """Hz per unit of the file's frequencies, which reach to half of one of its sampling rates."""
     last = float(np.max(_series(response, "m_FrequencyVector", where=where), initial=0.0))
     cycles = (*_named(speed, "m_dUpdateTimeSeconds"), *_named(root, "m_dSamplingInterval"))
     steps = [step for step in _numbers(cycles) if 1e-7 < step < 1.0]
@@ -351,7 +350,7 @@ def _response_of(
         scale=1.0,
         said=Given(
             input="torque" if rotary else "force",
-            output=Output.VELOCITY,
+            output=Signal.VELOCITY,
             sensor=Sensor.ENCODER,
             motor_turn=_motor_turn(root),
         ),

@@ -94,10 +94,7 @@ class Table:
 
 
 def read_table(lines: Sequence[str], *, where: str, first_line: int = 1, columns: int = 0) -> Table:
-    """Return the table of numbers in some lines; ``columns``: how many it must have, 0 for any.
-
-    Raise InputError with the line of what is no number, not finite or of another length.
-    """
+    """Return the table of numbers in some lines; ``columns``: how many it must have, 0 for any."""
     dialect = _find_dialect(lines, where=where)
     start = next(place for place, line in enumerate(lines) if dialect.has_row(line))
     width = len(dialect.split(lines[start]))

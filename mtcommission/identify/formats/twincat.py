@@ -35,10 +35,7 @@ def is_twincat(lines: Sequence[str]) -> bool:
 
 
 def read_twincat(lines: Sequence[str], *, where: str) -> FileContents:
-    """Return the channels of an export, those of one clock as one record.
-
-    Raise InputError where its heads or numbers cannot be read.
-    """
+    """Return the channels of an export, those of one clock as one record."""
     steps = next(place for place, line in enumerate(lines) if STEP in line)
     separator = lines[steps].split(STEP, 1)[1][:1] or "\t"
     separator = separator if separator in "\t,;" else " "

@@ -22,14 +22,17 @@ from mtcommission.identify.formats.contents import (
     refuse,
 )
 from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import Array, Output
+from mtcommission.identify.measurement import (
+    Array,
+    Signal,
+)
 from mtcommission.messages.message import Message
 
 MARK = b"    -1"
 MOST_SETS = 500
 
 _FRF, _COHERENCE, _TIME = 4, 6, 1
-_OUTPUTS = {8: Output.POSITION, 11: Output.VELOCITY, 12: Output.ACCELERATION}
+_OUTPUTS = {8: Signal.POSITION, 11: Signal.VELOCITY, 12: Signal.ACCELERATION}
 _INPUTS = {9: "force", 13: "force", 12: "acceleration"}
 _PLAIN = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N"}
 _FORCES = (9, 13)
@@ -45,10 +48,7 @@ def is_uff(data: bytes) -> bool:
 
 
 def read_uff(data: bytes, *, where: str) -> FileContents:
-    """Return the functions in a universal file.
-
-    Raise InputError where pyuff cannot read it, or it has no function of use here.
-    """
+    """Return the functions in a universal file."""
     sets = _sets(data, where=where)
     units = next((one for one in sets if one.get("type") == 164), {})
     length, force = (float(units.get(name) or 0.0) for name in ("length", "force"))

@@ -92,10 +92,7 @@ class Clock:
 
 
 def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -> Clock:
-    """Return the clock of a record; ``said``: ``--columns``, which may state the sample time.
-
-    Raise InputError where there is none, it does not rise, or its step is none of an axis.
-    """
+    """Return the clock of a record; ``said``: ``--columns``, which may state the sample time."""
     size = contents.columns[0].values.size if contents.columns else 0
     if size < LEAST_SAMPLES:
         raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)

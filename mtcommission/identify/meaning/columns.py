@@ -86,13 +86,7 @@ _ERRORS = ({"following", "error"}, {"position", "error"}, {"pos", "error"}, {"la
 def read_columns(
     columns: Sequence[Column], said: Mapping[str, str], *, where: str
 ) -> list[Meaning | None]:
-    """Return what each column is; None for one that neither name nor unit tells.
-
-    Raises
-    ------
-    InputError
-        ``--columns`` names what is not there, or a unit is that of another signal than the name.
-    """
+    """Return what each column is; None for one that neither name nor unit tells."""
     named = find_columns([column.name for column in columns], said, OWN)
     found = []
     for place, column in enumerate(columns):

@@ -32,10 +32,7 @@ Known = list[tuple[Column, Meaning]]
 def read_record(
     contents: TimeContents, source: Source, given: Given, remarks: Sequence[Message]
 ) -> TimeRecord:
-    """Return a record in SI.
-
-    Raise InputError with every fault: clock, columns that nobody knows, clipped signals.
-    """
+    """Return a record in SI."""
     where, columns = source.file, contents.columns
     clock = read_clock(contents, given.columns, where=where)
     clock.require_even(where=where)

@@ -23,9 +23,8 @@ from mtcommission.identify.meaning.columns import place_in
 from mtcommission.identify.meaning.units import read_response_unit
 from mtcommission.identify.measurement import (
     FrequencyResponse,
-    Input,
-    Output,
     Sensor,
+    Signal,
     Source,
     Spectrum,
 )
@@ -38,10 +37,7 @@ PERFECT = 1.0 - 1e-9
 def read_response(
     contents: ResponseContents, source: Source, given: Given, remarks: Sequence[Message]
 ) -> FrequencyResponse:
-    """Return a response in SI.
-
-    Raise InputError with every fault; what is missing is asked for in one of them.
-    """
+    """Return a response in SI."""
     where, said = source.name, list(remarks)
     unit = read_response_unit(contents.unit) if contents.unit else None
     given = given.over(contents.said)
@@ -50,7 +46,7 @@ def read_response(
     sensor = place_in(words_of(contents.label)) or given.sensor
     if word == SETPOINT:
         raise refuse(where, "identify-setpoint-response")
-    if sensor is None and output is Output.VELOCITY:
+    if sensor is None and output is Signal.VELOCITY:
         sensor = Sensor.ENCODER
         said.append(Message("identify-sensor-assumed", name=where))
     if unit and output and unit.output is not output:
@@ -82,7 +78,7 @@ def read_response(
         coherence=contents.coherence,
         averages=contents.averages,
         resolution_hz=contents.resolution_hz,
-        input=Input.ACCELERATION if word == "acceleration" else Input.FORCE,
+        input=Signal.ACCELERATION if word == "acceleration" else Signal.FORCE,
         output=output,
         sensor=sensor,
         rotary=rotary,
@@ -97,11 +93,6 @@ def settle(response: FrequencyResponse, given: Given, lines: Lines = NO_LINES) -
     Frequencies that fall are turned round, the line at 0 Hz is left out. Motor angle per torque
     becomes travel per force: with r radians per metre the force is r times the torque and the
     travel 1/r of the angle.
-
-    Raises
-    ------
-    InputError
-        With every fault of its numbers, or where motor and axis do not go together.
     """
     where, remarks = response.source.name, list(response.remarks)
     order = np.arange(response.frequency_hz.size)
@@ -115,7 +106,7 @@ def settle(response: FrequencyResponse, given: Given, lines: Lines = NO_LINES) -
     )
     kept = lines[order] if lines.size else lines
     fault = find_bad_lines(response.frequency_hz, kept, where=where, coherence=coherence)
-    is_force = response.input is Input.FORCE
+    is_force = response.input is Signal.FORCE
     if fault is None and is_force and (rising := find_rising(response)):
         fault = Fault(where=where, message=rising)
     if fault:
@@ -139,10 +130,7 @@ def settle(response: FrequencyResponse, given: Given, lines: Lines = NO_LINES) -
 def read_spectrum(
     contents: SpectrumContents, source: Source, given: Given, remarks: Sequence[Message]
 ) -> Spectrum:
-    """Return a spectrum whose lines can be used; the line at 0 Hz is left out.
-
-    Raise InputError with the fault of its lines.
-    """
+    """Return a spectrum whose lines can be used; the line at 0 Hz is left out."""
     kept = contents.frequency_hz > 0.0
     if contents.frequency_hz[0] < 0.0:
         kept[:] = True

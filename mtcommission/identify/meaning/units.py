@@ -9,7 +9,10 @@ import re
 from dataclasses import dataclass
 
 from mtcommission.errors import Refused
-from mtcommission.identify.measurement import Output, Signal
+from mtcommission.identify.measurement import (
+    MOTIONS,
+    Signal,
+)
 from mtcommission.units.symbols import Unit, read_unit
 
 GRAVITY = 9.80665
@@ -24,8 +27,8 @@ Exponents = tuple[int, int, int, int]
 
 _FORCE, _TORQUE = (1, 1, -2, 0), (2, 1, -2, 0)
 _RATES: dict[Exponents, tuple[Signal, bool]] = {
-    (1 - rotary, 0, -output.derivative, int(rotary)): (Signal(output.value), rotary)
-    for output in Output
+    (1 - rotary, 0, -signal.derivative, int(rotary)): (signal, rotary)
+    for signal in MOTIONS
     for rotary in (False, True)
 }
 """What each unit of a motion measures, and whether its lengths are angles."""
@@ -45,9 +48,8 @@ class SignalUnit:
 class ResponseUnit:
     """What output per input measures."""
 
-    # output, input: Input as on the command line.
-    output: Output
-    input: str
+    output: Signal
+    input: str  # As on the command line
     rotary: bool  # Whether its lengths are angles
     scale: float  # SI value of one such unit; amperes stay amperes
 
@@ -79,11 +81,11 @@ def read_response_unit(text: str) -> ResponseUnit | None:
     Examples
     --------
     >>> read_response_unit("rad/s/A")
-    ResponseUnit(output=<Output.VELOCITY: 'velocity'>, input='current', rotary=True, scale=1.0)
+    ResponseUnit(output=<Signal.VELOCITY: 'velocity'>, input='current', rotary=True, scale=1.0)
     >>> read_response_unit("um/N").scale
     1e-06
     >>> read_response_unit("s/kg").output
-    <Output.VELOCITY: 'velocity'>
+    <Signal.VELOCITY: 'velocity'>
     """
     plain = _TURNS_PER_MINUTE.sub("rpm", text.strip())
     per_current = bool(_CURRENT.search(plain))
@@ -98,9 +100,7 @@ def read_response_unit(text: str) -> ResponseUnit | None:
             exponents = _ratio(rate, force)
             without_radian = (*exponents[:3], 0)
             if unit.exponents == exponents or (rotary and unit.exponents == without_radian):
-                return ResponseUnit(
-                    Output(signal.value), per[force], rotary, unit.si_value * factor
-                )
+                return ResponseUnit(signal, per[force], rotary, unit.si_value * factor)
     return None
 
 

@@ -23,7 +23,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.measurement import Array, ComplexArray, FrequencyResponse, Output
+from mtcommission.identify.measurement import (
+    Array,
+    ComplexArray,
+    FrequencyResponse,
+    Signal,
+)
 from mtcommission.identify.responses.excitation import NEIGHBOURS, excited_band
 from mtcommission.messages.message import Message
 
@@ -79,7 +84,7 @@ class Signals:
     @property
     def is_difference(self) -> bool:
         """Whether the output is a difference."""
-        return self.response.output is Output.POSITION
+        return self.response.output is Signal.POSITION
 
     def frequencies(self, length: int) -> Array:
         """Return the lines of a transform of so many samples [Hz]."""
@@ -95,7 +100,7 @@ def prepare(
     step: float, input_: Array, output: Array, reference: Array | None, response: FrequencyResponse
 ) -> Signals:
     """Return signals without their means, a position as differences."""
-    if response.output is Output.POSITION:
+    if response.output is Signal.POSITION:
         output, input_ = np.diff(output), input_[:-1]
     if reference is not None:
         reference = reference[: input_.size] - reference[: input_.size].mean()
@@ -290,7 +295,7 @@ def _narrowest_width(found: FrequencyResponse) -> float:
     from scipy.signal import find_peaks, peak_widths  # slow to load
 
     # Times f the velocity's peaks stand on a level ground, and a position's nearly so.
-    power = 2 if found.output is Output.POSITION else 1
+    power = 2 if found.output is Signal.POSITION else 1
     size = 20.0 * np.log10(np.abs(found.values) * f**power)
     peaks, _ = find_peaks(size, prominence=LEAST_PEAK_DB)
     peaks = peaks[coherence[peaks] > CLEAR]

@@ -17,8 +17,6 @@ from mtcommission.identify.measurement import (
     Channel,
     Finding,
     FrequencyResponse,
-    Input,
-    Output,
     Sensor,
     Signal,
     TimeRecord,
@@ -46,13 +44,13 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     """
     motions = [c for c in record.channels if c.signal in MOTIONS]
     force: Array | None
-    if given.input == Input.ACCELERATION:
+    if given.input == Signal.ACCELERATION:
         force = _shaking(record)
         motions = [c for c in motions if c.sensor is Sensor.TCP]
     else:
         force = _force(record, given)
     if given.output is not None:
-        motions = [c for c in motions if c.signal.value == given.output.value]
+        motions = [c for c in motions if c.signal is given.output]
     motions = [c for c in motions if float(np.ptp(c.values)) > 0.0]
     if not motions:
         raise _refusal(record, "identify-no-motion")
@@ -95,7 +93,7 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
     reference, none = record.reference, np.zeros(0)
     if reference is not None and float(np.ptp(reference)) == 0.0:
         reference = None
-    by_force = given.input != Input.ACCELERATION
+    by_force = given.input != Signal.ACCELERATION
     others = (c.rotary for c in record.channels if c.signal in (Signal.FORCE, Signal.TORQUE))
     told = next((one for one in (motion.rotary, *others) if one is not None), given.rotary)
     found = FrequencyResponse(
@@ -105,8 +103,8 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
         coherence=none,
         averages=None,
         resolution_hz=None,
-        input=Input.FORCE if by_force else Input.ACCELERATION,
-        output=Output(motion.signal.value),
+        input=Signal.FORCE if by_force else Signal.ACCELERATION,
+        output=motion.signal,
         sensor=motion.sensor or Sensor.ENCODER,
         rotary=bool(told),
         remarks=record.remarks,
