@@ -303,11 +303,6 @@ def test_long_cruise_is_solved_exactly() -> None:
     check_motion(paper_plant(), optimum)
 
 
-def test_unknown_signal_is_refused() -> None:
-    with pytest.raises(KeyError):
-        paper_optimum(bound("v_x", 1.0))
-
-
 def paper_problem(name: str, value: float) -> BoundedProblem:
     return bounded_problem(
         paper_plant(), PAPER_STEP, force_limit=2e3, bounds=bound(name, value), horizon=0.05

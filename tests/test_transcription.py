@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -120,15 +119,6 @@ def test_times_converge_to_the_exact_ones_at_second_order(
     slope, _ = np.polyfit(np.log(grids), np.log(errors), 1)
     assert -slope == pytest.approx(2.0, abs=0.4)
     assert abs(errors[-1]) < 1.2e-4
-
-
-def test_cost_converges_to_the_exact_one_at_second_order(exact: DampingOptimum) -> None:
-    # from above: constant force per interval is a restriction, and the Gauss scheme itself is
-    # exact by comparison, so the restriction's order 2 remains
-    errors = [smoothest(N).cost / exact.cost - 1.0 for N in (100, 200, 400, 800)]
-    assert all(0.0 < fine < coarse / 2.5 for coarse, fine in pairwise(errors))
-    assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.25)
-    assert errors[-1] < 1.5e-5
 
 
 def test_damping_optimum_agrees_with_the_exact_one(exact: DampingOptimum) -> None:

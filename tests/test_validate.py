@@ -25,18 +25,15 @@ from mtcommission.messages.languages import LANGUAGES
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.solution import Bang, constant_arc, propagate
-from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
     law_residual,
-    printed_adjoint_matrix,
-    zeros,
 )
 from mtcommission.validate.bounded import bounded_rows, coasting_cost, damping_rows
 from mtcommission.validate.free import printed_control_error, scan_forces, time_rows
 from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.printed import ADJOINT, SWITCHING_TIMES, T_F
+from mtcommission.validate.printed import SWITCHING_TIMES, T_F
 from mtcommission.validate.row import Row, Verdict, claim, number, tell
 from tests.machines import paper_machine
 
@@ -55,12 +52,6 @@ def found() -> Validation:
 @pytest.fixture(scope="module")
 def plant() -> Plant:
     return build_plant(paper_machine())
-
-
-def printed_matrix() -> Array:
-    mechanics = paper_machine().mechanics
-    assert isinstance(mechanics, Manipulator)
-    return printed_adjoint_matrix(mechanics, force_lag=T)
 
 
 def rate(x: Array, force: float) -> list[float]:
@@ -172,48 +163,6 @@ def test_printed_control_integrated_by_a_general_solver(plant: Plant) -> None:
     x[1], x[4] = 0.0, x[4] - 0.1
     assert printed_control_error(plant) == pytest.approx(x, rel=1e-6, abs=1e-12)
     assert x[[4, 6, 3]] == pytest.approx([2.8e-5, 3.47, 3.87e-5], rel=0.02)
-
-
-def test_zeros_backward_are_the_exact_switches(found: Validation, plant: Plant) -> None:
-    time = found.cases.time
-    found_zeros = zeros(plant, time.certificate.adjoint_initial, t_f=time.t_f, way="back")
-    assert found_zeros == pytest.approx(np.array(time.switching_times), abs=1e-6)
-    assert zeros(plant, np.array(ADJOINT), t_f=T_F, way="back") == pytest.approx(
-        np.array(SWITCHING_TIMES), abs=2.3e-4
-    )
-
-
-def test_second_derivative_and_boundary_control_by_differences() -> None:
-    """The corrected formulas of sec. 5.2, from a motion; the printed ones are far off."""
-    x0 = np.array([1e-5, 0.0, 5e-5, 1e-3, 0.05, 3e-3, 900.0])
-    force, h = -700.0, 2e-5
-    before, after = integrate(x0, force, -h), integrate(x0, force, h)
-    measured = (before[5] - 2.0 * x0[5] + after[5]) / h**2
-    drive = -(R / (J * T) + R * D / J**2) * x0[6] + R / (J * T) * force
-    corrected = (D**2 / J - K) / J * x0[5] + D * K / J**2 * x0[2] + drive
-    printed = (D**2 - K) / J * x0[5] + D * K / J * x0[2] + drive
-    assert measured == pytest.approx(corrected, rel=1e-3)
-    assert abs(printed / measured - 1.0) > 0.1
-    kept = T * (K - D**2 / J) / R * x0[5] - T * D * K / (R * J) * x0[2] + (1.0 + T * D / J) * x0[6]
-    before, after = integrate(x0, kept, -h), integrate(x0, kept, h)
-    curvature = (before[5] - 2.0 * x0[5] + after[5]) / h**2
-    assert abs(curvature) < 1e-3 * abs(measured)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_multiplier_keeps_the_switching_function_at_zero(seed: int) -> None:
-    """Eq. (15) needs the term d/J λ_vφ: μ from d²λ_F/dt² = 0, solved for any adjoint."""
-    random = np.random.default_rng(seed)
-    adjoint = random.normal(size=7) * [50.0, 0.0, 200.0, 0.1, 0.3, 0.1, 0.0]
-    adjoint[5] = J / R * (adjoint[3] / M_B - adjoint[4] / M_S)
-    M = printed_matrix()
-    toward = np.zeros(7)
-    toward[5] = -1.0
-    curvature = (M @ M @ adjoint)[6]
-    multiplier = -curvature / (M @ toward)[6]
-    printed = J / (R * M_B) * adjoint[0] - adjoint[2] - J * D_B / (R * M_B**2) * adjoint[3]
-    assert multiplier == pytest.approx(printed + D / J * adjoint[5], rel=1e-9)
-    assert abs(multiplier - printed) > 0.1
 
 
 def ends(plant: Plant, times: Array, force: float, scale: Array) -> Array:
