@@ -37,11 +37,10 @@ from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.damping import cost_terms
-from mtcommission.optimal.motion import FollowedMotion, follow_control
+from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.problem import all_bounds
 from mtcommission.optimal.saturated import state_scales
 from mtcommission.optimal.solution import (
-    Arc,
     ArcControl,
     Bang,
     Bound,
@@ -50,6 +49,7 @@ from mtcommission.optimal.solution import (
     Interior,
     Law,
     Optimum,
+    Proof,
     TimeOptimum,
     constant_arc,
     terminal_target,
@@ -111,22 +111,15 @@ def transcribe_time_optimal(
 
     Source: Christiansen, Maurer & Zirn, secs. 5 and 5.2.
     """
-    problem = _problem(
-        plant, move, force_limit, bounds, t_f=_guess_time(plant, move, force_limit=force_limit)
-    )
-    found = _shortest(problem, settings)
-    arcs, motion = _followed(problem, found)
-    return Optimum(
+    problem = _Problem(
+        plant=plant,
         move=move,
         force_limit=force_limit,
         bounds=bounds,
-        method="transcription",
-        t_f=found.t_f,
-        arcs=arcs,
-        terminal_error=np.where(problem.fixed, motion.final - problem.target, 0.0),
-        motion=motion,
-        certificate=_certificate(plant, found),
+        t_f=_guess_time(plant, move, force_limit=force_limit),
     )
+    found = _shortest(problem, settings)
+    return _optimum(problem, found, _certificate(plant, found))
 
 
 def transcribe_damping_optimal(
@@ -154,35 +147,27 @@ def transcribe_damping_optimal(
 
     Source: Christiansen, Maurer & Zirn, sec. 6.
     """
-    c = np.zeros(plant.order)
-    for weight in weights:
-        c[plant.states.index(weight.state)] += weight.value
-    problem = _problem(plant, move, force_limit, bounds, t_f=t_f, weights=c)
-    try:
-        found = _solve(problem, settings)
-    except ComputationError as error:
-        if not problem.bounds:
-            raise
-        reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
-        raise reason or error from error
-    arcs, motion = _followed(problem, found)
-    wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
-    return Optimum(
+    problem = _Problem(
+        plant=plant,
         move=move,
         force_limit=force_limit,
         bounds=bounds,
-        method="transcription",
         t_f=t_f,
         weights=weights,
-        arcs=arcs,
-        cost_terms=cost_terms(plant, motion, weights),
-        certificate=Law(
-            adjoint_initial=found.adjoint_initial,
-            law_residual=float(np.abs(_snap(found.control) - wanted).max()),
-        ),
-        terminal_error=np.where(problem.fixed, motion.final - problem.target, 0.0),
-        motion=motion,
     )
+    try:
+        found = _solve(problem, settings)
+    except ComputationError as error:
+        if not problem.every_bound:
+            raise
+        reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
+        raise reason or error from error
+    wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
+    law = Law(
+        adjoint_initial=found.adjoint_initial,
+        law_residual=float(np.abs(_snap(found.control) - wanted).max()),
+    )
+    return _optimum(problem, found, law)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -190,14 +175,17 @@ class _Problem:
     """A move by a given time, to be solved on a grid."""
 
     plant: Plant
+    move: Move
     force_limit: float  # [N]
-    bounds: tuple[Bound, ...]  # With that on the velocity of the move
-    target: Array  # State at t_f, shape (n,)
-    fixed: NDArray[np.bool_]  # Which states are prescribed there, shape (n,)
+    bounds: tuple[Bound, ...]
     t_f: float  # [s]
-    # Of the squared states in the functional, shape (n,); None: the largest multiple of the
-    # target is wanted.
-    weights: Array | None
+    # Of the functional; None: the largest multiple of the target is wanted.
+    weights: tuple[Weight, ...] | None = None
+
+    @property
+    def every_bound(self) -> tuple[Bound, ...]:
+        """The bounds, that on the velocity of the move among them."""
+        return all_bounds(self.plant, self.move, self.bounds)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -210,27 +198,6 @@ class _Solution:
     adjoint_initial: Array  # λ(0), shape (n,), to the order of the grid
     reach: float  # Multiple of the target that is reached; 1 for the functional
     reach_rate: float  # Its increase per time [1/s]
-
-
-def _problem(
-    plant: Plant,
-    move: Move,
-    force_limit: float,
-    bounds: tuple[Bound, ...],
-    *,
-    t_f: float,
-    weights: Array | None = None,
-) -> _Problem:
-    target, fixed = terminal_target(plant, move)
-    return _Problem(
-        plant=plant,
-        force_limit=force_limit,
-        bounds=all_bounds(plant, move, bounds),
-        target=target,
-        fixed=fixed,
-        t_f=t_f,
-        weights=weights,
-    )
 
 
 def _shortest(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
@@ -261,7 +228,7 @@ def _shortest(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
 def _require_gain(problem: _Problem, found: _Solution, *, longest: float) -> None:
     if found.t_f > longest:
         raise ComputationError(Outcome.BEYOND_HORIZON, Message("ipopt-went-far", t_f=found.t_f))
-    if problem.bounds and found.reach_rate * found.t_f < NO_GAIN:
+    if problem.every_bound and found.reach_rate * found.t_f < NO_GAIN:
         detail = Message("target-not-reached", reach=found.reach, t_f=found.t_f)
         raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
 
@@ -295,19 +262,23 @@ def _solve(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
     """
     plant, F, t_f, N = problem.plant, problem.force_limit, problem.t_f, settings.intervals
     n, scales = plant.order, state_scales(plant, force_limit=F, t_f=t_f)
-    A, B, target = plant.A * scales / scales[:, None], plant.B * F / scales, problem.target / scales
-    rows = [plant.row(bound.name) * scales / bound.value for bound in problem.bounds]
+    A, B = plant.A * scales / scales[:, None], plant.B * F / scales
+    target, fixed = terminal_target(plant, problem.move)
+    rows = [plant.row(bound.name) * scales / bound.value for bound in problem.every_bound]
     x, u, reach = ca.MX.sym("x", n, N + 1), ca.MX.sym("u", 1, N), ca.MX.sym("reach")
     step = ca.MX.sym("step")  # A parameter, for the sensitivity to the final time.
     defect = _defect(A, B, settings.scheme).map(N)
     defects = defect(x[:, :-1], x[:, 1:], u, ca.repmat(step, 1, N))
-    ends = np.flatnonzero(problem.fixed).tolist()
-    missed = x[ends, -1] - reach * ca.DM(target[problem.fixed])
+    ends = np.flatnonzero(fixed).tolist()
+    missed = x[ends, -1] - reach * ca.DM((target / scales)[fixed])
     bounded = ca.vec(ca.DM(np.array(rows).reshape(-1, n)) @ x[:, 1:])
     if problem.weights is None:
         cost, most = -reach, inf
     else:
-        weights, most = problem.weights * (scales / F) ** 2, 1.0
+        most, weights = 1.0, np.zeros(n)
+        for weight in problem.weights:
+            i = plant.states.index(weight.state)
+            weights[i] += weight.value * (scales[i] / F) ** 2
         cost = _functional(weights, A * (t_f / N), settings.scheme, x, u)
     program = {
         "x": ca.vertcat(ca.vec(x), ca.vec(u), reach),
@@ -414,19 +385,33 @@ def _snap(control: Array) -> Array:
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
 
 
-def _followed(problem: _Problem, found: _Solution) -> tuple[tuple[Arc, ...], FollowedMotion]:
-    """Return the arcs, neighbours of the same full force as one, and their exact motion."""
-    control, N = _snap(found.control), found.control.size
-    edges = np.linspace(0.0, found.t_f, N + 1)
-    joined = (np.abs(control[1:]) == 1.0) & (control[1:] == control[:-1])
-    starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), N]
+def _optimum(problem: _Problem, found: _Solution, certificate: Proof) -> Optimum[Proof]:
+    """Return what was found, neighbours of the same full force as one arc, by its exact motion."""
+    plant, control = problem.plant, _snap(found.control)
+    edges = np.linspace(0.0, found.t_f, control.size + 1)
+    joined: NDArray[np.bool_] = (np.abs(control[1:]) == 1.0) & (control[1:] == control[:-1])
+    starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), control.size]
     arcs = []
     for start, end in pairwise(starts):
         force = float(control[start])
         kind: ArcControl = Bang(1 if force > 0.0 else -1) if abs(force) == 1.0 else Interior()
         span = float(edges[start]), float(edges[end])
         arcs.append(constant_arc(*span, control=kind, force=force * problem.force_limit))
-    return tuple(arcs), follow_control(problem.plant, tuple(arcs))
+    motion, weights = follow_control(plant, tuple(arcs)), problem.weights
+    target, fixed = terminal_target(plant, problem.move)
+    return Optimum(
+        move=problem.move,
+        force_limit=problem.force_limit,
+        bounds=problem.bounds,
+        method="transcription",
+        t_f=found.t_f,
+        arcs=tuple(arcs),
+        weights=weights or (),
+        cost_terms=np.zeros(0) if weights is None else cost_terms(plant, motion, weights),
+        terminal_error=np.where(fixed, motion.final - target, 0.0),
+        motion=motion,
+        certificate=certificate,
+    )
 
 
 def _certificate(plant: Plant, found: _Solution) -> Certificate:
