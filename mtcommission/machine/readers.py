@@ -47,9 +47,11 @@ class Reading:
 
     def _at(self, place: KeyPath) -> object:
         found: Any = self.data
-        for part in place:
-            is_there = part in found if isinstance(found, dict) else isinstance(found, list)
-            found = found[part] if is_there else None
+        try:
+            for part in place:
+                found = found[part]
+        except (LookupError, TypeError):  # what is left out, or stands there in another form
+            return None
         return found
 
 

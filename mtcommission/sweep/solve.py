@@ -157,14 +157,11 @@ def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Setting
 
 
 def _choose(machine: Machine, plant: Plant) -> Chosen:
-    """The steps of ``commission`` up to the choice of limits."""
-    from mtcommission.limits.choose import choose_limits
     from mtcommission.limits.optima import find_optima
-    from mtcommission.study.loops import settle_on_loop
+    from mtcommission.recommend import recommend
 
     optima = [find_optima(machine, plant, move) for move in machine.moves]
-    loop = settle_on_loop(machine)
-    return _chosen(optima, loop.choice or choose_limits(machine, plant, loop.tuned))
+    return _chosen(optima, recommend(machine).choice)
 
 
 def _run(machine: Machine, text: str, base: Plan, place: str) -> tuple[Chosen, str]:
