@@ -786,20 +786,14 @@ def test_two_records_show_what_changed_and_by_how_much():
     assert spaced["TCP height h, signed"] == ("not stated", "200 mm", "changed")
     assert spaced["Bound by"] == ("residual deviation", "set force", "changed")
     assert spaced["Settling time"] == ("105.6 ms", "not settled", "changed")
-    assert spaced["Jerk"] == ("41.2 m/s³", "41.2 m/s³", "same")
-    assert "Max force" not in spaced  # the same in both
+    assert not {"Jerk", "Max force"} & set(spaced)  # the same in both
 
 
 def test_a_record_is_the_same_as_itself_up_to_rounding():
     before, after = example_record(), example_record()
     after["limits"]["recommended"]["jerk"] *= 1.0 + 1e-12
-    document = compose(after, before=before)
-    section = next(section for section in document.sections if section.key == "differences")
-    assert ENGLISH.text("no-changed-inputs") in [
-        b.text for b in section.blocks if hasattr(b, "text")
-    ]
-    assert {row[-1] for row in changes(before, after).values()} == {"same"}
-    assert not any(table.strong_rows for table in section.blocks if isinstance(table, Table))
+    assert changes(before, after) == {}
+    assert ENGLISH.text("no-changed-inputs") in print_html(after, before=before)
 
 
 def test_a_move_that_became_another_is_not_compared_by_its_numbers():

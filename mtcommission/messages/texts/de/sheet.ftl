@@ -209,14 +209,11 @@ differences-heading = Änderungen seit dem früheren Blatt
 compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am { $created }, Profil { $name }, SHA-256 { $hash }.
 changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
 no-changed-inputs = Maschine, Bewegungen und Anforderungen sind auf beiden Blättern dieselben.
-changed-limits = Grenzwerte, vorher und nachher
-changed-result = Ergebnis, vorher und nachher
-changed-loop = Regelkreis, vorher und nachher
+changed-outcome = Grenzwerte, Ergebnis und Regelkreis: was sich geändert hat
 before = Vorher
 after = Nachher
 change = Änderung
 changed = geändert
-unchanged = gleich
 not-stated = nicht angegeben
 
 ## Motion

@@ -197,14 +197,11 @@ differences-heading = Changes since the earlier record
 compared-with = Compared with: { $machine }, axis { $axis_name }, calculated on { $created }, profile { $name }, SHA-256 { $hash }.
 changed-inputs = Machine, moves and requirements: what changed
 no-changed-inputs = Machine, moves and requirements are the same in both records.
-changed-limits = Limits, before and after
-changed-result = Result, before and after
-changed-loop = Control loop, before and after
+changed-outcome = Limits, result and loop: what changed
 before = Before
 after = After
 change = Change
 changed = changed
-unchanged = same
 not-stated = not stated
 
 ## Motion
