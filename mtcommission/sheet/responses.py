@@ -147,12 +147,10 @@ def motions(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield plots and tables of each move."""
     text = words.text
     yield note(text("motion-note", delay=show(record.loop.reference_delay, words, "s")))
-    amplitude = (Quantity("mode", lambda it: it[0]), Quantity("amplitude", lambda it: it[1], "m"))
     for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
-        short, amplitudes = text("move", number=number), move.response.mode_amplitudes
+        short = text("move", number=number)
         yield Subheading(text=move_title(move.move, number, words))
         yield Paragraph(text=reference_sentence(record, number, words))
-        yield table(words, "amplitudes-caption", amplitude, amplitudes.items(), move=short)
         yield from _motion_plots(record, number, short, words)
         yield _peaks(record, optima, move, short, words)
         yield from (note(words.say(remark)) for remark in optima.remarks)

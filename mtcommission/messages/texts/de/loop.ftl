@@ -1,4 +1,3 @@
-loop-two-sentences = { $first } { $second }
 
 loop-kp-symmetrical-optimum = Kp nach dem symmetrischen Optimum, m / (2 T_σ).
 loop-kp-largest = Kp = { PLAIN($fraction, digits: 2) } × symmetrisches Optimum, m / (2 T_σ): das größte, mit dem die Reserven in allen Eckfällen eingehalten sind.

@@ -244,8 +244,6 @@ response = Antwort des Regelkreises
 deviation = TCP-Abweichung
 peaks-caption = { $move }: größte Beträge
 signal-head = Signal
-amplitudes-caption = { $move }: Amplituden am Werkzeug nach dem Ende des Sollwerts
-amplitude = Amplitude
 comparison-heading = Vergleich mit den optimalen Steuerungen
 comparison-note = { $axis ->
     [rotary] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral des quadrierten Motormoments.

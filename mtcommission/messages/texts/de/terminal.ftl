@@ -12,7 +12,6 @@ terminal-head-reason = Grund
 terminal-head-arc = Bogen
 terminal-head-from = Von
 terminal-head-to = Bis
-terminal-head-signal = Zustand oder Ausgang
 terminal-head-peak = Spitze
 terminal-head-terminal-error = Endfehler
 terminal-head-settling = Einschw.

@@ -196,7 +196,6 @@ insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($a
 insight-shaft = { PLAIN($mass) } kg auf der Motorseite sind { PLAIN($inertia) } kg cm^2 an seiner Welle
 insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg
 insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen keine 10 % auseinander: sind sie eine Resonanz, zählt sie jetzt doppelt; mit < zurückgehen und eine weglassen
-# $rest, $enough [s]
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.

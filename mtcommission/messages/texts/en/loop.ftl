@@ -1,7 +1,6 @@
 # What was chosen for the feedback loop, by which rule, what is poor about it, and what failed.
 
 # One remark of two sentences; $first and $second are messages.
-loop-two-sentences = { $first } { $second }
 
 # By which rule a gain was chosen
 loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).

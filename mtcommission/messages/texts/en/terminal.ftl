@@ -14,7 +14,6 @@ terminal-head-reason = Reason
 terminal-head-arc = Arc
 terminal-head-from = From
 terminal-head-to = To
-terminal-head-signal = State or output
 terminal-head-peak = Peak
 terminal-head-terminal-error = Terminal error
 terminal-head-settling = Settling
@@ -83,5 +82,4 @@ terminal-weights = { $chosen ->
     [stated] Weights, from the profile
    *[balanced] Weights, balanced
 }: { $weights }
-# $sizes: steps or distances
 terminal-of-motor = what the motor follows, as stated

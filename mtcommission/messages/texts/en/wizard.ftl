@@ -133,7 +133,6 @@ ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool
 # $text: a question; $meaning: its -empty
 ask-or-leave-empty = { $text } (empty: { $meaning })
 ask-left-out = left out
-# $name: of the quantity, $number: of the mode
 ask-wizard-change = Number or key of what is to be changed
 ask-wizard-change-empty = write the profile
 ask-wizard-change-where = A number of the list, or any key of a profile, e.g. drive.max_force; < goes back to the questions.
@@ -191,7 +190,6 @@ reply-missing = an answer is needed here, e.g. { $example }
 reply-no-choice = got "{ $got }"; choose one of: { $choices }
 reply-unprintable = got control characters or bytes of another encoding; type plain text
 # $unit: with a blank before it, or empty
-# $common: span
 
 wizard-several-axes = measured on several axes ({ $axes }), each of which has a profile of its own: give the files of one, or write all profiles at once by mtcommission identify FILE... -o NEW.toml
 
@@ -210,7 +208,6 @@ insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } 
 insight-shaft = { PLAIN($mass) } kg on the motor's side are { PLAIN($inertia) } kg cm^2 at its shaft
 insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
 insight-twice-measured = { PLAIN($first) } Hz and { PLAIN($second) } Hz are less than 10 % apart: if they are one resonance, it counts twice now; go back with < and remove one
-# $rest, $enough [s]
 
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
