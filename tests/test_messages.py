@@ -191,10 +191,10 @@ def test_nothing_behind_the_results_searches_in_texts() -> None:
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_a_value_of_any_length_can_be_said(language: str) -> None:
     """A column's name of 5000 letters ended in a traceback: Fluent takes no such value."""
-    said = Catalogue(language).say(Message("record-wrong-at", key="x" * 5000, fault="y" * 5000))
+    said = Catalogue(language).say(Message("record-both", first="x" * 5000, then="y" * 5000))
     assert said.startswith("x" * 1000)
     assert 4000 <= len(said) < 4100
-    nested = Message("record-wrong-at", key="a" * 3000, fault=Message("foreign", text=said))
+    nested = Message("record-both", first="a" * 3000, then=Message("foreign", text=said))
     assert len(Catalogue(language).say(nested)) < 4100
 
 

@@ -1,4 +1,4 @@
-"""A record of another form is wrong input with its place; a fault of ours is none of the file."""
+"""A record of another form is wrong input; a fault of ours is none of the file."""
 
 from __future__ import annotations
 
@@ -23,34 +23,25 @@ def sealed(record, path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("break_it", "place"),
+    "break_it",
     [
-        (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected message"),
-        (
-            lambda r: r["moves"][0]["response"].update(max_force=None),
-            "moves[1].response.max_force: got null, expected number",
-        ),
-        (lambda r: r["plant"].update(A=1), "plant.A: got 1, expected array"),
-        (lambda r: r["loop"].pop("Kv"), "loop.Kv: missing"),
-        (
-            lambda r: r["loop"]["force_filters"][0].update(kind="x"),
-            "loop.force_filters[1].kind: got 'x', expected ",
-        ),
+        lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]),
+        lambda r: r["moves"][0]["response"].update(max_force=None),
+        lambda r: r["plant"].update(A=1),
+        lambda r: r["loop"].pop("Kv"),
+        lambda r: r["loop"]["force_filters"][0].update(kind="x"),
     ],
 )
-def test_a_place_of_another_form_is_named(break_it, place, tmp_path: Path) -> None:
-    """Another version wrote it; without its sum it was edited, and the same place is named."""
+def test_another_form_is_refused(break_it, tmp_path: Path) -> None:
+    """Another version wrote it; without its sum it was edited."""
     record = example_record()
     load_record(sealed(record, tmp_path / "good.json"))
     break_it(record)
-    with pytest.raises(InputError, match="another version of mtcommission wrote it") as refused:
+    with pytest.raises(InputError, match=r"record.json: another version of mtcommission wrote it"):
         load_record(sealed(record, tmp_path / "record.json"))
-    assert place in str(refused.value)
-    assert "record.json" in str(refused.value)
     (tmp_path / "edited.json").write_text(json.dumps(record), "utf-8")
-    with pytest.raises(InputError, match="it was edited or damaged") as refused:
+    with pytest.raises(InputError, match="it was edited or damaged"):
         load_record(tmp_path / "edited.json")
-    assert place in str(refused.value)
 
 
 def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:

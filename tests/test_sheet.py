@@ -315,7 +315,7 @@ def test_a_mode_named_as_a_word_of_the_sheet_keeps_its_name_on_a_rotary_axis(nam
     record, renamed = (json.loads(told.replace("@", mode)) for mode in ("drum", name))
     sheets = [asdict(compose(item, language)) for item in (record, renamed)]
     before, after = (json.dumps(sheet, default=str, ensure_ascii=False) for sheet in sheets)
-    assert before.count("drum") > 5
+    assert before.count("drum") > 3
     assert before.replace("drum", name) == after
 
 

@@ -18,7 +18,7 @@ from mtcommission.machine.identified import (
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
-from mtcommission.record.shape import WRONG, entry_of, to_entry
+from mtcommission.record.shape import WrongFormError, entry_of, to_entry
 
 APART = ("files", "sensor", "profile")
 """Keys of the file beside a profile that say the same once more; the profile names its checksum."""
@@ -136,7 +136,7 @@ def read_evidence(machine: Machine, folder: Path | None) -> IdentifiedPart | Non
     try:
         kept = {key: value for key, value in data.items() if key not in APART}
         return _renamed(to_entry(kept, IdentifiedPart), said)
-    except WRONG:
+    except WrongFormError:
         return _from_profile(machine, said, missing)
 
 

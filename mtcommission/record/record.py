@@ -38,9 +38,8 @@ from mtcommission.record.optima import (
 )
 from mtcommission.record.robustness import RobustnessPart
 from mtcommission.record.shape import (
-    WRONG,
+    WrongFormError,
     entry_of,
-    find_faults,
     to_entry,
     to_plain,
 )
@@ -233,13 +232,12 @@ def load_sealed(path: Path, form: type[Sealed], *, schema: int) -> Sealed:
     if data["schema"] != schema:
         given = json.dumps(data["schema"])
         raise fault(path, Message("record-of-other-schema", given=given, read=schema), "schema")
-    record, wrong = _read(data, form)
     if data["checksum"] != find_checksum(data):
-        edited = Message("record-edited-where", wrong=wrong) if wrong else Message("record-edited")
-        raise fault(path, edited, "checksum")
-    if record is None:
-        raise fault(path, Message("record-of-other-version", wrong=wrong))
-    return record
+        raise fault(path, Message("record-edited"), "checksum")
+    try:
+        return to_entry(data, form)
+    except WrongFormError as error:
+        raise fault(path, Message("record-of-other-version")) from error
 
 
 def _texts(data: object) -> Iterator[str]:
@@ -252,11 +250,3 @@ def _texts(data: object) -> Iterator[str]:
     elif isinstance(data, list):
         for inner in data:
             yield from _texts(inner)
-
-
-def _read(data: object, form: type[Sealed]) -> tuple[Sealed | None, Message | None]:
-    """The record, or the first place that is of another form in it."""
-    try:
-        return to_entry(data, form), None
-    except WRONG as error:
-        return None, next(find_faults(error))

@@ -1,13 +1,12 @@
-"""Entries of the record <-> JSON, by cattrs; every place of another form is found at once.
+"""Entries of the record <-> JSON, by cattrs.
 
-JSON is read strictly: a text is no number, and an array is no object. JSON knows no infinity:
-a number that is not finite is written as null, which is read as nan in an array of numbers (a gap
-in a curve) and refused elsewhere, unless the entry may be null.
+JSON knows no infinity: a number that is not finite is written as null, which is read as nan in an
+array of numbers (a gap in a curve) and refused elsewhere, unless the entry may be null.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -17,38 +16,16 @@ from types import NoneType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
-from cattrs import (
-    BaseValidationError,
-    ClassValidationError,
-    Converter,
-    IterableValidationError,
-    IterableValidationNote,
-)
-from cattrs.cols import list_structure_factory, mapping_structure_factory
-from cattrs.gen import make_dict_structure_fn
+from cattrs import BaseValidationError, Converter
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message, from_json, to_json
 
 Entry = TypeVar("Entry")
 
-SHOWN = 40
-"""Characters of a wrong value that a message shows."""
-
 
 class WrongFormError(ValueError):
-    """A value of JSON is of another form than the entry's, which JSON calls ``expected``."""
-
-    def __init__(self, value: object, expected: str) -> None:
-        got = "null" if value is None else repr(value)
-        if len(got) > SHOWN:
-            got = f"{got[:SHOWN]}..."
-        super().__init__(got, expected)
-        self.message = Message("record-got", got=got, expected=expected)
-
-
-WRONG = (WrongFormError, BaseValidationError)
-"""What ``to_entry`` raises."""
+    """JSON is of another form than the entry's."""
 
 
 def to_plain(entry: object) -> Any:
@@ -65,36 +42,26 @@ def to_plain(entry: object) -> Any:
 def to_entry(value: object, form: type[Entry]) -> Entry:
     """Return an entry from the JSON that ``to_plain`` made of one.
 
+    Checksums tell that nobody edited it; a text of digits is taken for a number here.
+
     Raises
     ------
-    one of WRONG
-        It is of another form; ``find_faults`` tells where.
-    """
-    return _CONVERTER.structure(value, form)
-
-
-def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
-    """Yield each place that ``to_entry`` found of another form, with what was got.
+    WrongFormError
+        It is of another form.
 
     Examples
     --------
-    >>> from mtcommission.messages.catalogue import Catalogue
-    >>> try:
-    ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
-    ... except WRONG as error:
-    ...     [Catalogue().say(fault) for fault in find_faults(error)]
-    ["a[2]: got 'x', expected number"]
+    >>> to_entry({"a": [1.0, None]}, dict[str, list[float]])
+    {'a': [1.0, nan]}
+    >>> to_entry({"a": 1.0}, dict[str, list[float]])
+    Traceback (most recent call last):
+    ...
+    mtcommission.record.shape.WrongFormError: ...
     """
-    if isinstance(error, ClassValidationError | IterableValidationError):
-        for inner, note in error.group_exceptions()[0]:
-            place = note.index if isinstance(note, IterableValidationNote) else note.name
-            below = f"{key}[{place + 1}]" if isinstance(place, int) else f"{key}.{place}"
-            yield from find_faults(inner, key=below.removeprefix("."))
-    elif isinstance(error, WrongFormError):
-        yield Message("record-wrong-at", key=key or "record", fault=error.message)
-    else:
-        kind = "record-missing" if isinstance(error, KeyError) else "record-of-no-known-form"
-        yield Message("record-wrong-at", key=key or "record", fault=Message(kind))
+    try:
+        return _CONVERTER.structure(value, form)
+    except (BaseValidationError, TypeError, ValueError) as error:
+        raise WrongFormError(str(error)) from error
 
 
 def of(
@@ -183,29 +150,13 @@ def _without_none(hint: Any) -> Any:
     return parts[0] if len(parts) == 1 < len(get_args(hint)) else hint
 
 
-def _scalar(expected: str, *forms: type) -> Callable[[object, Any], object]:
-    def read(value: object, _: Any) -> object:
-        if type(value) not in forms:
-            raise WrongFormError(value, expected)
-        return value
-
-    return read
-
-
 def _message(value: object, _: Any) -> Message:
     """A message that can be said: of a known kind, with all that its text speaks of."""
-    try:
-        found = from_json(value)
-        if isinstance(found, Message):
-            _english().say(found)
-            return found
-    except (KeyError, ValueError, RecursionError) as error:
-        raise WrongFormError(value, "message") from error
-    raise WrongFormError(value, "message")
-
-
-def _message_or_text(value: object, form: Any) -> Message | str:
-    return value if isinstance(value, str) else _message(value, form)
+    found = from_json(value)
+    if not isinstance(found, Message):
+        raise WrongFormError(value)
+    _english().say(found)
+    return found
 
 
 @cache
@@ -213,66 +164,19 @@ def _english() -> Catalogue:
     return Catalogue()
 
 
-def _word(value: object, form: type[Enum]) -> Enum:
-    try:
-        return form(value)
-    except ValueError as error:
-        words = " | ".join(str(word.value) for word in form)
-        raise WrongFormError(value, words) from error
-
-
-def _strictly(
-    form: type, expected: str, make: Callable[[Any, Converter], Callable[..., Any]]
-) -> Callable[[Any, Converter], Callable[..., Any]]:
-    """Hooks that first see whether the value is of this form of JSON at all."""
-
-    def factory(entry: Any, converter: Converter) -> Callable[..., Any]:
-        inner = make(entry, converter)
-
-        def read(value: object, _: Any) -> Any:
-            if not isinstance(value, form):
-                raise WrongFormError(value, expected)
-            return inner(value, entry)
-
-        return read
-
-    return factory
-
-
-def _is_a(form: type) -> Callable[[Any], bool]:
-    return lambda entry: get_origin(entry) is form
-
-
 def _converter() -> Converter:
-    number = _scalar("number", float, int)
-    array = _strictly(list, "array", list_structure_factory)
-    gaps = Converter()
-    gaps.register_structure_hook(float, lambda v, form: nan if v is None else number(v, form))
-    gaps.register_structure_hook_factory(_is_a(list), array)
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
-    for form, read in (
-        (Message, _message),
-        (Message | str, _message_or_text),
-        (float, number),
-        (float | None, _scalar("number | null", float, int, NoneType)),
-        (float | str, _scalar("number | string", float, int, str)),
-        (int, _scalar("whole number", int)),
-        (str, _scalar("string", str)),
-        (bool, _scalar("true | false", bool)),
-    ):
-        made.register_structure_hook(form, read)
-    made.register_structure_hook_func(
-        lambda form: isinstance(form, type) and issubclass(form, Enum), _word
+    made.register_structure_hook(Message, _message)
+    made.register_structure_hook(
+        Message | str, lambda value, _: value if isinstance(value, str) else _message(value, _)
     )
-    for predicate, factory in (
-        (is_dataclass, _strictly(dict, "object", make_dict_structure_fn)),
-        (_is_a(dict), _strictly(dict, "object", mapping_structure_factory)),
-        (_is_a(list), array),
-    ):
-        made.register_structure_hook_factory(predicate, factory)
-    made.register_structure_hook_func(lambda form: form == list[float], gaps.structure)
+    made.register_structure_hook(float | str, lambda value, _: value)
+    made.register_structure_hook_func(
+        lambda form: form == list[float],
+        lambda values, _: [nan if value is None else float(value) for value in values],
+    )
     return made
 
 

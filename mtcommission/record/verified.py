@@ -9,7 +9,7 @@ from pathlib import Path
 from mtcommission.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, fault, load_json
 from mtcommission.record.record import Record
-from mtcommission.record.shape import WRONG, to_entry
+from mtcommission.record.shape import WrongFormError, to_entry
 
 VERDICTS = ("holds", "does not hold", "cannot tell")
 
@@ -58,7 +58,7 @@ def load_verdict(path: Path, record: Record) -> Verified:
     """
     try:
         found = to_entry(load_json(path, most=LARGEST_FILE), _Verdict)
-    except WRONG as error:
+    except WrongFormError as error:
         raise fault(path, Message("verdict-of-other-form")) from error
     if not {found.verdict, *(check.verdict for check in found.checks)} <= set(VERDICTS):
         raise fault(path, Message("verdict-of-other-form"))

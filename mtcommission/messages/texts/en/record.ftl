@@ -1,5 +1,5 @@
 # Reading a record.
-# $key, $keys: where in the JSON; $constant: what stands for a number; $given, $read: versions of the schema; $got: what stands there
+# $keys: in the JSON; $constant: what stands for a number; $given, $read: versions of the schema
 
 record-not-readable = not a record of mtcommission run: { $why }
 record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
@@ -10,13 +10,8 @@ record-is-directory = is a directory; give the record.json in it
 record-lacks-keys = not a record of mtcommission run: { $keys } missing
 record-of-other-schema = record schema { $given }, this version reads { $read }; run the profile again, or print it with the version that wrote it
 record-edited = its contents are not those that mtcommission run wrote: it was edited or damaged; change the profile instead, and run it again
-record-edited-where = its contents are not those that mtcommission run wrote: it was edited or damaged; { $wrong }; change the profile instead, and run it again
-record-of-other-version = another version of mtcommission wrote it; { $wrong }; run the profile again, or use that version
+record-of-other-version = another version of mtcommission wrote it; run the profile again, or use that version
 record-both = { $first }; { $then }
-record-wrong-at = { $key }: { $fault }
-record-got = got { $got }, expected { $expected }
-record-missing = missing
-record-of-no-known-form = of no form that is known here
 json-no-number = { $constant } is no number of JSON
 json-array = an array
 json-boolean = true or false
