@@ -1,18 +1,15 @@
-"""Time-optimal control under bounds: CPU seconds, gaps and the same problem as one large program.
+"""Time-optimal control under bounds: CPU seconds, gaps and the same problem as one program.
 
-    python -m benchmarks.constrained [--peer-cells N ...]
+    python -m benchmarks.constrained
     python -m benchmarks.constrained survey [COUNT [FIRST SEED]]
 
-Two peers. Beside each case, direct transcription as a linear program on an even grid for the t_f
-that we found: its reachable multiple of the target says by how much a grid misses the optimum.
-Beside one limit, CasADi/IPOPT finding t_f itself, by the package's own transcription: a program
-with t_f unknown, as it is written down first, does not end at N = 10 000 within four minutes.
+Beside each case, direct transcription as a linear program on an even grid says by how much a grid
+misses the optimum. Other tools on the case of the paper: ``benchmarks.race``.
 """
 
 from __future__ import annotations
 
 import argparse
-from statistics import median
 from time import process_time
 
 from benchmarks.constrained_survey import survey
@@ -23,8 +20,6 @@ from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem
 from mtcommission.optimal.solution import Bound
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine
 
@@ -45,10 +40,6 @@ CASES: tuple[tuple[Move, tuple[Bound, ...]], ...] = (
     (STEP, (Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5))),
     (Positioning(distance=0.02, max_velocity=0.2), ()),
 )
-
-
-REPEATED = tuple(0.005 * factor for factor in (0.98, 0.99, 1.01, 1.02, 1.0))
-"""Bounds on v_phi for the median, the peer's last [rad/s]: each another, to remember nothing."""
 
 
 def print_cases(plant: Plant) -> None:
@@ -78,43 +69,16 @@ def print_cases(plant: Plant) -> None:
         )
 
 
-def print_peers(plant: Plant, cells: list[int]) -> None:
-    """One limit, |v_phi| <= 0.005 rad/s: the median of ours, and IPOPT on the same problem."""
-    times = []
-    for value in REPEATED:
-        bounds = (Bound(name="v_phi", value=value),)
-        start = process_time()
-        exact = solve_bounded_time_optimal(plant, STEP, force_limit=2e3, bounds=bounds)
-        times.append(process_time() - start)
-    ours = median(times)
-    print(f"|v_phi| <= 0.005, ours: {ours:.3f} s CPU, median of {len(times)}")
-    for N in cells:
-        settings = TranscriptionSettings(intervals=N)
-        start = process_time()
-        grid = transcribe_time_optimal(
-            plant, STEP, force_limit=2e3, bounds=bounds, settings=settings
-        )
-        taken = process_time() - start
-        print(
-            f"IPOPT, {settings.scheme.value}, N = {N}: {taken:.1f} s CPU, t_f off by"
-            f" {grid.t_f - exact.t_f:+.1e} s; {taken / ours:.0f} x the time",
-            flush=True,
-        )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("survey", nargs="?", choices=["survey"])
     parser.add_argument("count", nargs="?", type=int, default=60)
     parser.add_argument("first", nargs="?", type=int, default=0)
-    parser.add_argument("--peer-cells", type=int, nargs="*", default=[1000, 10000])
     options = parser.parse_args()
     if options.survey:
         survey(options.count, first=options.first)
         return
-    plant = build_plant(paper_machine())
-    print_cases(plant)
-    print_peers(plant, options.peer_cells)
+    print_cases(build_plant(paper_machine()))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,9 @@
-"""CPU time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
+"""CPU time per damping-optimal solve, warm, on one core; other tools: ``benchmarks.race``.
 
 Then a survey of random problems, each integrated again by another method with an adjoint of its
 own (tests/independent_damping.py): the worst errors, and every problem that is not solved.
 
-OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal [--peer-cells N ...] [--count N]
-
-IPOPT solves the package's own transcription: with t_f given it is a convex quadratic program.
+OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal [--count N]
 """
 
 from __future__ import annotations
@@ -25,69 +23,33 @@ from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import DampingOptimum
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
 from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
+from tests.references_optimal import PAPER_WEIGHTS
 
 STEP = VelocityStep(velocity_step=0.1)
-PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
-    Weight(state=state, value=value)
-    for state, value in [
-        ("x_b", 1.8858e15),
-        ("phi", 1.0961e15),
-        ("v_b", 8.6070e10),
-        ("v_phi", 2.8505e10),
-    ]
-)
 
 
-def time_of(call: Callable[[], DampingOptimum], *, repeats: int) -> tuple[float, DampingOptimum]:
-    result, times = call(), []
-    for _ in range(repeats):
+PAPER_TIMES = (0.043525, 0.044, 0.0522, 0.07, 0.435)
+"""Final times from just above t_f,min, over that of the paper, to ten times t_f,min [s]."""
+
+
+def time_of(call: Callable[[], DampingOptimum], *, repeats: int) -> float:
+    times = []
+    for _ in range(repeats + 1):
         start = process_time()
-        result = call()
+        call()
         times.append(process_time() - start)
-    return median(times), result
+    return median(times[1:])
 
 
-PAPER_TIME = 0.0522
-"""The paper's final time [s]; the others reach from just above t_f,min to ten times that."""
-
-
-def paper_cases(plant: Plant, cells: list[int]) -> None:
-    print("paper's machine, 2 kN: t_f [s], exact [ms], IPOPT's N, [ms], ratio, cost ratio - 1")
-    for t_f in (0.043525, 0.044, PAPER_TIME, 0.07, 0.435):
-        ours, exact = time_of(
-            partial(
-                solve_damping_optimal,
-                plant,
-                STEP,
-                force_limit=2e3,
-                t_f=t_f,
-                weights=PAPER_WEIGHTS,
-            ),
-            repeats=15,
-        )
-        for N in cells if t_f == PAPER_TIME else cells[:1]:
-            start = process_time()
-            grid = transcribe_damping_optimal(
-                plant,
-                STEP,
-                force_limit=2e3,
-                t_f=t_f,
-                weights=PAPER_WEIGHTS,
-                bounds=(),
-                settings=TranscriptionSettings(intervals=N),
-            )
-            peer = process_time() - start
-            error = grid.cost / exact.cost - 1.0
-            print(
-                f"{t_f:9.6f} {1e3 * ours:7.1f} {N:6d} {1e3 * peer:8.0f} {peer / ours:6.0f}"
-                f" {error:10.1e}",
-                flush=True,
-            )
+def paper_cases(plant: Plant) -> None:
+    print("paper's machine, 2 kN: t_f [s], median [ms]")
+    for t_f in PAPER_TIMES:
+        call = partial(solve_damping_optimal, plant, STEP, force_limit=2e3, t_f=t_f)
+        ours = time_of(partial(call, weights=PAPER_WEIGHTS), repeats=15)
+        print(f"{t_f:9.6f} {1e3 * ours:7.1f}", flush=True)
 
 
 def random_cases() -> None:
@@ -104,7 +66,7 @@ def random_cases() -> None:
             )
             free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
             wanted = max(abs(float(arc.output @ arc.initial)) for arc in free.arcs)
-            taken, _ = time_of(
+            taken = time_of(
                 partial(
                     solve_damping_optimal,
                     plant,
@@ -161,10 +123,9 @@ def survey(count: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--peer-cells", type=int, nargs="*", default=[1000, 10000])
     parser.add_argument("--count", type=int, default=200, help="random problems of the survey")
     options = parser.parse_args()
-    paper_cases(build_plant(paper_machine()), options.peer_cells)
+    paper_cases(build_plant(paper_machine()))
     random_cases()
     if options.count:
         survey(options.count)

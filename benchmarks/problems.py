@@ -20,19 +20,11 @@ from mtcommission.optimal.saturated import state_scales
 from mtcommission.optimal.solution import Bound, terminal_target
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine
+from tests.references_optimal import PAPER_WEIGHTS
 
 Array = NDArray[np.float64]
 
 STEP = VelocityStep(velocity_step=0.1)
-PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
-    Weight(state=state, value=value)
-    for state, value in [
-        ("x_b", 1.8858e15),
-        ("phi", 1.0961e15),
-        ("v_b", 8.6070e10),
-        ("v_phi", 2.8505e10),
-    ]
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

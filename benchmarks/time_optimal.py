@@ -1,7 +1,7 @@
-"""Time of one certified time-optimal control, beside direct transcription with IPOPT.
+"""Time of one certified time-optimal control; other tools beside it: ``benchmarks.race``.
 
 Run as ``python -m benchmarks.time_optimal [--count N] [--modes N ...] [--passes N]
-[--peer-cells N ...] [--followers N]`` with OMP_NUM_THREADS=1. The cases are the survey of the
+[--followers N]`` with OMP_NUM_THREADS=1. The cases are the survey of the
 documentation: 60 for each number of modes. With several passes each case counts with its best,
 which is what it takes on a quiet core; every pass builds its plants anew, so that nothing about
 them is known. The certified control does not need the exact peaks of the signals; what reading them
@@ -25,8 +25,6 @@ from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import TimeOptimum
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine, random_modal_machine
@@ -151,26 +149,11 @@ def print_row(row: Row) -> None:
         print(f"    {outcome}")
 
 
-def print_peer(cells: int, ours: float) -> None:
-    plant, move = build_plant(paper_machine()), VelocityStep(velocity_step=0.1)
-    settings = TranscriptionSettings(intervals=cells)
-    start = time.process_time()
-    grid = transcribe_time_optimal(plant, move, force_limit=2e3, bounds=(), settings=settings)
-    peer = time.process_time() - start
-    exact = solve_time_optimal(plant, move, force_limit=2e3).t_f
-    print(
-        f"IPOPT, {settings.scheme.value}, N = {cells}: {peer:.1f} s CPU, "
-        f"off by {abs(grid.t_f - exact):.1e} s; {peer / ours:.0f} x the time",
-        flush=True,
-    )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--modes", type=int, nargs="*", default=list(range(1, 9)))
     parser.add_argument("--passes", type=int, default=1)
-    parser.add_argument("--peer-cells", type=int, nargs="*", default=[1000, 10000])
     parser.add_argument("--followers", type=int, default=0)
     arguments = parser.parse_args()
     print("CPU time [ms]; gap against t_f; terminal error against each state's peak")
@@ -178,8 +161,7 @@ def main() -> None:
     print(f" {'with peaks':>11s} {'gap':>10s} {'error':>10s}")
     measure_once("", paper_problems(3))
     passes = arguments.passes
-    paper = measure("2 modes (paper)", partial(paper_problems, arguments.count), passes=passes)
-    print_row(paper)
+    print_row(measure("2 modes (paper)", partial(paper_problems, arguments.count), passes=passes))
     for n_modes in arguments.modes:
         build = partial(random_problems, n_modes, arguments.count)
         print_row(measure(f"{n_modes} modes", build, passes=passes))
@@ -187,8 +169,6 @@ def main() -> None:
         build = partial(follower_problems, kind, arguments.followers)
         if arguments.followers:
             print_row(measure(kind, build, passes=passes))
-    for cells in arguments.peer_cells:
-        print_peer(cells, float(np.median(paper.times)))
 
 
 if __name__ == "__main__":
