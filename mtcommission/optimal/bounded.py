@@ -193,13 +193,7 @@ def explain_short_time(
 
 
 def _search(problem: BoundedProblem, *, t_free: float) -> Found:
-    """Return the exact sequence that finer and finer cells show, or the best control on cells.
-
-    Raises
-    ------
-    ComputationError
-        As ``first_cells``; NO_CONVERGENCE where a program does not end.
-    """
+    """Return the exact sequence that finer and finer cells show, or the best control on cells."""
     best: Seen | None = None
     gap = inf
     first = first_cells(problem, t_free=t_free)

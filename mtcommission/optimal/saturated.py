@@ -158,13 +158,7 @@ def scale_problem(
 
 
 def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: float) -> Iterate:
-    """Return the states and adjoints that meet both ends of the move with the given arcs.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If these arcs leave too little freedom to reach the target.
-    """
+    """Return the states and adjoints that meet both ends of the move with the given arcs."""
     lengths = np.diff(edges)
     counts = np.maximum(1.0, np.ceil(lengths * (problem.rate / PIECE_ANGLE))).astype(np.int64)
     owner = np.repeat(np.arange(counts.size), counts)

@@ -238,8 +238,9 @@ def _figures(cases: Cases, words: Catalogue) -> tuple[LinePlot, ...]:
         panels = [Signals("F_set", plant.force_unit, (force,), (FORCE_LIMIT, -FORCE_LIMIT))]
         for name in DRAWN:
             at = plant.states.index(name)
-            course = (Curve(name, motion.t, motion.states[:, at]),)
-            panels.append(Signals(name, plant.signal_units[at], course, limits.get(name, ())))
+            course = (Curve(_typeset(name), motion.t, motion.states[:, at]),)
+            label, unit = _typeset(name), plant.signal_units[at]
+            panels.append(Signals(label, unit, course, limits.get(name, ())))
         if solution is best:
             initial = best.certificate.adjoint_initial
             t, switching = follow_adjoint(plant, initial, t_f=best.t_f, way="back")

@@ -253,12 +253,6 @@ def _solve(problem: _Problem, settings: TranscriptionSettings) -> _Solution:
     N times the objective makes the multipliers of a force or a bound on one interval about 1,
     where IPOPT's barrier begins and ends; with multipliers of 1e-4 it loses the centre under
     bounds, and takes hundreds of steps of 1e-3 (N = 10 000).
-
-    Raises
-    ------
-    ComputationError
-        FINAL_TIME_TOO_SHORT if IPOPT finds the move infeasible, NO_CONVERGENCE for its other
-        failures.
     """
     plant, F, t_f, N = problem.plant, problem.force_limit, problem.t_f, settings.intervals
     n, scales = plant.order, state_scales(plant, force_limit=F, t_f=t_f)
