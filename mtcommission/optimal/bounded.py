@@ -21,10 +21,11 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.exchange import (
     first_cells,
+    smallest_factor_by,
 )
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.polish.edits import holds_high_order, solve_exactly
-from mtcommission.optimal.polish.structure import (
+from mtcommission.optimal.polish.sequence import (
     detect_sequence,
 )
 from mtcommission.optimal.polish.tight_force import (
@@ -46,7 +47,6 @@ from mtcommission.optimal.proof import (
     stretches,
 )
 from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finishes, refined
-from mtcommission.optimal.smallest_bound import smallest_factor_by
 from mtcommission.optimal.solution import (
     Bound,
     Certificate,

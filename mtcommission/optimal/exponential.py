@@ -1,17 +1,14 @@
-"""The matrix exponential of a plant in SI units, without loss of digits."""
+"""The matrix exponential of a plant, and of a motion that keeps a bound, to the last digit."""
 
 from __future__ import annotations
 
-from math import ceil
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm, matrix_balance
+from scipy.linalg import expm, matrix_balance, qr
 
 Array = NDArray[np.float64]
-
-TERMS = 19
-"""Of the power series over a norm of at most 1: the next one is below 1/19! = 1e-17."""
 
 
 def balanced_expm(matrix: Array) -> Array:
@@ -39,17 +36,39 @@ def powers_of(flow: Array, start: Array, count: int) -> Array:
     return samples
 
 
-def carry(generator: Array, states: Array, spans: Array) -> Array:
-    """Return e^{G t} x of many short times and states, shapes (m,) [s] and (m, n).
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeldFlow:
+    """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly."""
 
-    By its power series, in states of one size: one product a term for all of them.
+    matrix: Array  # G, shape (n, n) [1/s]
+    chart: Array  # T, shape (n, n); its first r rows are the chain
+    inverse: Array  # T^-1, shape (n, n)
+    # T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
+    generator: Array
+
+    def over(self, span: float) -> Array:
+        """Return expm(G span), shape (n, n), for a span in s that may be negative."""
+        return np.asarray(self.inverse @ balanced_expm(self.generator * span) @ self.chart)
+
+
+def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> HeldFlow:
+    """Return a motion that keeps a chain: c_j G = rate c_(j+1), and 0 for the last row.
+
+    A boundary arc is such a motion: c x is constant on it because its derivatives are 0. In the
+    states of the plant that is a difference of large numbers, and over a long arc the rounding
+    of the matrix exponential lets c x drift by more than a finished control may miss.
     """
-    balanced, (scale, _) = matrix_balance(generator, permute=False, separate=True)
-    parts = max(1, ceil(np.abs(balanced).sum(axis=0).max() * spans.max()))
-    total = states / scale
-    for _ in range(parts):
-        term = total
-        for k in range(1, TERMS):
-            term = term @ balanced.T * (spans / parts / k)[:, np.newaxis]
-            total = total + term
-    return np.asarray(total * scale)
+    r, n = chain.shape
+    # The chain takes the place of the states that it determines best.
+    order = qr(chain * scale, mode="economic", pivoting=True)[2]
+    given, free = np.sort(order[:r]), np.sort(order[r:])
+    solved = np.linalg.inv(chain[:, given] * scale[given]) * scale[given, np.newaxis]
+    inverse = np.zeros((n, n))
+    inverse[given, :r] = solved
+    inverse[np.ix_(given, np.arange(r, n))] = -solved @ chain[:, free]
+    inverse[free, np.arange(r, n)] = 1.0
+    chart = np.vstack([chain, np.eye(n)[free]])
+    generator = chart @ matrix @ inverse
+    generator[:r] = rate * np.eye(n, k=1)[:r]
+    generator[r - 1] = 0.0
+    return HeldFlow(matrix=matrix, chart=chart, inverse=inverse, generator=generator)

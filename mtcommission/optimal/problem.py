@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import step_response
-from mtcommission.optimal.held_flow import HeldFlow, held_flow
+from mtcommission.optimal.exponential import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound, terminal_target
 from mtcommission.plant.plant import Plant
 

@@ -24,8 +24,12 @@ from mtcommission.optimal.exchange import (
     exchange,
     later,
 )
-from mtcommission.optimal.polish.sequence import boundary_arc
-from mtcommission.optimal.polish.structure import Structure, detect_structure, local_cell
+from mtcommission.optimal.polish.sequence import (
+    Structure,
+    boundary_arc,
+    detect_structure,
+    local_cell,
+)
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import Cells, Plan, Points, solve_cells
 from mtcommission.optimal.proof import (

@@ -18,10 +18,10 @@ from mtcommission.optimal.polish.sequence import (
     Piece,
     Sequence,
     piece_end,
+    place_touches,
     sequence_arcs,
     touch_points,
 )
-from mtcommission.optimal.polish.structure import place_touches
 from mtcommission.optimal.problem import Atom, BoundedProblem
 from mtcommission.optimal.proof import EXCESS, Found, prove
 

@@ -1,14 +1,23 @@
-"""What a bounded control is made of: bang arcs, boundary arcs and touch points."""
+"""What a bounded control is made of, and how the multipliers on cells show it.
+
+Points where a bound acts and that follow each other cell by cell are a boundary arc, single
+ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
+theory fill in what the mesh may hide: an arc of order 2 is entered and left by braking away
+from the bound, an arc of order 1 is entered by driving towards it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence as Items
 from dataclasses import dataclass
+from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.closed_form import step_response, transition
-from mtcommission.optimal.problem import Atom, BoundedProblem
+from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
+from mtcommission.optimal.proof import Stretch, sigma_sign
 from mtcommission.optimal.solution import Arc, Bang, Boundary, constant_arc
 
 Array = NDArray[np.float64]
@@ -100,3 +109,154 @@ def boundary_arc(
         initial=flow.chart @ state,
         output=limit.feedback @ flow.inverse,
     )
+
+
+CHAIN_GAP = 3.2
+"""Distance of chained points in the smaller of their cells: ripple may leave out every other."""
+CHAIN_POINTS = 5
+"""Points that make an arc; two or three surround a touch point."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Structure:
+    """Arcs and touch points seen on a mesh."""
+
+    arcs: tuple[ArcInterior, ...]  # Boundary arcs in order of time
+    touches: tuple[Atom, ...]  # Single points, one for each cluster
+
+
+def detect_structure(active: Items[Atom], mesh: Array, held: Items[ArcInterior] = ()) -> Structure:
+    """Return the arcs and touch points that active points form, with the interiors held."""
+    arcs: list[ArcInterior] = []
+    touches: list[Atom] = []
+    every: list[Atom | ArcInterior] = [*active, *held]
+    ordered = sorted(every, key=lambda at: (at.limit, at.side, _span(at)))
+    for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
+        for chain in _chains(list(group), mesh):
+            low, high = _span(chain[0])[0], _span(chain[-1])[1]
+            wide = high - low >= 0.75 * CHAIN_POINTS * local_cell(mesh, low)
+            if any(isinstance(at, ArcInterior) for at in chain) or (
+                len(chain) >= CHAIN_POINTS and wide
+            ):
+                arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
+                continue
+            points = [at for at in chain if isinstance(at, Atom)]
+            weight = sum(at.weight for at in points)
+            centre = sum(at.weight * at.remaining for at in points) / weight
+            touches.append(Atom(remaining=centre, limit=limit, weight=weight))
+    apart: list[ArcInterior] = []
+    for arc in sorted(arcs, key=lambda arc: -arc.start):
+        if not apart or arc.start < apart[-1].end:
+            apart.append(arc)
+            continue
+        # The force holds one bound at a time: beside it the other is touched.
+        touches += [
+            Atom(remaining=end, limit=arc.limit, weight=float(arc.side))
+            for end in (arc.start, arc.end)
+        ]
+    return Structure(arcs=tuple(apart), touches=tuple(touches))
+
+
+def _span(at: Atom | ArcInterior) -> tuple[float, float]:
+    """Return from which to which remaining time a bound is known to act [s]."""
+    return (at.end, at.start) if isinstance(at, ArcInterior) else (at.remaining, at.remaining)
+
+
+def _chains(points: list[Atom | ArcInterior], mesh: Array) -> list[list[Atom | ArcInterior]]:
+    chains = [[points[0]]]
+    for before, after in pairwise(points):
+        low, high = _span(before)[1], _span(after)[0]
+        # Beside a large cell, a touch point would become the end of an arc that is not there.
+        if high - low <= CHAIN_GAP * min(local_cell(mesh, at) for at in (low, high)):
+            chains[-1].append(after)
+        else:
+            chains.append([after])
+    return chains
+
+
+def local_cell(mesh: Array, remaining: float) -> float:
+    """Return the larger of the two cells beside a remaining time [s]."""
+    i = int(np.clip(np.searchsorted(mesh, remaining), 1, mesh.size - 1))
+    after = mesh[min(i + 1, mesh.size - 1)] - mesh[i]
+    return float(max(after, mesh[i] - mesh[i - 1]))
+
+
+def detect_sequence(
+    problem: BoundedProblem,
+    structure: Structure,
+    parts: tuple[Stretch, ...],
+    zeros: Array,
+    mesh: Array,
+) -> Sequence:
+    """Return the sequence of pieces that a dual point shows."""
+    pieces: list[Piece] = []
+    position = parts[0].start
+    after = 0
+    for arc in structure.arcs:
+        towards = int(np.sign(problem.limits[arc.limit].gain)) * arc.side
+        before = towards if problem.limits[arc.limit].order % 2 else -towards
+        edges = _edges(zeros, position, arc.start, mesh, first=not pieces)
+        bangs = _bang_pieces(problem, parts, edges, after=after, before=before)
+        if not pieces and before == -towards:
+            bangs = _driven(bangs, towards)
+        pieces += bangs
+        pieces.append(Piece(limit=arc.limit, side=arc.side, duration=arc.start - arc.end))
+        position, after = arc.end, -towards
+    edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
+    pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
+    return Sequence(
+        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), structure.touches)
+    )
+
+
+def _driven(bangs: list[Piece], towards: int) -> list[Piece]:
+    """Return the bang arcs before a first arc of order 2; from rest, braking alone leads nowhere.
+
+    On a coarse mesh the switch between driving and braking lies in the cell of the arc's entry.
+    """
+    if any(piece.side == towards for piece in bangs):
+        return bangs
+    half = 0.5 * sum(piece.duration for piece in bangs)
+    return [Piece(limit=-1, side=side, duration=half) for side in (towards, -towards)]
+
+
+def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) -> Array:
+    """Return start, the zeros of σ between two arcs, end; zeros at the arcs' ends are noise."""
+    high = start if first else start - local_cell(mesh, start)
+    low = end + local_cell(mesh, end) if end > 0.0 else 0.0
+    inner = zeros[(zeros > low) & (zeros < high)]
+    return np.concatenate([[start], inner[::-1], [end]])
+
+
+def _bang_pieces(
+    problem: BoundedProblem, parts: tuple[Stretch, ...], edges: Array, *, after: int, before: int
+) -> list[Piece]:
+    sign = sigma_sign(problem, parts, 0.5 * (edges[0] + edges[1]))
+    pieces = []
+    for start, end in pairwise(edges.tolist()):
+        pieces.append(Piece(limit=-1, side=sign, duration=start - end))
+        sign = -sign
+    short = 0.02 * float(edges[0] - edges[-1])
+    if after and pieces[0].side != after:
+        pieces.insert(0, Piece(limit=-1, side=after, duration=min(short, 1e-3 * parts[0].start)))
+    if before and pieces[-1].side != before:
+        pieces.append(Piece(limit=-1, side=before, duration=min(short, 1e-3 * parts[0].start)))
+    return pieces
+
+
+def place_touches(
+    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[Atom, ...]
+) -> tuple[Touch, ...]:
+    """Return the points as touch points of the arcs in which they lie."""
+    ends = np.cumsum([piece.duration for piece in pieces])
+    touches = []
+    for point in points:
+        t = float(ends[-1]) - point.remaining
+        index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
+        held = pieces[index].limit
+        # An atom of order 1 would turn the force; inside an arc it may not disturb σ = 0.
+        least = 1 if held < 0 else problem.limits[held].order
+        if problem.limits[point.limit].order > least:
+            offset = t - float(ends[index]) + pieces[index].duration
+            touches.append(Touch(piece=index, offset=offset, limit=point.limit, side=point.side))
+    return tuple(touches)

@@ -36,10 +36,9 @@ from mtcommission.machine.moves import Move
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
-from mtcommission.optimal.damping import cost_terms
+from mtcommission.optimal.damping import cost_terms, state_scales
 from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.problem import all_bounds
-from mtcommission.optimal.saturated import state_scales
 from mtcommission.optimal.solution import (
     ArcControl,
     Bang,
