@@ -181,7 +181,7 @@ def test_it_goes_through_check_run_export_and_verify(
     assert call(monkeypatch, "run", "belt.toml", "-o", "out", "--no-pdf") == 0
     assert "plant.belt_stiffness" in Path("out/sheet.html").read_text(encoding="utf-8")
     assert call(monkeypatch, "export", "out/record.json", "--control", "generic") == 0
-    record = load_record("out/record.json")
+    record = load_record(Path("out/record.json"))
     rebuilt = rebuild(record)
     how = Spoilt(payload=20.0, noise=1e-7, step=5e-4)
     write_csv(Path("move.csv"), record_moves(rebuilt, limits_of(record), how))

@@ -290,7 +290,8 @@ def faults_of(text: str) -> list[str]:
          "each has frequencies of its own: remove the key, and widen "
          "requirements.frequency_spread"),
         ('"position_source"', '"stepper"',
-         'drive.kind: got "stepper", must be "servo" or "position_source"'),
+         'drive.kind: got "stepper", must be "servo" or "position_source"; did you mean '
+         '"position_source"?'),
     ],
 )  # fmt: skip
 def test_keys_that_mean_nothing_here(old: str, new: str, fault: str | None) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.machine.keys import ELSEWHERE, Misfit, Table, keyed, read_table, table_schema
+from mtcommission.machine.keys import ELSEWHERE, ByKind, Misfit, Table, keyed
 from mtcommission.machine.mechanics import SOURCE
 from mtcommission.machine.moves import Move, largest_velocity
 from mtcommission.machine.ranges import (
@@ -27,7 +27,7 @@ from mtcommission.machine.ranges import (
     STEP_RATES,
     VELOCITIES,
 )
-from mtcommission.machine.readers import Array, KeyPath, Reading, as_typed, must_be, one_of
+from mtcommission.machine.readers import Array, as_typed
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import ROTARY, AxisUnits
 
@@ -203,28 +203,8 @@ class PositionSource:
         )
 
 
-class DriveReader:
-    """Reader of [drive], whose ``kind`` tells the dataclass."""
-
-    kinds: Mapping[str, type[Any]] = {"servo": Drive, SOURCE: PositionSource}
-
-    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
-        """Return a Drive or a PositionSource."""
-        given = value.get("kind", "servo") if isinstance(value, dict) else "servo"
-        if not isinstance(given, str) or given not in self.kinds:
-            words = one_of(tuple(self.kinds))
-            message = must_be(given, words)
-            reading.refuse((*place, "kind"), message)
-            return None
-        return read_table(self.kinds[given], value, place, reading, beside=("kind",))
-
-    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the JSON schema: a table of either kind."""
-        for name, kind in self.kinds.items():
-            own = {"description": "How the motor moves the axis.", "const": name}
-            tables[kind.__name__] = table_schema(kind, tables, before={"kind": own})
-        tables["Drive"]["required"].remove("kind")
-        return {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in self.kinds.values()]}
-
+DRIVES = ByKind(
+    lambda _: {"servo": Drive, SOURCE: PositionSource}, "How the motor moves the axis.", "servo"
+)
 
 ELSEWHERE[Drive], ELSEWHERE[PositionSource] = (PositionSource, SOURCE), (Drive, "servo")

@@ -8,7 +8,7 @@ keys and the list of data follow from that.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from math import inf
 from typing import Any
@@ -22,6 +22,7 @@ from mtcommission.machine.readers import (
     Word,
     find_close,
     must_be,
+    one_of,
     propose,
     read_path,
 )
@@ -270,3 +271,48 @@ class Table:
         """Return a reference to the schema of the table."""
         tables[self.kind.__name__] = table_schema(self.kind, tables)
         return {"$ref": f"#/$defs/{self.kind.__name__}"}
+
+
+@dataclass(frozen=True, slots=True)
+class ByKind:
+    """A table whose ``kind`` tells the dataclass that declares its other keys."""
+
+    kinds: Callable[[bool], Mapping[str, type[Any]]]
+    """By the word, where the motor follows its setpoint and where it does not."""
+    meaning: str  # of ``kind``
+    usual: str = ""  # where no kind is stated; "": it must be
+
+    def read(self, value: object, place: KeyPath, reading: Reading) -> Any:
+        """Return the dataclass; a wrong kind does not hide what else is wrong."""
+        kinds, key = self.kinds(reading.follows), (*place, "kind")
+        table = value if isinstance(value, dict) else {}
+        likely = find_kind(table, kinds, usual=self.usual)
+        if value is table and "kind" not in table and not self.usual:
+            remedy = Message("add-kind-of-keys", kind=likely)
+            reading.refuse(key, Message("key-missing", remedy=remedy))
+        elif "kind" in table and table["kind"] not in tuple(kinds):
+            hint = Message("hint-did-you-mean", name=likely)
+            reading.refuse(key, must_be(table["kind"], one_of(tuple(kinds)), hint))
+        return read_table(kinds[likely], value, place, reading, beside=("kind",))
+
+    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the JSON schema: a table of any kind."""
+        forms = {kind: word for held in (False, True) for word, kind in self.kinds(held).items()}
+        for kind, word in forms.items():
+            own = {"description": self.meaning, "const": word}
+            tables[kind.__name__] = table_schema(kind, tables, before={"kind": own})
+            if word == self.usual:
+                tables[kind.__name__]["required"].remove("kind")
+        return {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in forms]}
+
+
+def find_kind(table: Mapping[str, Any], kinds: Mapping[str, type[Any]], *, usual: str = "") -> str:
+    """Return the kind that a table names, or the likeliest: else nothing could be read."""
+    name = table.get("kind", usual)
+    if isinstance(name, str) and name in kinds:
+        return name
+    shared = {
+        word: sum(key in table for key, *_ in list_keys(kind)) for word, kind in kinds.items()
+    }
+    near = find_close(name, kinds) if isinstance(name, str) else ""
+    return near or max(shared, key=lambda word: shared[word])

@@ -14,10 +14,10 @@ from typing import Any
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.machine.control import Control, Today
-from mtcommission.machine.drive import Drive, DriveReader, PositionSource
+from mtcommission.machine.drive import DRIVES, Drive, PositionSource
 from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
-from mtcommission.machine.mechanics import HELD, MachineState, Mechanics, Plants, States
+from mtcommission.machine.mechanics import HELD, PLANTS, MachineState, Mechanics, States
 from mtcommission.machine.moves import Move, MoveReader, Positioning, VelocityStep, largest_velocity
 from mtcommission.machine.ranges import TIMES
 from mtcommission.machine.readers import (
@@ -118,8 +118,8 @@ class Machine:
         table=ABOUT,
     )
     """With those that nobody stated and that decide about limits, spelt as in messages."""
-    mechanics: Mechanics = keyed(Plants(), "The mechanics.", key="plant")
-    drive: Drive = keyed(DriveReader(), "The motor as the axis feels it.")
+    mechanics: Mechanics = keyed(PLANTS, "The mechanics.", key="plant")
+    drive: Drive = keyed(DRIVES, "The motor as the axis feels it.")
     moves: tuple[Move, ...] = keyed(
         Array(MoveReader(), 1, MOST_MOVES), "One or more; the limits must serve all of them."
     )

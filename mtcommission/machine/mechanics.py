@@ -14,7 +14,15 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import ELSEWHERE, Misfit, keyed, list_keys, read_table, table_schema
+from mtcommission.machine.keys import (
+    ELSEWHERE,
+    ByKind,
+    Misfit,
+    find_kind,
+    keyed,
+    read_table,
+    table_schema,
+)
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
 from mtcommission.machine.readers import (
     IDENTIFIER,
@@ -22,8 +30,6 @@ from mtcommission.machine.readers import (
     KeyPath,
     Reading,
     Text,
-    describe,
-    find_close,
     must_be,
     one_of,
 )
@@ -209,45 +215,18 @@ def register(kind: type[Mechanics], *, motor_held: type[Mechanics] | None = None
         ELSEWHERE[motor_held] = (kind, "servo")
 
 
+def plant_kinds(follows: bool) -> dict[str, type[Mechanics]]:
+    """Return the kinds of plant by name, each in its form below one kind of drive."""
+    return {name: HELD.get(kind, kind) if follows else kind for name, kind in KINDS.items()}
+
+
 def kind_of(plant: Mapping[str, Any], *, follows: bool) -> type[Mechanics]:
-    """Return the kind that a table [plant] names, or the likeliest: else nothing could be read."""
-    name = plant.get("kind")
-    if not isinstance(name, str):
-        name = ""
-    if name not in KINDS:
-        shared = {
-            one: sum(key in plant for key, _, _ in list_keys(kind)) for one, kind in KINDS.items()
-        }
-        name = find_close(name, KINDS) or max(shared, key=lambda one: shared[one])
-    return HELD.get(KINDS[name], KINDS[name]) if follows else KINDS[name]
+    """Return the kind that a table [plant] names, or the likeliest."""
+    kinds = plant_kinds(follows)
+    return kinds[find_kind(plant, kinds)]
 
 
-class Plants:
-    """Reader of [plant], whose ``kind`` tells the dataclass."""
-
-    def read(self, value: object, place: KeyPath, reading: Reading) -> Mechanics | None:
-        """Return the mechanics."""
-        kind: type[Any] = FlexibleMode
-        if isinstance(value, dict):
-            kind, given = kind_of(value, follows=reading.follows), value.get("kind")
-            key = (*place, "kind")
-            if given is None:
-                remedy = Message("add-kind-of-keys", kind=kind.kind)
-                reading.refuse(key, Message("key-missing", remedy=remedy))
-            elif not isinstance(given, str) or given not in KINDS:
-                hint, words = Message("hint-did-you-mean", name=kind.kind), one_of(tuple(KINDS))
-                got = describe(given)
-                reading.refuse(key, Message("got-other-word", got=got, words=words, hint=hint))
-        found: Mechanics | None = read_table(kind, value, place, reading, beside=("kind",))
-        return found
-
-    def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the JSON schema: a table of any kind."""
-        kinds = [form for kind in KINDS.values() for form in (kind, HELD.get(kind)) if form]
-        for kind in kinds:
-            own = {"description": "Form of the plant.", "const": kind.kind}
-            tables[kind.__name__] = table_schema(kind, tables, before={"kind": own})
-        return {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in kinds]}
+PLANTS = ByKind(plant_kinds, "Form of the plant.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
-from mtcommission.machine.mechanics import Mechanics, Plants
+from mtcommission.machine.mechanics import PLANTS, Mechanics
 from mtcommission.machine.readers import Reading
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import MASS
@@ -73,5 +73,5 @@ def _motion_force(answers: Answers) -> float | None:
 def _read_mechanics(answers: Answers, defaults: Answers) -> Mechanics | None:
     plant = to_profile(answers, defaults).get("plant")
     reading = Reading(axis=axis_units(answers), states={}, outputs={}, follows=follows(answers))
-    found = Plants().read(plant, ("plant",), reading) if isinstance(plant, dict) else None
+    found = PLANTS.read(plant, ("plant",), reading) if isinstance(plant, dict) else None
     return None if reading.faults else found
