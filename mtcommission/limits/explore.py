@@ -147,10 +147,10 @@ class _Explorer:
 
         What was settled, and what quick looks leave that is as soon but for their error.
         """
-        found = [item for item in self.known.values() if item is not None]
+        found, soonest = [item for item in self.known.values() if item is not None], self.soonest()
         for place in self.hoped.keys() - self.known.keys():
             item = self._capped(place)
-            if self.soonest() <= item.duration <= AS_SOON * self.soonest():
+            if soonest <= item.duration <= AS_SOON * soonest:
                 found.append(item)
         best, behind = list[Found](), dict[SetpointFilter | None, list[Found]]()
         for item in found:

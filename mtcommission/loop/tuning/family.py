@@ -349,11 +349,19 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
     given = {"position_ratio": control.position_gain, "integral_ratio": control.integral_time}
     fixed = {key: getattr(CLASSIC, key) for key, gain in given.items() if gain is not None}
     found = [Proposal(shape=CLASSIC, tuned=classic)] if classic else []
+    least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
+    is_fast = classic is not None and classic.least_bandwidth_hz >= least_hz
     for shape in dict.fromkeys(replace(shape, **fixed) for shape in shapes):
-        tuned = tune_shape(family, shape, largest=settings.largest_fraction)
+        largest = tune_on_grid(family, shape, largest=settings.largest_fraction)
+        if largest is None:
+            continue
+        # What forgets a force too slowly by its gains alone need not be closed.
+        gains = build(family, shape, fraction=largest)
+        if classic and is_fast and not _forgets(classic.controller, gains, settings):
+            continue
+        tuned = tune_shape(family, shape, largest=largest)
         if tuned and not any(_is_same(tuned.controller, item.tuned.controller) for item in found):
             found.append(Proposal(shape=shape, tuned=tuned))
-    least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
     kept = [
         item
         for item in found
@@ -370,11 +378,15 @@ def _is_same(one: Controller, other: Controller) -> bool:
 
 
 def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bool:
-    share = integral_gain(tuned.controller) / integral_gain(classic.controller)
     is_stiff = tuned.least_stiffness >= classic.least_stiffness
-    longest = max(settings.longest_integral_time, classic.controller.integral_time)
-    is_quick = tuned.controller.integral_time <= longest
-    return is_stiff and is_quick and share >= settings.least_integral_share
+    return is_stiff and _forgets(classic.controller, tuned.controller, settings)
+
+
+def _forgets(classic: Controller, gains: Controller, settings: TuningSettings) -> bool:
+    """Whether a lasting force is forgotten soon enough."""
+    share = integral_gain(gains) / integral_gain(classic)
+    longest = max(settings.longest_integral_time, classic.integral_time)
+    return gains.integral_time <= longest and share >= settings.least_integral_share
 
 
 def integral_gain(controller: Controller) -> float:
