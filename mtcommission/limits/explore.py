@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,10 +45,10 @@ AS_SOON = 1.006
 ROUGH = 2
 """Places that are settled where a loop is only looked at (empirical)."""
 
-STEPS = 8
+STEPS = 4
 """Towards the largest acceleration allowed, at most (empirical)."""
 
-FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
+FALLING = (1.0, 0.985, 0.96, 0.92)
 """Shares of an acceleration that are looked at together (empirical)."""
 
 WORTHWHILE = 1.05
@@ -63,10 +63,6 @@ LEAST_GROWTH = 0.2
 CLOSE, NEARLY = 0.002, 0.01
 """Share of a bound that may be left over, and by which limits are scaled without a look [-]
 (empirical)."""
-
-SAFELY = 0.85
-"""Share of force and peaks by the worst proportion seen so far, up to which they are not looked at
-again [-] (empirical)."""
 
 REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
@@ -136,7 +132,7 @@ class _Explorer:
     bench: Bench
     ladder: Array  # accelerations [m/s²]
     largest_jerk: float
-    is_rough: bool  # force and peaks are looked at once for each place, and taken in proportion
+    is_rough: bool  # what is above a bound is taken in proportion
     known: dict[Place, Found | None] = field(default_factory=dict)
     hoped: dict[Place, Found] = field(default_factory=dict)  # by quick looks
     rests: dict[SetpointFilter | None, dict[float, float]] = field(default_factory=dict)
@@ -255,12 +251,8 @@ class _Explorer:
                 found[k] *= float(ladder[last + 1] / ladder[last]) ** float(-low / (high - low))
         if not found.any():
             return
-        times, ends, found = times[found > 0.0], ends[found > 0.0], found[found > 0.0]
-        # Where the gentlest that is soon enough misses a mean already, all that are faster do.
-        gentlest = np.array([self._just_as_soon(own, latest) for own in ends])
-        kept = used_behind(times).of_means(gentlest) <= 1.0 + CLOSE
-        times = times[kept]
-        most = self._within_means(used_behind(times), found[kept])
+        times, found = times[found > 0.0], found[found > 0.0]
+        most = self._within_means(used_behind(times), found)
         durations = self.bench.durations(item, most, times)
         for t, each, duration in zip(
             times.tolist(), most.tolist(), durations.tolist(), strict=True
@@ -269,15 +261,6 @@ class _Explorer:
                 self.hoped[item, t] = Found(
                     duration=duration, acceleration=each, jerk_time=t, setpoint_filter=item
                 )
-
-    def _just_as_soon(self, ends: Array, latest: float) -> float:
-        """The acceleration with which a motion ends at some time, from those on the ladder."""
-        first = int(np.argmax(ends <= latest))
-        if first == 0 or not isfinite(ends[first - 1]):
-            return float(self.ladder[0])
-        low, high = np.log(self.ladder[first - 1 : first + 1])
-        share = (ends[first - 1] - latest) / (ends[first - 1] - ends[first])
-        return float(np.exp(low + share * (high - low)))
 
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
@@ -299,14 +282,10 @@ class _Explorer:
         return a
 
     def _rest(self, use: Use, a: float) -> float:
-        """Share of force and peaks; in proportion where they were far from what is allowed."""
-        seen = [each for own in self.rests.values() for each in own.values()]
-        likely = a * max(seen, default=inf)
-        if likely > SAFELY:
-            likely = max(use.of_rest(a), CLOSE)
-            own, t_j = self.rests.setdefault(use.behind.item, {}), float(use.t_j)
-            own[t_j] = max(own.get(t_j, 0.0), likely / a)
-        return likely
+        """Share of force and peaks."""
+        used, own = max(use.of_rest(a), CLOSE), self.rests.setdefault(use.behind.item, {})
+        own[float(use.t_j)] = max(own.get(float(use.t_j), 0.0), used / a)
+        return used
 
     def _capped(self, place: Place) -> Found:
         """What was hoped for, with the force that it asks for: longer ramps ask for less."""
