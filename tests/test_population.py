@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from math import pi
 
-import pytest
-
-from benchmarks.population import Population, Range, random_machine
-from mtcommission.loop.tuning.tuning import tune_loop
+from benchmarks.population import Population, random_machine
 from mtcommission.machine.machine import moving_mass
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
 
 MACHINES = [random_machine(seed) for seed in range(300)]
 
@@ -53,17 +49,3 @@ def test_ranges_are_used_to_their_ends() -> None:
     steps = sum(isinstance(machine.moves[0], VelocityStep) for machine in MACHINES)
     assert 110 < steps < 190
     assert 110 < sum(machine.requirements.payload[1] > 0.0 for machine in MACHINES) < 190
-
-
-def test_ranges_can_be_chosen() -> None:
-    """If it failed, nobody could try the rule on machines like their own."""
-    narrow = Population(moving_mass=Range(low=400.0, high=401.0))
-    assert 400.0 <= moving_mass(random_machine(3, population=narrow)) <= 401.0
-
-
-@pytest.mark.parametrize("seed", [0, 1, 2, 3])
-def test_random_machines_can_be_tuned(seed: int) -> None:
-    """If it failed, the population would test the tuning and not the rule."""
-    machine = MACHINES[seed]
-    assert build_plant(machine).moving_mass == moving_mass(machine)
-    assert tune_loop(machine).nominal.is_stable
