@@ -48,7 +48,7 @@ ROUGH = 2
 STEPS = 4
 """Towards the largest acceleration allowed, at most (empirical)."""
 
-FALLING = (1.0, 0.985, 0.96, 0.92)
+FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
 """Shares of an acceleration that are looked at together (empirical)."""
 
 WORTHWHILE = 1.05
