@@ -33,6 +33,9 @@ JUST_LESS, WELL_SOONER = 0.9995, 0.98
 """What the next limits use of what is allowed, if all is in proportion; and how much sooner longer
 ramps must be than less acceleration to be tried instead [-] (empirical)."""
 
+NOTICEABLE = 0.9995
+"""What is not sooner by this factor is not worth a look [-] (empirical)."""
+
 ROUNDS, WORTH_A_ROUND, CLOSE_ENOUGH, MOST_EXCESS = 3, 1.01, 1.003, 1.3
 """Searches, where the exact verdict finds that much more than the search saw and what is typed in
 ends so much later than what was found; and by how much the next one is stricter at most [-]
@@ -87,7 +90,21 @@ def find_typed(
             bound = check.requirement.bound(stricter) / min(check.share(machine), MOST_EXCESS)
             stricter = check.requirement.with_bound(stricter, bound)
         found = ()
-    return min(typed, key=lambda item: item.duration, default=None)
+    best_typed = min(typed, key=lambda item: item.duration, default=None)
+    if best_typed is None or near is not None:
+        return best_typed
+    # Rounding, or what the search saw too large, may leave room for a little more.
+    limits = best_typed.limits
+    share = max(check.share(machine) for check in best_typed.sizes)
+    a, item = (
+        min(limits.acceleration / share, largest_acceleration(machine)),
+        limits.setpoint_filter,
+    )
+    more = replace(round_limits(machine, a, limits.jerk_time), setpoint_filter=item)
+    if more.jerk <= largest_jerk and _duration(machine, more) < NOTICEABLE * best_typed.duration:
+        raised, share = _judged(machine, plant, tuned, more)
+        return raised if share <= 1.0 else best_typed
+    return best_typed
 
 
 def type_in_at_least(machine: Machine, plant: Plant, tuned: TunedLoop) -> Typed:
@@ -118,17 +135,11 @@ def _type_in(
     def typed_in(acceleration: float, ramp: float) -> MotionLimits:
         return replace(round_limits(machine, acceleration, ramp), setpoint_filter=item)
 
-    def judged(limits: MotionLimits) -> tuple[Typed, float]:
-        """Limits, judged exactly, and the largest share of a bound that they use [-]."""
-        sizes = judge_sizes(machine, plant, tuned, limits, only_if_kept=True)
-        typed = Typed(limits=limits, sizes=sizes, duration=_duration(machine, limits))
-        return typed, max(check.share(machine) for check in sizes)
-
     limits = typed_in(a, jerk_time)
     for _ in range(MOST_SCALED):
         if _duration(machine, limits) >= latest:
             break
-        typed, used = judged(limits)
+        typed, used = _judged(machine, plant, tuned, limits)
         first = first or typed.sizes
         if used <= 1.0:
             return typed, first
@@ -142,7 +153,7 @@ def _type_in(
         ramp = limits.jerk_time * used / JUST_LESS
         gentler = typed_in(a, ramp)
         if _duration(machine, gentler) < min(WELL_SOONER * _duration(machine, slower), latest):
-            typed, left = judged(gentler)
+            typed, left = _judged(machine, plant, tuned, gentler)
             if left <= 1.0:
                 return typed, first
             if left < used:
@@ -150,6 +161,15 @@ def _type_in(
                 slower = typed_in(less, ramp)
         a, limits = less, slower
     return None, first
+
+
+def _judged(
+    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+) -> tuple[Typed, float]:
+    """Limits, judged exactly, and the largest share of a bound that they use [-]."""
+    sizes = judge_sizes(machine, plant, tuned, limits, only_if_kept=True)
+    typed = Typed(limits=limits, sizes=sizes, duration=_duration(machine, limits))
+    return typed, max(check.share(machine) for check in sizes)
 
 
 def _reached(machine: Machine, found: Found) -> tuple[float, float]:
