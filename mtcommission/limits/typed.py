@@ -96,11 +96,9 @@ def find_typed(
     # Rounding, or what the search saw too large, may leave room for a little more.
     limits = best_typed.limits
     share = max(check.share(machine) for check in best_typed.sizes)
-    a, item = (
-        min(limits.acceleration / share, largest_acceleration(machine)),
-        limits.setpoint_filter,
-    )
-    more = replace(round_limits(machine, a, limits.jerk_time), setpoint_filter=item)
+    a = min(limits.acceleration / share, largest_acceleration(machine))
+    more = round_limits(machine, a, limits.jerk_time)
+    more = replace(more, setpoint_filter=limits.setpoint_filter)
     if more.jerk <= largest_jerk and _duration(machine, more) < NOTICEABLE * best_typed.duration:
         raised, share = _judged(machine, plant, tuned, more)
         return raised if share <= 1.0 else best_typed
