@@ -60,7 +60,7 @@ neglected-force-over-speed = { $axis ->
 }
 neglected-heat = Erwärmung des Motors (Dauer{ word-force-behind } angeben)
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
-neglected-encoder = Geberstufen (Auflösung des Gebers angeben)
+neglected-encoder = Geberstufen (Auflösung des Lagegebers angeben)
 neglected-travel = Eigenformen über den Verfahrweg (Streuung der Frequenzen weiten)
 
 # Motor folgt dem Sollwert

@@ -46,8 +46,8 @@ verify-setpoint-coarse = der Sollwert ist zu grob aufgezeichnet (Mittel über { 
 verify-setpoint-no-plan = für diese Bewegung gibt es keinen Plan (Mittel über { TIME($width) })
 verify-cut = die Aufzeichnung endet vor dem Sollwert
 verify-other-setpoint = die Steuerung gab etwas anderes aus, als eingegeben war
-verify-no-tool = weder Werkzeug noch Geber aufgezeichnet
-verify-encoder-only = nur der Geber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
+verify-no-tool = weder Werkzeug noch Lagegeber aufgezeichnet
+verify-encoder-only = nur der Lagegeber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
 verify-no-state = kein aufgezeichnetes Signal zeigt es
 verify-other-move = keine der Bewegungen, für die die Ergebnisdatei es zusagt
 verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
@@ -102,7 +102,7 @@ verify-plot-alt = Aufgezeichnete Signale über dem Band aller Eckfälle. { $verd
 verify-plot-time = Zeit ab Beginn des Sollwerts
 verify-plot-acceleration = Beschleunigung des Sollwerts
 verify-plot-tcp = Abweichung des Werkzeugs
-verify-plot-encoder = Abweichung des Gebers
+verify-plot-encoder = Abweichung des Lagegebers
 verify-plot-force = { word-force }
 verify-plot-difference = gemessen weniger vorhergesagt
 verify-line-measured = gemessen
@@ -121,8 +121,8 @@ verify-parameter-feedforward-mass = { word-mass } der Beschleunigungsvorsteuerun
 verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
 verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
 verify-feedforward-brings = { $moves ->
-    [0] Mit diesen Werten bliebe der Geber { $after } statt { $before } vom verzögerten Sollwert (Effektivwert; an derselben Bewegung, nur eine ist aufgezeichnet).
-   *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Geber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).
+    [0] Mit diesen Werten bliebe der Lagegeber { $after } statt { $before } vom verzögerten Sollwert (Effektivwert; an derselben Bewegung, nur eine ist aufgezeichnet).
+   *[other] Mit dem, was die erste Hälfte der Bewegungen sagt, bliebe der Lagegeber in der zweiten { $after } statt { $before } vom verzögerten Sollwert (Effektivwert).
 }
 verify-caption-limits = Grenzwerte, die daraus folgen
 verify-head-parameter = Parameter
