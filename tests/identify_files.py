@@ -106,6 +106,21 @@ def table(
     return (comments + end.join(rows) + end).encode()
 
 
+def response_table(
+    frequency_hz: Array,
+    values: ComplexArray,
+    coherence: Array | float,
+    *,
+    unit: str = "m/s/N",
+    averages: int = 16,
+    comments: str = "",
+) -> bytes:
+    """Real and imaginary part by frequency, as an analyser writes them."""
+    heads = ["frequency_hz", f"re [{unit}]", f"im [{unit}]", "coherence"]
+    columns = [frequency_hz, values.real, values.imag, coherence + 0.0 * frequency_hz]
+    return table(heads, columns, comments=f"# averages = {averages}\n{comments}")
+
+
 def encode_doubles(values: Array) -> str:
     """Base 85, two words of five signs a number, ``.`` for a word of zeros."""
     words = np.frombuffer(values.astype(">f8").tobytes(), dtype=">u4").astype(np.int64)

@@ -40,10 +40,7 @@ def table_file(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
     values = made.response(f, sensor=sensor)
     noise = rng.normal(size=(2, f.size)) * 0.01
     values = values * (1.0 + noise[0] + 1j * noise[1])
-    coherence = np.full(f.size, 1.0 / (1.0 + 2 * 16 * 0.01**2))
-    heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]", "coherence"]
-    columns = [f, values.real, values.imag, coherence]
-    path.write_bytes(made.table(heads, columns, comments="# averages = 16\n"))
+    path.write_bytes(made.response_table(f, values, 1.0 / (1.0 + 2 * 16 * 0.01**2)))
     return str(path)
 
 
@@ -54,11 +51,7 @@ def _both_files(folder: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("measured")
-    files = [
-        table_file(folder / "e.csv"),
-        table_file(folder / "t.csv", sensor="tcp", seed=1) + "@tcp",
-    ]
+    files = _both_files(tmp_path_factory.mktemp("measured"))
     return identify(gather(files, Given()), created="2026-11-22")
 
 
@@ -134,10 +127,7 @@ def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
 
 
 def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
-    files = [
-        table_file(tmp_path / "e.csv"),
-        table_file(tmp_path / "t.csv", sensor="tcp", seed=1) + "@tcp",
-    ]
+    files = _both_files(tmp_path)
     out, page, entry = (tmp_path / name for name in ("m.toml", "identify.html", "i.json"))
     written = ("-o", str(out), "--page", str(page), "--json", str(entry))
     code, _, errors = run("identify", *files, *written, "--language", "de")

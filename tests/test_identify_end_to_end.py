@@ -114,10 +114,8 @@ def _measure(path: Path, plant: Plant, *, sensor: str, seed: int) -> str:
     eye, row = np.eye(plant.A.shape[0]), plant.C[OUTPUTS.index(sensor)]
     H = s * [row @ np.linalg.solve(one * eye - plant.A, plant.B.ravel()) for one in s]
     H = H * (1.0 + NOISE * (rng.normal(size=s.size) + 1j * rng.normal(size=s.size)))
-    coherence = np.full(s.size, 1.0 / (1.0 + 2.0 * AVERAGES * NOISE**2))
-    heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]", "coherence"]
-    says = f"# averages = {AVERAGES}\n# sensor = {sensor}\n"
-    path.write_bytes(made.table(heads, [LINES, H.real, H.imag, coherence], comments=says))
+    gamma2, says = 1.0 / (1.0 + 2.0 * AVERAGES * NOISE**2), f"# sensor = {sensor}\n"
+    path.write_bytes(made.response_table(LINES, H, gamma2, averages=AVERAGES, comments=says))
     return str(path)
 
 

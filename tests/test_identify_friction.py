@@ -102,10 +102,9 @@ def test_a_response_alone_warns_that_friction_may_have_reversed(benches, tmp_pat
     """Whether it did stands in no response; that it could matter does."""
     (response,) = gather([str(benches["friction, slow"][0])], Given()).responses
     path = tmp_path / "frf.csv"
-    heads = ["frequency_hz", "re [rad/s/(N m)]", "im", "coherence"]
-    H = response.values
-    columns = [response.frequency_hz, H.real, H.imag, 0.99 + 0.0 * H.real]
-    path.write_bytes(made.table(heads, columns, comments="# averages = 10\n"))
+    f, H = response.frequency_hz, response.values
+    data = made.response_table(f, H, 0.99, unit="rad/s/(N m)", averages=10)
+    path.write_bytes(data)
     found = identify(gather([str(path)], Given())).part
     (warning,) = [one for one in found.warnings if one.kind == "identify-friction-may-shift"]
     shift = warning.values["shift"]

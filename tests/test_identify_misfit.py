@@ -50,9 +50,8 @@ def _table(path: Path, values: made.ComplexArray) -> str:
     rng = np.random.default_rng(8)
     noise = 2e-3 * (rng.normal(size=LINES.size) + 1j * rng.normal(size=LINES.size))
     seen = values * (1.0 + noise)
-    heads = ["frequency_hz", "re [rad/s/(N m)]", "im", "coherence"]
-    columns = [LINES, seen.real, seen.imag, np.full(LINES.size, 0.9999)]
-    path.write_bytes(made.table(heads, columns, comments="# averages = 20\n"))
+    unit = "rad/s/(N m)"
+    path.write_bytes(made.response_table(LINES, seen, 0.9999, unit=unit, averages=20))
     return str(path)
 
 
