@@ -121,3 +121,13 @@ def test_a_tower_that_no_force_turns_is_a_named_outcome() -> None:
     with pytest.raises(ComputationError) as caught:
         build_plant(replace(machine, mechanics=replace(parts, lever_arm=0.0)))
     assert caught.value.outcome is Outcome.NOT_CONTROLLABLE
+
+
+@pytest.mark.parametrize("zeta", [0.02, 0.9, 1.25])
+def test_a_mode_s_pole_solves_its_equation(zeta: float) -> None:
+    """A damping ratio of 0.65, times 1.7 in the study of damping, ended ``run`` in a fault."""
+    mode = FlexibleMode(name="a", natural_frequency=250.0, damping_ratio=zeta, tcp_gain=1e-3)
+    slower = max(
+        np.roots([1.0, 2.0 * zeta * 250.0, 250.0**2]), key=lambda one: (one.real, one.imag)
+    )
+    assert mode.pole == pytest.approx(slower, rel=1e-9)

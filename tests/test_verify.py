@@ -415,6 +415,17 @@ def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_pa
     assert entry["refined"]["mass"]["old"] == 320.0
 
 
+def test_an_axis_that_sticks_has_no_mode_of_it(tmp_path: Path) -> None:
+    """A creep into rest was a mode at half the frequency, blamed, and took mass and friction."""
+    how = Spoilt(coulomb=50.0, repeats=3, step=5e-4, noise=1e-7)
+    found = verified(GANTRY, tmp_path, how)
+    assert not [check.name for check in found.checks if check.verdict is Verdict.FAILS]
+    new = {one.name: one.new for one in refine(found).parameters}
+    assert "beam.frequency" not in new
+    assert new["mass"].value == pytest.approx(320.0, rel=0.01)
+    assert new["coulomb_friction"].value == pytest.approx(50.0, abs=5.0)
+
+
 def test_the_command_and_the_sheet_say_the_same(tmp_path: Path, capsys, monkeypatch) -> None:
     (tmp_path / "record.json").write_text(dump_json(record_of(GANTRY)), encoding="utf-8")
     how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)

@@ -21,6 +21,20 @@ RATIO = 0.05
 MOST_DAMPING = 0.6
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Equations:
+    """Values, shape (n,), that are some columns, (n, m), times what is sought: of one move."""
+
+    columns: Array
+    values: Array
+
+    @staticmethod
+    def of(all_of: Sequence[Equations]) -> Equations:
+        """Return the equations of several moves."""
+        columns, values = zip(*((one.columns, one.values) for one in all_of), strict=True)
+        return Equations(np.vstack(columns), np.concatenate(values))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Regression:
     """What explains a signal by some columns."""

@@ -6,9 +6,10 @@ one, and everything goes through the protocol.
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import pi, sqrt
+from math import pi
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -65,9 +66,9 @@ class FlexibleMode:
 
     @property
     def pole(self) -> complex:
-        """The pole with positive imaginary part, -ζω + iω√(1-ζ²) [1/s]."""
+        """The pole with positive imaginary part, -ζω + iω√(1-ζ²) [1/s]; beyond ζ = 1 the slower."""
         zeta, omega = self.damping_ratio, self.natural_frequency
-        return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2))
+        return -zeta * omega + omega * cmath.sqrt(zeta**2 - 1.0)
 
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> list[Misfit]:
         """Return key and message of what cannot be."""

@@ -14,7 +14,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from mtcommission.identify.damped import regress
+from mtcommission.identify.damped import Equations, regress
 from mtcommission.identify.measurement import Array
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop
@@ -43,14 +43,6 @@ class FeedForward:
     tested: int  # Moves held back; 0: the values come from the same move
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
-    """One move: deviation, and what each unit more of a value adds to it, shape (n, 4)."""
-
-    deviation: Array
-    columns: Array
-
-
 def suggest_feedforward(found: Verification) -> FeedForward | None:
     """Return the values that leave the least following error; None where a trace shows none."""
     rebuilt = found.rebuilt
@@ -61,6 +53,8 @@ def suggest_feedforward(found: Verification) -> FeedForward | None:
     more, sigma = _solve(rows)
     half = len(rows) // 2
     learnt, tested = (_solve(rows[:half])[0], rows[half:]) if half else (more, rows)
+    whole = Equations.of(tested)
+    missed = whole.values
     mass, jerk = controller.feedforward_mass, controller.jerk_feedforward * controller.force_lag
     today = (
         ("reference_delay", "s", controller.reference_delay),
@@ -74,8 +68,8 @@ def suggest_feedforward(found: Verification) -> FeedForward | None:
             for (key, unit, old), d, s in zip(today, more.tolist(), sigma.tolist(), strict=True)
             if s < inf
         ),
-        before=_rms([one.deviation for one in tested]),
-        after=_rms([one.deviation + one.columns @ learnt for one in tested]),
+        before=sqrt(float(np.mean(missed**2))),
+        after=sqrt(float(np.mean((missed + whole.columns @ learnt) ** 2))),
         tested=len(tested) if half else 0,
     )
 
@@ -84,7 +78,8 @@ def _tells(one: Recorded) -> bool:
     return one.find(Role.ENCODER) is not None and not one.motion.is_cut
 
 
-def _rows(rebuilt: Rebuilt, one: Recorded) -> _Rows:
+def _rows(rebuilt: Rebuilt, one: Recorded) -> Equations:
+    """Deviation of a move, and what each unit more of a value adds to it, shape (n, 4)."""
     signal, motion = one.find(Role.ENCODER), one.motion
     assert signal is not None
     # An axis that sticks once it has arrived answers no force, whatever a linear loop does there.
@@ -107,16 +102,16 @@ def _rows(rebuilt: Rebuilt, one: Recorded) -> _Rows:
         instead[:, 2] = force
         answer = drive_loop(fed, instead)[:, 1] - drive_loop(unfed, instead)[:, 1]
         columns.append(np.interp(t, cycles, answer))
-    return _Rows(signal.measured[moving] - late[:, 0], np.column_stack(columns))
+    return Equations(np.column_stack(columns), signal.measured[moving] - late[:, 0])
 
 
-def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array]:
+def _solve(rows: Sequence[Equations]) -> tuple[Array, Array]:
     """What is to be added to each value, and its standard error; inf: no move tells.
 
     Values that do not stand out, or bring next to nothing, stay as they are, the least first.
     """
-    columns = np.vstack([one.columns for one in rows])
-    deviation = np.concatenate([one.deviation for one in rows])
+    whole = Equations.of(rows)
+    columns, deviation = whole.columns, whole.values
     power = float(deviation @ deviation)
     more, sigma = np.zeros(columns.shape[1]), np.full(columns.shape[1], inf)
     kept = np.flatnonzero(np.any(columns, axis=0))
@@ -132,7 +127,3 @@ def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array]:
             break
         kept = np.delete(kept, int(np.argmin(np.where(stays, inf, lost))))
     return more, sigma
-
-
-def _rms(rows: Sequence[Array]) -> float:
-    return sqrt(float(np.mean(np.concatenate(rows) ** 2)))

@@ -18,7 +18,7 @@ from math import ceil, pi
 import numpy as np
 from scipy.linalg import expm, solve_banded
 
-from mtcommission.identify.damped import Regression, regress
+from mtcommission.identify.damped import Equations, Regression, regress
 from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
 from mtcommission.plant.plant import Plant
@@ -56,21 +56,10 @@ class RigidBody:
     unexplained: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
-    """Equations of one stretch: force = columns @ parameters.
-
-    The parameters are mass, mass times delay, Coulomb and viscous friction, and an offset.
-    """
-
-    columns: Array
-    force: Array
-
-
 def fit_rigid_body(traces: Sequence[Trace], plant: Plant) -> RigidBody | None:
     """Return mass and friction; None where force or motion do not suffice."""
     rows = [stretch for trace in traces for stretch in _rows(trace, plant)]
-    if not rows or sum(own.force.size for own in rows) < FEWEST:
+    if not rows or sum(own.values.size for own in rows) < FEWEST:
         return None
     found = _solve(rows)
     sigma = found.sigma if len(rows) >= FEWEST_STRETCHES else UNTESTED * found.sigma
@@ -80,29 +69,26 @@ def fit_rigid_body(traces: Sequence[Trace], plant: Plant) -> RigidBody | None:
         first, second, tested = _solve(rows[:half]), _solve(rows[half:]), rows[half:]
         # What differs between the halves is part of the doubt, whatever the residuals say.
         sigma = np.maximum(sigma, 0.5 * np.abs(second.values - first.values))
-        missed = _stacked(tested).force - _stacked(tested).columns @ first.values
+        whole = Equations.of(tested)
+        missed = whole.values - whole.columns @ first.values
     mass, coulomb, viscous = (
         Estimate(value=float(found.values[k]), sigma=float(sigma[k])) for k in (0, 2, 3)
     )
     if mass.value <= 0.0 or mass.sigma > UNSURE * mass.value:
         return None
-    unexplained = float(np.linalg.norm(missed) / np.linalg.norm(_stacked(tested).force))
+    unexplained = float(np.linalg.norm(missed) / np.linalg.norm(Equations.of(tested).values))
     return RigidBody(mass=mass, coulomb=coulomb, viscous=viscous, unexplained=unexplained)
 
 
-def _stacked(rows: Sequence[_Rows]) -> _Rows:
-    columns, forces = zip(*((one.columns, one.force) for one in rows), strict=True)
-    return _Rows(np.vstack(columns), np.concatenate(forces))
+def _solve(rows: Sequence[Equations]) -> Regression:
+    """Mass, mass times delay, Coulomb and viscous friction, and an offset."""
+    whole = Equations.of(rows)
+    if abs(whole.columns[:, 2].sum()) == len(whole.columns):
+        whole.columns[:, 4] = 0.0  # one direction alone: a weight and friction look the same
+    return regress(whole.columns, whole.values)
 
 
-def _solve(rows: Sequence[_Rows]) -> Regression:
-    columns = _stacked(rows).columns
-    if abs(columns[:, 2].sum()) == len(columns):
-        columns[:, 4] = 0.0  # one direction alone: a weight and friction look the same
-    return regress(columns, _stacked(rows).force)
-
-
-def _rows(trace: Trace, plant: Plant) -> list[_Rows]:
+def _rows(trace: Trace, plant: Plant) -> list[Equations]:
     """The equations of each stretch that moves one way."""
     force = trace.find(Role.FORCE)
     place = trace.find(Role.ENCODER) or trace.find(Role.TOOL)
@@ -129,7 +115,7 @@ def _rows(trace: Trace, plant: Plant) -> list[_Rows]:
     one_way = np.abs(sums) >= 2 * reach + 0.5
     columns = np.column_stack([acceleration, jerk, way, rate, np.ones_like(rate)])
     return [
-        _Rows(columns[first:last], smooth[first:last])
+        Equations(columns[first:last], smooth[first:last])
         for first, last in runs(one_way)
         if last - first >= FEWEST_OF_STRETCH
     ]

@@ -145,4 +145,5 @@ def _fit(
         if left <= max(0.5 * noise, NO_VIBRATION * one.amplitude)
         and one.amplitude >= SIGNIFICANT * error
         and one.frequency_hz.relative <= SURE
+        and one.damping_ratio.value <= RINGS
     }
