@@ -345,7 +345,7 @@ def _lose(data: dict[str, Any]) -> None:
     ("spoil", "words"),
     [
         (_steer, "steer"),
-        (_lose, "path: missing"),
+        (_lose, "another version of mtcommission wrote it"),
         (lambda data: data.update(schema=1), "schema"),
     ],
 )
