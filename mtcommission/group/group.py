@@ -52,6 +52,10 @@ SHORT = 0.8
 """Of the path acceleration without a filter, what an average must leave to be tried; the longest of
 these and one half as long are (design choice) [-]."""
 
+LEAST_RADIUS = 1e-3
+"""Of circles that must keep the tolerance [m]; smaller ones are passed as corners are (design
+choice)."""
+
 LADDER = np.geomspace(1.0, 1e-3, 700)
 """Shares of the axes' acceleration at which circles are looked at, the largest first."""
 
@@ -421,14 +425,22 @@ def circle_deviation(pair: Pair, entries: Array, omega: Array) -> tuple[Array, A
     return steady, np.interp(np.log(omega), np.log(pair[0].omega), entries)
 
 
+def largest_radii(omega: Array, *, feed: float, acceleration: float | Array) -> Array:
+    """Return the radius of the largest circle of each angular velocity [m]; 0 where it is tiny.
+
+    min(v/ω, a/ω²): not every control slows down on circles by the jerk v³/R².
+    """
+    radii = np.minimum(feed / omega, acceleration / omega**2)
+    return np.asarray(np.where(radii >= LEAST_RADIUS, radii, 0.0))
+
+
 def circle_acceleration(
     task: Task, pair: Pair, entries: Array, allowed: float, largest: float
 ) -> float:
     """Return the acceleration with which every circle up to the feed keeps the tolerance [m/s²].
 
-    The largest circle of an angular velocity ω has the radius min(v/ω, a/ω²): not every control
-    slows down on circles by the jerk v³/R². At most ``largest``; 0 where no circle keeps it. A
-    radius that is asked for counts alone, at the feed.
+    At most ``largest``; 0 where no circle keeps it. A radius that is asked for counts alone, at the
+    feed.
     """
     if task.radius is not None:
         asked = np.array([task.feed / task.radius])
@@ -436,6 +448,6 @@ def circle_acceleration(
         return largest if is_kept else 0.0
     omega = pair[0].omega
     off = np.maximum(*circle_deviation(pair, entries, omega))
-    radii = np.minimum(task.feed / omega, largest * LADDER[:, None] / omega**2)
+    radii = largest_radii(omega, feed=task.feed, acceleration=largest * LADDER[:, None])
     kept = np.flatnonzero((off * radii).max(axis=1) <= allowed)
     return float(largest * LADDER[kept[0]]) if len(kept) else 0.0

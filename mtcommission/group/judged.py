@@ -18,7 +18,7 @@ from mtcommission.group.contours import (
     worst_circle,
 )
 from mtcommission.group.follow import filter_response
-from mtcommission.group.group import Group, GroupAxis, circle_deviation
+from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
 from mtcommission.machine.moves import largest_velocity
 from mtcommission.messages.message import Message
@@ -26,7 +26,7 @@ from mtcommission.record.moves import Check
 from mtcommission.record.shape import finite_or_none
 from mtcommission.requirements.settling_time import SETTLING_TIME
 
-RADII = (1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
+RADII = (LEAST_RADIUS, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
 """Of the circles over which the feed is listed [m]; the last three are a ballbar's."""
 
 FEEDS = (1.0 / 60.0, 3.0 / 60.0, 6.0 / 60.0)
@@ -105,12 +105,14 @@ def largest_feed(group: Group, radius: float) -> FeedOverRadius:
     names = [axis.name for axis in group.drawn]
     a, j = group.path.on_circles
 
-    def whose(limit: float, limits: tuple[float, float]) -> str:
-        return names[int(np.argmin(limits))] if limit == min(limits) else ""
+    def whose(kind: str, limit: float, limits: tuple[float, float]) -> tuple[str, str]:
+        if limit < min(limits):
+            return f"path-{kind}", ""
+        return kind, names[int(np.argmin(limits))]
 
     ends = {
-        ("acceleration", whose(a, group.path.accelerations)): sqrt(a * radius),
-        ("jerk", whose(j, group.path.jerks)): float(np.cbrt(j * radius**2)),
+        whose("acceleration", a, group.path.accelerations): sqrt(a * radius),
+        whose("jerk", j, group.path.jerks): float(np.cbrt(j * radius**2)),
         ("velocity", ""): min(
             max(map(largest_velocity, axis.machine.moves)) for axis in group.drawn
         ),
@@ -195,7 +197,7 @@ def _judge_circles(group: Group) -> GroupCheck:
         omega, radii = np.array([task.feed / task.radius]), np.array([task.radius])
     else:
         omega = group.pair[0].omega
-        radii = np.minimum(task.feed / omega, a / omega**2)
+        radii = largest_radii(omega, feed=task.feed, acceleration=a)
     off = np.maximum(*circle_deviation(group.pair, group.entries, omega)) * radii
     worst = int(off.argmax())
     radius = float(radii[worst])
