@@ -47,8 +47,8 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             [text("group-unslowed"), *(_unslowed(one, spoken) for one in record.speed_over_angle)],
         ),
         text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
-        if told.value
-        else text("group-corner-no-arc"),
+        if told.value and told.name
+        else text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value"),
         *warn(spoken, record.warnings),
     ]
 

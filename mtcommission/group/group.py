@@ -74,19 +74,6 @@ TENTH = 7
 """Decimals of a wait [s]: a tenth of a microsecond."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Alone:
-    """An axis before the group: its loop and its limits, and how it follows contours."""
-
-    found: Recommendation
-    follower: Follower
-
-    @property
-    def machine(self) -> Machine:
-        """The axis."""
-        return self.found.machine
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilterTrial:
     """A setpoint filter for all axes, and what it costs and gives, at a first look."""
@@ -99,11 +86,11 @@ class FilterTrial:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroupAxis:
-    """What one axis is told in the group."""
+    """What one axis is told: alone at first, then in the group."""
 
     found: Recommendation  # alone
-    choice: Choice  # with the group's filter
-    follower: Follower  # behind filter and wait
+    choice: Choice  # its limits
+    follower: Follower  # how it follows contours
 
     @property
     def machine(self) -> Machine:
@@ -114,6 +101,21 @@ class GroupAxis:
     def name(self) -> str:
         """As the profile gives it."""
         return self.machine.axis
+
+    def behind(self, item: SetpointFilter | None) -> Row:
+        """Return it with its own loop behind a filter, to look at or to choose limits for."""
+        control = replace(self.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
+        machine = replace(self.machine, control=control)
+        return Row(machine=machine, tuned=self.found.tuned, refined=1)
+
+    def told(self, item: SetpointFilter | None) -> GroupAxis:
+        """Return it with a filter and the limits that go with that."""
+        is_own = self.choice.limits.setpoint_filter == item
+        return replace(
+            self,
+            choice=self.choice if is_own else choose(self.behind(item)),
+            follower=replace(self.follower, setpoint_filter=item),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -175,15 +177,7 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     reserve = min(machine.requirements.reserve.band for machine in task.machines)
     allowed = max(reserve * task.tolerance - noise, 0.0)
     trials = _compare_filters(task, alone, allowed)
-    item = trials[0].setpoint_filter
-    axes = tuple(
-        GroupAxis(
-            found=one.found,
-            choice=_with_filter(one, item),
-            follower=replace(one.follower, setpoint_filter=item),
-        )
-        for one in alone
-    )
+    axes = tuple(one.told(trials[0].setpoint_filter) for one in alone)
     group = Group(
         task=task,
         control=control,
@@ -198,12 +192,12 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     return _judge_again(replace(group, path=path))
 
 
-def _stand_alone(machine: Machine, progress: Progress) -> Alone:
+def _stand_alone(machine: Machine, progress: Progress) -> GroupAxis:
     found = recommend(machine, progress=progress)
-    return Alone(found=found, follower=follow(machine, found.tuned))
+    return GroupAxis(found=found, choice=found.choice, follower=follow(machine, found.tuned))
 
 
-def _match_gains(alone: list[Alone], progress: Progress) -> list[Alone]:
+def _match_gains(alone: list[GroupAxis], progress: Progress) -> list[GroupAxis]:
     """The axes with the position gain of the slowest, where they lag behind by 1/Kv at all."""
     controllers = [one.found.tuned.controller for one in alone]
     if all(one.follows or one.velocity_feedforward == 1.0 for one in controllers):
@@ -218,7 +212,7 @@ def _match_gains(alone: list[Alone], progress: Progress) -> list[Alone]:
     return matched
 
 
-def _wait_for_slowest(alone: Sequence[Alone]) -> list[Alone]:
+def _wait_for_slowest(alone: Sequence[GroupAxis]) -> list[GroupAxis]:
     """The axes, each behind the time by which it would be sooner than the slowest."""
     latest = max(one.follower.delay for one in alone)
     return [
@@ -230,7 +224,7 @@ def _wait_for_slowest(alone: Sequence[Alone]) -> list[Alone]:
     ]
 
 
-def _plane(task: Task, axes: Sequence[Alone | GroupAxis]) -> Pair:
+def _plane(task: Task, axes: Sequence[GroupAxis]) -> Pair:
     first, second = (axes[i].follower for i in task.plane)
     return first, second
 
@@ -243,11 +237,13 @@ def _behind(pair: Pair, item: SetpointFilter | None) -> Pair:
 # The filter
 
 
-def _compare_filters(task: Task, alone: Sequence[Alone], allowed: float) -> tuple[FilterTrial, ...]:
+def _compare_filters(
+    task: Task, alone: Sequence[GroupAxis], allowed: float
+) -> tuple[FilterTrial, ...]:
     """Filters for all axes, at a first look, best first: for circles, then for moves."""
     trials, pair = [], _plane(task, alone)
     for item in _filters_to_try(task, alone, allowed):
-        found = [look(_with(one, item)) for one in alone]
+        found = [look(one.behind(item)) for one in alone]
         if not all(found):
             trials.append(
                 FilterTrial(
@@ -278,14 +274,14 @@ def _compare_filters(task: Task, alone: Sequence[Alone], allowed: float) -> tupl
 
 
 def _filters_to_try(
-    task: Task, alone: Sequence[Alone], allowed: float
+    task: Task, alone: Sequence[GroupAxis], allowed: float
 ) -> list[SetpointFilter | None]:
     """The filter that a profile gives; else the axes' own ones, none, and shorter averages."""
     controls = [one.machine.control for one in alone]
     given = [one.setpoint_filter for one in controls if not one.seeks_setpoint_filter]
     if given:
         return given[:1]
-    limits = [one.found.choice.limits for one in alone]
+    limits = [one.choice.limits for one in alone]
     found: list[SetpointFilter | None] = [*(one.setpoint_filter for one in limits), None]
     largest = min(one.acceleration for one in limits)
     cycle, pair = controls[0].position_cycle, _plane(task, alone)
@@ -305,17 +301,6 @@ def _filters_to_try(
         short = [moving_average(float(one * unit)) for one in lengths[:low]]
         found += short[-1:] + short[(len(short) - 1) // 2 :][:1]
     return list(dict.fromkeys(found))
-
-
-def _with(one: Alone, item: SetpointFilter | None) -> Row:
-    control = replace(one.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
-    return Row(machine=replace(one.machine, control=control), tuned=one.found.tuned, refined=1)
-
-
-def _with_filter(one: Alone, item: SetpointFilter | None) -> Choice:
-    """The limits of an axis behind a filter."""
-    own = one.found.choice
-    return own if own.limits.setpoint_filter == item else choose(_with(one, item))
 
 
 # Path limits
@@ -404,8 +389,7 @@ def _judge_again(group: Group) -> Group:
         axis = axes[i]
         limits = replace(axis.choice.limits, acceleration=a, jerk=j)
         if limits != axis.choice.limits:
-            alone = Alone(found=axis.found, follower=axis.follower)
-            row = replace(_with(alone, group.setpoint_filter), limits=limits)
+            row = replace(axis.behind(group.setpoint_filter), limits=limits)
             choice = replace(
                 axis.choice,
                 candidate=judge(row),

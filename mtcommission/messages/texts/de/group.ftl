@@ -55,6 +55,7 @@ group-corner-told = Ecken: { $kind ->
    *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
 }
 group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten oben sofort zu drehen.
+group-corner-no-value = Ecken: mit den Geschwindigkeiten oben fahren; ein Wert, der diese einhält, ist für diese Steuerung nicht bekannt.
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
 group-axis = Achse
 

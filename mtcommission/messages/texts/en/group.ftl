@@ -55,6 +55,7 @@ group-corner-told = Corners: { $kind ->
    *[step] { $name } velocity step of an axis { FEED($value) }.
 }
 group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds above.
+group-corner-no-value = Corners: pass them at the speeds above; no value that keeps these is known for this control.
 group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
 group-axis = Axis
 
