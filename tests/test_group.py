@@ -35,9 +35,9 @@ from mtcommission.machine.variations import vary
 from mtcommission.profile.read import parse_profile, read_source
 from mtcommission.record.files import dump_json, find_checksum
 from mtcommission.study.variations import Row, choose
+from tests.group_record import PROFILES, mill
 from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
 
-PROFILES = Path(__file__).parent.parent / "profiles"
 X, Y = PROFILES / "mill-x.toml", PROFILES / "mill-y.toml"
 
 
@@ -59,7 +59,7 @@ def task_of(*changes: tuple[Change, ...], **options: str) -> Task:
 
 @pytest.fixture(scope="module")
 def joined() -> Group:
-    return join(task_of())
+    return mill()
 
 
 WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', "")

@@ -17,7 +17,7 @@ import pytest
 from mtcommission.cli.group_view import describe_group
 from mtcommission.control_kinds.control import Control
 from mtcommission.control_kinds.kinds import CONTROLS
-from mtcommission.control_kinds.row import PATH_ACCELERATION, PATH_JERK, WAIT, Key
+from mtcommission.control_kinds.row import AT_CORNERS, PATH_ACCELERATION, PATH_JERK, WAIT, Key
 from mtcommission.group.contours import line_deviation
 from mtcommission.group.export import GroupExport, export_group
 from mtcommission.group.group import Group, join
@@ -107,6 +107,10 @@ def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(
         on_sheet = float(re.sub(r"[^0-9.].*", "", number.replace("\N{NARROW NO-BREAK SPACE}", "")))
         assert row is not None
         assert on_sheet * row.scale == pytest.approx(told, rel=1e-9)
+    corner = typed(exported(kind).text, control, AT_CORNERS)
+    told = record.corner_rule.value if control.corner_name else 0.0
+    assert (corner or 0.0) == pytest.approx(told, rel=5e-3)
+    assert (corner or 0.0) <= told * (1.0 + 1e-9)
     for axis in record.axes:
         if control.place_of(WAIT) is None:
             assert axis.wait == 0.0
@@ -130,7 +134,7 @@ def typed(text: str, control: Control, key: Key) -> float | None:
         numbers = re.findall(r"#set paramPathDynamics\((\S+);(\S+);(\S+)\)#", text)
         return float(numbers[0][1 if key == PATH_ACCELERATION else 2]) * 1e-3
     found = re.findall(
-        rf"^ *{re.escape(row.name)} *(?:=|:|\|) *(?:\S+ *= *)?([0-9.]+)", text, re.MULTILINE
+        rf"^.{{0,6}}?{re.escape(row.name)} *(?:=|:|\|) *(?:\S+ *= *)?([0-9.]+)", text, re.MULTILINE
     )
     return float(found[-1]) * row.scale if found else None
 

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from mtcommission import cli
-from mtcommission.group.record import GroupRecord, load_group, read_pair
+from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.traces import read_circular
 from mtcommission.group.verify import CircleVerification, verify_circles
 from mtcommission.verify.checks import Check, Verdict
-from tests.group_record import read_mill, write_mill, write_printer
+from tests.group_record import mill_record, printer_record, write_mill
 from tests.recorded_circles import Spoilt, draw, step_axes, write_ballbar, write_csv
 
 
 @pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> GroupRecord:
-    return read_mill(tmp_path_factory.mktemp("mill"))
+def record() -> GroupRecord:
+    return mill_record()
 
 
 def as_planned(record: GroupRecord) -> Spoilt:
@@ -201,7 +201,7 @@ def test_a_radius_that_nobody_told_is_not_judged_to_fail(
 
 
 def test_a_motor_that_follows_its_setpoint_has_no_peaks(tmp_path: Path) -> None:
-    record = load_group(write_printer(tmp_path))
+    record = printer_record()
     omega = np.array([1e-2])
     response = read_pair(record)[0].response(omega)[0, 0]
     behind = -float(np.angle(response)) / omega[0]

@@ -10,13 +10,12 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli
-from mtcommission.control_kinds.kinds import CONTROLS
 from mtcommission.errors import InputError
 from mtcommission.group.export import GroupExport, export_group
-from mtcommission.group.record import AxisEntry, GroupRecord, load_group
+from mtcommission.group.record import AxisEntry, GroupRecord
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import profile_text_hash
-from tests.group_record import read_mill, write_mill, write_printer
+from tests.group_record import mill_record, printer_record, write_mill
 from tests.second_reader import ini_file, lines
 
 BELOW, ABOVE = 0.99, 1.0 + 1e-9
@@ -24,8 +23,8 @@ BELOW, ABOVE = 0.99, 1.0 + 1e-9
 
 
 @pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> GroupRecord:
-    return read_mill(tmp_path_factory.mktemp("mill"))
+def record() -> GroupRecord:
+    return mill_record()
 
 
 CHECKED = ("sinumerik", "fanuc", "heidenhain", "linuxcnc", "klipper", "twincat", "generic")
@@ -72,34 +71,6 @@ def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(
     assert path["42502"] == "1"
     assert lies_below(path["42500"], 1.0, record.path.acceleration)
     assert float(path["20600"]) > max(axis.limits.recommended.jerk for axis in record.axes)
-
-
-def test_a_fanuc_gets_tables_by_axis(record: GroupRecord, exports: dict[str, GroupExport]) -> None:
-    found = parts(exports["fanuc"].text)
-    assert list(found) == ["Axis X", "Axis Y"]
-    for axis in record.axes:
-        own = cells(found[f"Axis {axis.name}"])
-        assert float(own["1825"]) * 0.01 == pytest.approx(axis.loop.Kv, rel=1e-3)
-        assert "1783" not in own
-    # The record's value at corners is that of a SINUMERIK: the text says that it holds none.
-    header = exports["fanuc"].header
-    assert any("path acceleration" in line for line in header)
-    assert any("NO VALUE FOR CORNERS" in line for line in header)
-
-
-def test_a_heidenhain_gets_its_path_jerk_above_the_axes(
-    record: GroupRecord, exports: dict[str, GroupExport]
-) -> None:
-    found = parts(exports["heidenhain"].text)
-    largest = max(axis.limits.recommended.jerk for axis in record.axes)
-    path = cells(found["Path of all axes"])
-    assert lies_below(path["maxPathJerk"], 1.0, 1.75 * largest)
-    assert float(path["pathTolerance"]) * 1e-3 == pytest.approx(record.tolerance)
-    for axis in record.axes:
-        assert lies_below(
-            cells(found[f"Axis {axis.name}"])["axPathJerk"], 1.0, axis.limits.recommended.jerk
-        )
-    assert re.search(r"pathTolerance .*\(\?\)$", exports["heidenhain"].text, re.MULTILINE)
 
 
 def test_a_linuxcnc_gets_one_ini(record: GroupRecord, exports: dict[str, GroupExport]) -> None:
@@ -173,13 +144,6 @@ def test_a_control_that_lacks_something_draws_its_own_circles(
     assert any("NOT AS IN THE RECORD" in line for line in found.header)
 
 
-@pytest.mark.parametrize("control", CHECKED)
-def test_what_has_no_place_is_said(control: str, exports: dict[str, GroupExport]) -> None:
-    lacks = ("no place of it is known", "NO VALUE FOR CORNERS")
-    without = [line for line in exports[control].header if any(one in line for one in lacks)]
-    assert bool(without) or CONTROLS[control].group
-
-
 @pytest.mark.parametrize("control", ["sinumerik", "twincat"])
 def test_a_list_holds_the_same(
     control: str, record: GroupRecord, exports: dict[str, GroupExport]
@@ -194,7 +158,7 @@ def test_a_list_holds_the_same(
 
 
 def test_a_printer_keeps_its_circles_and_asks_for_no_jerk(tmp_path: Path) -> None:
-    record = load_group(write_printer(tmp_path))
+    record = printer_record()
     found = export_group(record, control="klipper")
     assert found.meets_requirements
     assert all(one.is_same for one in found.circles)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from functools import lru_cache
 from html import unescape
 from math import pi
 from pathlib import Path
@@ -19,36 +18,21 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from mtcommission.cli.arguments import read_machine
 from mtcommission.group.ballbar import trace_circle
 from mtcommission.group.contours import Pair, deviate, find_entries, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.follow import filter_response
-from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
-from mtcommission.group.task import read_task
 from mtcommission.loop.respond import TOOL
 from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.profile.read import profile_text_hash
 from mtcommission.sheet.document import Headline, Table
 
+from .group_record import mill, mill_record
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, WIDTHS, axe_file, browse
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
-
-PROFILES = ("profiles/mill-x.toml", "profiles/mill-y.toml")
-
-
-@lru_cache(maxsize=1)
-def mill() -> Group:
-    read = [read_machine(Path(profile)) for profile in PROFILES]
-    return join(read_task([machine for machine, _ in read], [source for _, source in read]))
-
-
-@lru_cache(maxsize=1)
-def record() -> GroupRecord:
-    return build_group_record(mill(), created="2026-11-28T00:00:00+00:00")
 
 
 def html_of(found: GroupRecord, language: str = "en") -> str:
@@ -77,7 +61,7 @@ SAID = {
 @pytest.mark.parametrize("language", SAID)
 def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> None:
     """Two axes fit on two pages; a third page would be lost on the way to the machine."""
-    found, words = record(), words_of(record(), language)
+    found, words = mill_record(), words_of(mill_record(), language)
     files = print_group(found, language=language)
     html, pages = text_of(files["sheet.html"].decode()), text_of_pdf(files["sheet.pdf"])
     assert len(pages) == 2
@@ -106,7 +90,7 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
 
 def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns() -> None:
     """What is overwritten must be seen before it is."""
-    found = record()
+    found = mill_record()
     (other, own) = found.axes
     today = (
         '[today]\nacceleration = "1.25 m/s^2"\njerk = "17.5 m/s^3"\nposition_gain = "31.5 1/s"\n'
@@ -135,7 +119,7 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
 
 
 def test_what_is_not_kept_is_named_on_top() -> None:
-    found = record()
+    found = mill_record()
     (circle, *others) = found.assessment.checks
     missed = replace(circle, value=2.0 * circle.limit, met=False)
     bad = replace(found, assessment=replace(found.assessment, met=False, checks=[missed, *others]))
@@ -156,7 +140,7 @@ def test_what_is_not_kept_is_named_on_top() -> None:
 def test_names_that_look_like_markup_stay_names() -> None:
     """A profile comes from anywhere; its names stand in the page, the drawing and the script."""
     name = '</script><img src=x onerror="alert(1)">&'
-    found = record()
+    found = mill_record()
     axes = [replace(axis, machine=replace(axis.machine, name=name)) for axis in found.axes]
     axes[0] = replace(axes[0], name=name)
     bad = replace(found, axes=axes, plane=[name, "Y"])
@@ -257,7 +241,7 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
             trials=(replace(trial, setpoint_filter=None),),
             path=replace(group.path, acceleration=4.0),
         )
-    found = build_group_record(group, created="today") if arcs else record()
+    found = build_group_record(group, created="today") if arcs else mill_record()
     pair, rng = read_pair(found), np.random.default_rng(7)
     circles = [
         (float(10 ** rng.uniform(-2.3, -0.8)), float(rng.uniform(0.01, 0.3))) for _ in range(12)
@@ -334,7 +318,7 @@ addEventListener("load", () => {
 @needs_browser
 def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
     told: Any
-    told, console = browse(html_of(record()), tmp_path, TELL + SLIDE)
+    told, console = browse(html_of(mill_record()), tmp_path, TELL + SLIDE)
     assert console == ""
     begun, smaller, blunter, wrong, fast = told
     assert smaller["circle"] != begun["circle"]
@@ -354,7 +338,7 @@ def test_nothing_is_cut_on_phone_and_desk(width: int, tmp_path: Path) -> None:
     script = WIDTHS.replace("const letters =", "const letters = 0; const no =").replace(
         "const over =", "const over = 0; const none ="
     )
-    found, _ = browse(html_of(record(), "de"), tmp_path, script, f"--window-size={width},900")
+    found, _ = browse(html_of(mill_record(), "de"), tmp_path, script, f"--window-size={width},900")
     assert found["cut"] == []
     assert found["needed"] <= found["inner"]
 
@@ -364,7 +348,7 @@ def test_nothing_is_cut_on_phone_and_desk(width: int, tmp_path: Path) -> None:
 def test_axe_finds_nothing_in_light_and_dark(tmp_path: Path) -> None:
     script = axe_file().read_text(encoding="utf-8") + AXE_RUN
     for scheme, language in ((1, "en"), (0, "de")):
-        html = html_of(record(), language)
+        html = html_of(mill_record(), language)
         option = f"--blink-settings=preferredColorScheme={scheme}"
         found, _ = browse(html, tmp_path, script, option)
         assert found["faults"] == []
