@@ -202,7 +202,7 @@ def test_entries_are_those_of_the_second_program(joined: Group) -> None:
         ]
         assert max(offs) <= 1.005 * ours
         assert max(offs) > 0.8 * ours
-    assert joined.path.on_circles[0] * joined.entries[0] / first.omega[0] ** 2 <= joined.allowed
+        assert ours <= joined.allowed or a > joined.path.on_circles[0]
 
 
 def test_corners_keep_the_tolerance_in_the_second_program(joined: Group) -> None:
