@@ -26,9 +26,9 @@ from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-SLOWEST, FASTEST, FREQUENCIES = 0.05, 0.3, 160
+SLOWEST, FASTEST, FREQUENCIES = 0.05, 0.3, 320
 """Least angular frequency of a circle [rad/s], the largest times the position cycle [-], and
-frequencies between (empirical: to 1e-4 of the deviation)."""
+frequencies between (empirical: to a few nanometres of a circle)."""
 
 PERIODS, LONGEST = 2.0, 0.6
 """Of each pole that an answer is followed, and the longest [s] (empirical)."""
