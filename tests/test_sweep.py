@@ -382,6 +382,8 @@ def test_a_library_is_loaded_before_a_sweep_stops(
     code = f"import os, signal\nos.kill(os.getpid(), signal.{name})\nloaded = True\n"
     (tmp_path / f"fragile_{name}.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
+    number = getattr(signal, name)
+    before = signal.signal(number, signal.default_int_handler)  # a shell's "&" has it ignored
     found = []
 
     def load_and_wait() -> None:
@@ -389,8 +391,11 @@ def test_a_library_is_loaded_before_a_sweep_stops(
             found.append(importlib.import_module(f"fragile_{name}"))
             time.sleep(30.0)
 
-    with pytest.raises(KeyboardInterrupt):
-        load_and_wait()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            load_and_wait()
+    finally:
+        signal.signal(number, before)
     assert found[0].loaded
 
 
