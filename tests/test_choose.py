@@ -279,7 +279,7 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
 
 @pytest.mark.parametrize(("seed", "latest"), [(40, 0.105), (205, 3.8), (2005, 0.108)])
 def test_no_better_limits_lie_beside_what_is_tried(seed: int, latest: float) -> None:
-    """297 ms, 3.93 s and 114 ms were recommended: time given away at every move.
+    """297 ms, 3.93 s and 110 ms were recommended: time given away at every move.
 
     The best shaper lies beside the mode of the first machine, between the two of the second; on the
     third a ramp of less than a cycle must become longer, not the acceleration less.
