@@ -30,6 +30,7 @@ from mtcommission.group.group import Group, join, tell
 from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.record import build_group_record, load_group
 from mtcommission.group.task import Task, read_task
+from mtcommission.machine.moves import Positioning
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.profile.read import parse_profile, read_source
@@ -284,6 +285,27 @@ def test_no_axis_is_slower_than_alone_with_the_same_filter(joined: Group) -> Non
         alone = Row(machine=replace(axis.machine, control=control), tuned=axis.follower.tuned)
         own = choose(alone).candidate.settling_time
         assert axis.choice.candidate.settling_time <= 1.01 * own
+
+
+def test_limits_of_the_path_slow_each_axis_and_its_verdict() -> None:
+    """All are typed in together: X was called soon enough by its own limits alone."""
+    within = ("[requirements]\n", '[requirements]\nmax_settling_time = "410 ms"\n')
+    group = join(task_of((within,), (within,)))
+    x, path = group.axes[0], group.path
+    assert x.slowed is not None
+    # No rest-to-rest move is shorter than at the path's acceleration, without any jerk limit.
+    least = max(
+        move.max_velocity / path.acceleration + move.distance / move.max_velocity
+        if move.max_velocity**2 <= move.distance * path.acceleration
+        else 2.0 * sqrt(move.distance / path.acceleration)
+        for move in x.machine.moves
+        if isinstance(move, Positioning)
+    )
+    smooth = x.slowed.limits.jerk_time + 8e-3
+    assert least < x.slowed.settling_time < least + smooth + 0.1
+    assert x.choice.candidate.assessment.is_met
+    checks = {check.name: check for check in judge_group(group, circle_test(group))}
+    assert not checks["settling time X"].met
 
 
 def test_the_filter_is_short_enough_for_circles_and_corners(joined: Group) -> None:

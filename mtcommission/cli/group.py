@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import typer
 
 from mtcommission.cli.arguments import JSON, LANGUAGE, argument, option, read_machine
 from mtcommission.cli.language import say, words
-from mtcommission.cli.terminal import show, show_stage
+from mtcommission.cli.terminal import print_said, show, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -66,4 +67,6 @@ def group(
         show(describe_group(record, words()))
     if output:
         show([say("cli-written-into", folder=str(output), files=tuple(files))])
+        file = shlex.quote(str(output / "group.json"))
+        print_said("cli-next-export", record=file, control=record.axes[0].loop.kind)
     raise typer.Exit(0 if record.assessment.met else 1)

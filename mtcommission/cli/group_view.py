@@ -10,7 +10,7 @@ from mtcommission.group.record import AngleEntry, GroupRecord
 from mtcommission.group.verified import say_found
 from mtcommission.group.verify import CircleVerification
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.sheet.tables import SETTLING, say_filter, show
+from mtcommission.sheet.tables import say_filter, show
 from mtcommission.verify.report import check_row, say_reasons
 
 
@@ -98,7 +98,7 @@ def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
                 else show(best.jerk, spoken, "m/s^3"),
                 show(axis.wait, spoken, "s"),
                 show(record.feedforward[axis.name].delay, spoken, "s"),
-                SETTLING.show(best, spoken),
+                show(axis.settling_time, spoken, "s", "not-settled"),
             ]
         )
     return table(names, rows)

@@ -32,6 +32,7 @@ from scipy.signal import fftconvolve
 from mtcommission.control_kinds.control import Corner, CornerRule
 from mtcommission.group.follow import Follower, starts_of
 from mtcommission.machine.moves import VelocityStep
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
 
 Array = NDArray[np.float64]
@@ -376,6 +377,14 @@ class PathLimits:
         return (
             min(self.acceleration, *self.accelerations),
             min(self.jerk, *self.jerks),
+        )
+
+    def within(self, own: MotionLimits) -> MotionLimits:
+        """Return the limits of an axis as far as those that the path is told leave them."""
+        return replace(
+            own,
+            acceleration=min(own.acceleration, self.acceleration),
+            jerk=min(own.jerk, self.jerk),
         )
 
     def along(self, slopes: Array) -> tuple[Array, Array]:

@@ -164,6 +164,7 @@ def export_group(
         for subject, values in zip(subjects, own, strict=True)
     ]
     pair, limits = _read_pair(record, judged), _read_path(record, judged, path)
+    slowed = [_slow_down(one, limits) for one in judged]
     circles = tuple(_draw_circles(record, pair))
     line, _ = line_deviation(pair, feed=record.feed, limits=limits)
     rows = [row for part in parts for row in part.rows]
@@ -171,7 +172,8 @@ def export_group(
     said = [
         *_say_origin(record, target),
         *_say_contours(circles, line, record),
-        *_say_axes(record, target, subjects, judged, parts),
+        *_say_verdict(record),
+        *_say_axes(record, target, subjects, slowed, parts),
         *_say_gaps(lacking, rows),
     ]
     # That the rule at corners was not read is of no matter where the text holds no value for it.
@@ -185,7 +187,7 @@ def export_group(
         header=head.sentences,
         circles=circles,
         line=line,
-        meets_requirements=all(one.is_met and not one.left_out for one in judged)
+        meets_requirements=all(one.is_met and not one.left_out for one in (*judged, *slowed))
         and off <= record.tolerance
         and is_gentle,
         text="\n".join([*head.lines, "", *lines]) + "\n",
@@ -338,6 +340,16 @@ def _read_path(record: GroupRecord, judged: Sequence[Judged], path: Values) -> P
     )
 
 
+def _slow_down(found: Judged, path: PathLimits) -> Judged:
+    """An axis of the text with the moves that the path's limits leave."""
+    held = found.held
+    limits = path.within(held.limits())
+    if limits == held.limits():
+        return found
+    verdict = held.judge(held.machine, limits)
+    return replace(found, verdict=verdict, is_met=found.is_met and verdict.assessment.is_met)
+
+
 def _draw_circles(record: GroupRecord, pair: Pair) -> Iterator[CircleOfText]:
     """The record's circle at two feeds, as the text draws it."""
     for circle in record.circle:
@@ -405,6 +417,13 @@ def _say_contours(
             planned_form=show(one.planned.form_deviation),
         )
     yield Message("group-export-line", feed=60.0 * record.feed, deviation=show(line))
+
+
+def _say_verdict(record: GroupRecord) -> Iterator[Message]:
+    """That the group misses a requirement, whatever its axes keep."""
+    missed = tuple(check.label for check in record.assessment.checks if not check.met)
+    if missed:
+        yield Message("group-export-not-met", checks=missed)
 
 
 def _say_axes(

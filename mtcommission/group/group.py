@@ -35,6 +35,7 @@ from mtcommission.group.follow import Follower, follow
 from mtcommission.group.task import Task
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import Found
+from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
@@ -91,6 +92,8 @@ class GroupAxis:
     found: Recommendation  # alone
     choice: Choice  # its limits
     follower: Follower  # how it follows contours
+    slowed: Candidate | None = None
+    """Its moves with the limits of the path, where these are less than its own."""
 
     @property
     def machine(self) -> Machine:
@@ -101,6 +104,11 @@ class GroupAxis:
     def name(self) -> str:
         """As the profile gives it."""
         return self.machine.axis
+
+    @property
+    def slowest(self) -> Candidate:
+        """Its moves with all limits that hold."""
+        return self.slowed or self.choice.candidate
 
     def behind(self, item: SetpointFilter | None) -> Row:
         """Return it with its own loop behind a filter, to look at or to choose limits for."""
@@ -189,7 +197,7 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
         entries=find_entries(_plane(task, axes)),
     )
     path = _lowered_for_lines(group, _lowered_for_circles(group, _path_of(group)))
-    return _judge_again(replace(group, path=path))
+    return _slow_down(_judge_again(replace(group, path=path)))
 
 
 def _stand_alone(machine: Machine, progress: Progress) -> GroupAxis:
@@ -435,3 +443,16 @@ def circle_acceleration(
     radii = largest_radii(omega, feed=task.feed, acceleration=largest * LADDER[:, None])
     kept = np.flatnonzero((off * radii).max(axis=1) <= allowed)
     return float(largest * LADDER[kept[0]]) if len(kept) else 0.0
+
+
+def _slow_down(group: Group) -> Group:
+    """The group with the moves of each axis judged that the path's limits make slower."""
+    axes, path = [], group.path
+    for axis in group.axes:
+        own = axis.choice.limits
+        limits = path.within(own)
+        if limits != own:
+            row = replace(axis.behind(group.setpoint_filter), limits=limits)
+            axis = replace(axis, slowed=judge(row))
+        axes.append(axis)
+    return replace(group, axes=tuple(axes))

@@ -221,7 +221,7 @@ def _of_contour(group: Group, name: str, off: float, where: Message) -> GroupChe
 
 def _judge_reversals(group: Group, circles: list[Circle]) -> Iterator[GroupCheck]:
     """Peaks where an axis reverses at the feed, where friction is stated."""
-    fastest = circles[-1]
+    fastest = next(one for one in circles if one.feed == group.task.feed)
     where = Message("group-where-circle", radius=fastest.radius, feed=fastest.feed)
     for axis, peak in fastest.quadrant_peak.items():
         label = Message("group-check-peak", name=axis)
@@ -229,8 +229,15 @@ def _judge_reversals(group: Group, circles: list[Circle]) -> Iterator[GroupCheck
 
 
 def _own(axis: GroupAxis) -> Iterator[GroupCheck]:
-    """The axis' own requirements, with the group's filter, and its wait where time counts."""
-    for check in axis.choice.candidate.assessment.checks:
+    """The axis' own requirements, with the group's filter, and its wait where time counts.
+
+    Where the path's limits make its moves slower, the worse of these and of its own limits.
+    """
+    found = axis.choice.candidate.assessment.checks
+    if axis.slowed:
+        pairs = zip(found, axis.slowed.assessment.checks, strict=True)
+        found = tuple(max(pair, key=lambda check: check.value) for pair in pairs)
+    for check in found:
         late = axis.follower.wait if check.requirement is SETTLING_TIME else 0.0
         yield _check(
             f"{check.name} {axis.name}",

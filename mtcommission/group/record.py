@@ -41,7 +41,7 @@ from mtcommission.record.machine import (
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.read_back import close_as_held, read_filter, read_held
 from mtcommission.record.record import Tool, load_sealed, this_tool
-from mtcommission.record.shape import entry_of, of, to_plain
+from mtcommission.record.shape import entry_of, finite_or_none, of, to_plain
 from mtcommission.record.values import SetpointFilterEntry, Words
 from mtcommission.study.loops import disturb
 
@@ -79,6 +79,7 @@ class AxisEntry:
     limits: AxisLimits
     loop: LoopPart
     assessment: AssessmentPart  # of its own moves
+    settling_time: float | None  # with the limits of the path, too, wait apart; None: it does not
     wait: float  # by which its setpoint is held back [s]
     peak_bound: float  # no reversal throws the tool off further [m]
 
@@ -238,7 +239,8 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
 
 
 def _delays(group: Group) -> dict[str, float]:
-    return {axis.name: axis.follower.delay for axis in group.axes}
+    # What is below a tenth of a nanosecond is rounding.
+    return {axis.name: round(axis.follower.delay, 10) + 0.0 for axis in group.axes}
 
 
 def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
@@ -255,6 +257,7 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
         ),
         loop=loop_part(machine, found.plant, found.loop, found.tuned, disturb(found.loop)),
         assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
+        settling_time=finite_or_none(axis.slowest.settling_time),
         wait=axis.follower.wait,
         peak_bound=axis.follower.peak_bound(),
     )
@@ -266,6 +269,8 @@ def _assumptions(group: Group) -> list[Words]:
     cycle = group.axes[0].follower.poles.dt
     if any(abs((axis.follower.wait / cycle + 0.5) % 1.0 - 0.5) > 1e-6 for axis in group.axes):
         found.append(Message("group-wait-in-parts"))
+    if any(axis.slowed for axis in group.axes):
+        found.append(Message("group-path-slows"))
     return [item for item in dict.fromkeys(found) if item.kind not in NOT_OF_A_GROUP]
 
 
@@ -273,6 +278,8 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
     """What the verdict does not show, and what to do where it is not met."""
     delays, control = _delays(group), group.control
     apart = max(delays.values()) - min(delays.values())
+    if group.task.radius is not None:
+        yield Message("group-one-circle", radius=group.task.radius)
     if apart > APART:
         slowest = max(delays, key=lambda name: delays[name])
         yield Message("group-delays-apart", apart=apart, feed=group.task.feed, slowest=slowest)

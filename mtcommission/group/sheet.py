@@ -205,7 +205,9 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
     value = show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none")
     rows.append((f"group-corner-{told.kind}", value, text("group-corner-holds"), (AT_CORNERS,)))
     # Where nothing is typed in, the rule still has a name.
-    otherwise: dict[tuple[Key, ...], str] = {(AT_CORNERS,): told.name or DASH}
+    otherwise: dict[tuple[Key, ...], str] = {
+        (AT_CORNERS,): told.name if told.value and told.name else DASH
+    }
     heads = {"quantity": 1.7, "value": 1.6, "bound-by-column": 1.9, "group-typed": 3.6}
     return Table(
         caption=text("group-together-caption"),

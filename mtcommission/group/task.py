@@ -18,6 +18,10 @@ AXES = (2, 3)
 """How many axes a group has, at least and at most."""
 
 
+LARGEST_TOLERANCE = 10e-3
+"""Of a contour [m]: more is a unit that was left out (design choice)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
     """Axes, and the contour that they must keep together."""
@@ -60,6 +64,9 @@ def read_task(
         within = min(need.contour_deviation for need in needs)
         if tolerance:
             within = options.positive("--tolerance", tolerance, LENGTH)
+            if within > LARGEST_TOLERANCE:
+                message = Message("group-tolerance-large", got=within, most=LARGEST_TOLERANCE)
+                options.refuse("--tolerance", message)
         elif not isfinite(within):
             options.refuse("--tolerance", Message("group-tolerance-missing"))
         at = min(need.contour_feed for need in needs)

@@ -310,10 +310,11 @@ adaptation; that it acts in parts of a position cycle (?)); 01/2015, B1 4.3 p. 1
 
 GROUP = (
     fixed("N42502 $SC_IS_SD_MAX_PATH_ACCEL", "1", "group-row-acceleration-on"),
-    Row(Setting.TOGETHER, "N42500 $SC_SD_MAX_PATH_ACCEL", index="acceleration", unit="m/s^2"),
+    doubted(Setting.TOGETHER, "N42500 $SC_SD_MAX_PATH_ACCEL", index="acceleration", unit="m/s^2"),
     doubted(Setting.TOGETHER, "N20600 $MC_MAX_PATH_JERK[0]", index="jerk", unit="m/s^3"),
 )
-"""Source: 828D Basic Functions 09/2011, B2 4.2.6 and 4.2.12.3; the index of MD20600 (?)."""
+"""Source: 828D Basic Functions 09/2011, B2 4.2.6 and 4.2.12.3; the index of MD20600 (?), and
+whether SD42500 counts on circles, for which MD20602 names a share of the axes' limits, too (?)."""
 
 CONTROL = Control(
     kind=SINUMERIK,
