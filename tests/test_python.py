@@ -113,7 +113,7 @@ def test_what_misses_its_requirements_says_so(found: Commissioning) -> None:
 def test_the_plot_shows_every_corner_in_its_unit(found: Commissioning) -> None:
     upper, lower = found.plot().axes
     response = found.moves[0].responses[0]
-    nominal = next(line for line in upper.get_lines() if line.get_label() == "nominal")
+    nominal = next(line for line in upper.get_lines() if line.get_label() == "Nominal machine")
     assert np.max(np.abs(nominal.get_ydata())) == pytest.approx(1e6 * response.peak_deviation)
     assert upper.get_ylabel() == "tool deviation in µm"
     assert np.max(nominal.get_xdata()) == pytest.approx(1e3 * response.t[-1])
