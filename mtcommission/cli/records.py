@@ -39,7 +39,7 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
-    from mtcommission.group.record import names_group
+    from mtcommission.record.files import names_group
     from mtcommission.record.record import load_record
     from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf, remark_on_print
@@ -112,19 +112,23 @@ def export(
     key = find_control_key(control)
     require_writable(output, inputs=[record])
 
-    from mtcommission.export.write import Export, export_record
-    from mtcommission.group.export import GroupExport, export_group
-    from mtcommission.group.record import load_group, names_group
-    from mtcommission.record.record import load_record
+    from mtcommission.record.files import names_group
 
-    found: Export | GroupExport
     with show_stage() as progress:
         progress(Message("stage-responses"))
         if names_group(record):
+            from mtcommission.group.export import export_group
+            from mtcommission.group.record import load_group
+
             group = load_group(record)
-            found = export_group(group, control=key, language=language, as_list=as_csv)
+            together = export_group(group, control=key, language=language, as_list=as_csv)
+            text, is_met = together.text, together.meets_requirements
         else:
+            from mtcommission.export.write import export_record
+            from mtcommission.record.record import load_record
+
             loaded = load_record(record)
-            found = export_record(loaded, control=key, language=language, as_list=as_csv)
-    write_text(output, found.text)
-    raise typer.Exit(0 if found.meets_requirements else 1)
+            alone = export_record(loaded, control=key, language=language, as_list=as_csv)
+            text, is_met = alone.text, alone.meets_requirements
+    write_text(output, text)
+    raise typer.Exit(0 if is_met else 1)

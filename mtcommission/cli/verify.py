@@ -43,7 +43,7 @@ def verify(
     said = read_columns(columns or [])
     force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
 
-    from mtcommission.group.record import names_group
+    from mtcommission.record.files import names_group
 
     if names_group(record):
         for name, given in (("--constant", constant), ("--refine", renewed)):

@@ -21,7 +21,7 @@ from mtcommission.group.judged import (
     judge_group,
 )
 from mtcommission.messages.message import Message
-from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
+from mtcommission.record.files import find_checksum
 from mtcommission.record.limits import (
     ModeLimitsEntry,
     RecommendedEntry,
@@ -317,9 +317,3 @@ def load_group(path: Path) -> GroupRecord:
         If the file is none of this schema, or not as it was written; says what is wrong.
     """
     return load_sealed(path, GroupRecord, schema=SCHEMA)
-
-
-def names_group(path: Path) -> bool:
-    """Return whether a file is the record of a group, not of one axis."""
-    data = load_json(path, most=LARGEST_FILE)
-    return isinstance(data, dict) and {"axes", "path"} <= data.keys()

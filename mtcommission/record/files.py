@@ -59,6 +59,12 @@ def load_json(path: Path, *, most: int) -> Any:
         raise fault(path, Message("record-not-json")) from error
 
 
+def names_group(path: Path) -> bool:
+    """Return whether a file is the record of a group, not of one axis."""
+    data = load_json(path, most=LARGEST_FILE)
+    return isinstance(data, dict) and {"axes", "path"} <= data.keys()
+
+
 def fault(path: Path, message: Message, key: str = "") -> InputError:
     """Return the error that something is wrong in a file."""
     return InputError([Fault(where=str(path), key=key, message=message)])
