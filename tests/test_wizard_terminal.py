@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import select
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -133,6 +134,7 @@ def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Ter
     if pid == 0:
         os.environ |= {"TERM": "xterm", "PYTHONPATH": str(ROOT), "COLUMNS": "80", "LINES": "24"}
         os.chdir(folder)
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's "&" has it ignored
         if fresh:
             command = [sys.executable, "-m", "mtcommission", *arguments]
             os.execv(command[0], command)
