@@ -106,8 +106,8 @@ class GroupAxis:
         return self.machine.axis
 
     @property
-    def slowest(self) -> Candidate:
-        """Its moves with all limits that hold."""
+    def in_effect(self) -> Candidate:
+        """Its moves with all limits that hold, its own and those of the path."""
         return self.slowed or self.choice.candidate
 
     def behind(self, item: SetpointFilter | None) -> Row:
@@ -407,6 +407,19 @@ def _judge_again(group: Group) -> Group:
     return replace(group, axes=tuple(axes))
 
 
+def _slow_down(group: Group) -> Group:
+    """The group with the moves of each axis judged that the path's limits make slower."""
+    axes, path = [], group.path
+    for axis in group.axes:
+        own = axis.choice.limits
+        limits = path.within(own)
+        if limits != own:
+            row = replace(axis.behind(group.setpoint_filter), limits=limits)
+            axis = replace(axis, slowed=judge(row))
+        axes.append(axis)
+    return replace(group, axes=tuple(axes))
+
+
 def _first_look(task: Task, pair: Pair, allowed: float, largest: float) -> float:
     return circle_acceleration(task, pair, entries_at_first_look(pair), allowed, largest)
 
@@ -443,16 +456,3 @@ def circle_acceleration(
     radii = largest_radii(omega, feed=task.feed, acceleration=largest * LADDER[:, None])
     kept = np.flatnonzero((off * radii).max(axis=1) <= allowed)
     return float(largest * LADDER[kept[0]]) if len(kept) else 0.0
-
-
-def _slow_down(group: Group) -> Group:
-    """The group with the moves of each axis judged that the path's limits make slower."""
-    axes, path = [], group.path
-    for axis in group.axes:
-        own = axis.choice.limits
-        limits = path.within(own)
-        if limits != own:
-            row = replace(axis.behind(group.setpoint_filter), limits=limits)
-            axis = replace(axis, slowed=judge(row))
-        axes.append(axis)
-    return replace(group, axes=tuple(axes))

@@ -257,7 +257,7 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
         ),
         loop=loop_part(machine, found.plant, found.loop, found.tuned, disturb(found.loop)),
         assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
-        settling_time=finite_or_none(axis.slowest.settling_time),
+        settling_time=finite_or_none(axis.in_effect.settling_time),
         wait=axis.follower.wait,
         peak_bound=axis.follower.peak_bound(),
     )
