@@ -14,10 +14,10 @@ from dataclasses import replace
 from math import sqrt
 
 from benchmarks.every_size import draw_profile
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.commission.recommend import recommend
 from mtcommission.machine.machine import Machine
-from mtcommission.profile.read import parse_profile
-from mtcommission.recommend import recommend
+from mtcommission.machine.profile.read import parse_profile
 
 LATER = 0.01
 """By which a better machine may settle later [-]: limits are typed with three digits."""

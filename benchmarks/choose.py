@@ -18,12 +18,12 @@ from multiprocessing import get_context
 import numpy as np
 
 from benchmarks.population import demanding_machine
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     plan_setpoint,

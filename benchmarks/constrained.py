@@ -13,14 +13,14 @@ import argparse
 from time import process_time
 
 from benchmarks.constrained_survey import survey
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.exchange import first_cells
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine
 
 STEP = VelocityStep(velocity_step=0.1)

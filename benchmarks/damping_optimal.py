@@ -17,13 +17,13 @@ from time import process_time
 
 import numpy as np
 
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import DampingOptimum
-from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS

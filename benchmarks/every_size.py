@@ -28,20 +28,20 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, ControlKind
-from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.controls.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, ControlKind
+from mtcommission.controls.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.requirements.register import keep_reserve
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
-from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of

@@ -51,9 +51,9 @@ from benchmarks.mutations import (
     shipped_texts,
 )
 from mtcommission import cli
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.export.catalogue import CONTROL_KEYS
-from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 
 RECORDS = ("export", "sheet", "verify")
 """Commands that read a record."""
@@ -217,7 +217,7 @@ def fault_of(command: str, ending: Ending, *, longest: float) -> str:
 
 def second_opinion(profile: Path) -> str:
     """What a program that shares nothing with the package finds broken in the recommendation."""
-    from mtcommission.profile.read import read_profile
+    from mtcommission.machine.profile.read import read_profile
     from tests.test_second_program import broken_requirements
 
     try:

@@ -18,14 +18,14 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.every_size import draw_profile
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.group.contours import worst_circle
 from mtcommission.group.group import Group, join
 from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.task import Task
 from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.profile.read import ProfileSource, parse_profile
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.profile.read import ProfileSource, parse_profile
 from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
 
 ROUNDING = 1.005

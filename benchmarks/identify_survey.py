@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.measurement import (
@@ -24,7 +25,6 @@ from mtcommission.identify.measurement import (
     Signal,
     Source,
 )
-from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 

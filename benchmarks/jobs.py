@@ -18,7 +18,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mtcommission.messages.message import Message
+    from mtcommission.base.messages.message import Message
 
 PROFILE = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
 
@@ -69,9 +69,10 @@ def floors(repeats: int) -> Iterator[Job]:
     programs = {
         "interpreter alone": "pass",
         "imports of numpy and scipy's matrix exponential": "import numpy, scipy.linalg",
-        "imports of the whole computation": "import mtcommission.commission",
+        "imports of the whole computation": "import mtcommission.commission.commission",
         "imports of the computation and of the sheet": (
-            "import mtcommission.commission, mtcommission.sheet.html, mtcommission.sheet.pdf"
+            "import mtcommission.commission.commission; "
+            "import mtcommission.sheet.html, mtcommission.sheet.pdf"
         ),
     }
     for name, text in programs.items():
@@ -119,9 +120,9 @@ def _job(name: str, group: str, times: list[float], *, megabytes: float = nan) -
 
 def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
-    from mtcommission.commission import commission
-    from mtcommission.messages.catalogue import Catalogue
-    from mtcommission.profile.read import parse_profile, read_source
+    from mtcommission.base.messages.catalogue import Catalogue
+    from mtcommission.commission.commission import commission
+    from mtcommission.machine.profile.read import parse_profile, read_source
     from mtcommission.record.record import record_run
     from mtcommission.sheet import print_html, print_pdf
 
@@ -155,8 +156,8 @@ def parts(repeats: int) -> list[Job]:
     """Single parts, warm."""
     from mtcommission.limits.choose import choose_limits
     from mtcommission.loop.tuning.tuning import tune_loop
-    from mtcommission.plant.plant import build_plant
-    from mtcommission.profile.read import read_profile
+    from mtcommission.machine.plant.plant import build_plant
+    from mtcommission.machine.profile.read import read_profile
 
     machine = read_profile(PROFILE)
     plant, tuned = build_plant(machine), tune_loop(machine)

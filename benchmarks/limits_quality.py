@@ -20,16 +20,16 @@ from time import process_time
 import numpy as np
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kinds import STATE_SPACE
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kinds import STATE_SPACE
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.robustness import respond_varied
 from mtcommission.study.rules import compare_shapers

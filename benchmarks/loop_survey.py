@@ -23,7 +23,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from benchmarks.population import random_machine
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass

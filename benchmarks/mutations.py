@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 
 JUNK = "\"'#[]{}=,.\n\\\t \0é€µΩ\ufeff\u202e😀-+eE0123456789abcxyz_%/^*()"
 NUMBERS = (

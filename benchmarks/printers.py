@@ -29,10 +29,10 @@ from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.measurement import AllDirections
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import shape
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
 
 Array = NDArray[np.float64]
 Impulses = list[tuple[float, float]]

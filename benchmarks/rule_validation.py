@@ -25,8 +25,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kind import MOVING_AVERAGE
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kind import MOVING_AVERAGE
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule import (
     ModeEstimate,
@@ -37,14 +38,13 @@ from mtcommission.limits.commissioning_rule import (
     servo_sensitivity,
 )
 from mtcommission.limits.judge import evaluate
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Positioning
+from mtcommission.machine.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.machine.variations import corners
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import Plant, build_plant, dominant_mode
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 

@@ -13,8 +13,8 @@ import argparse
 import numpy as np
 
 from benchmarks.every_size import draw_profile
-from mtcommission.errors import ComputationError
-from mtcommission.profile.read import parse_profile, read_profile
+from mtcommission.base.errors import ComputationError
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from tests.test_second_program import PROFILES, broken_requirements
 
 SHARES = (1.0, *np.geomspace(0.01, 0.8, 9).tolist())

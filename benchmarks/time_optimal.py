@@ -20,13 +20,13 @@ from functools import partial
 import numpy as np
 
 from benchmarks.printers import random_axis
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import TimeOptimum
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine, random_modal_machine
 
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mtcommission.version import __version__
+from mtcommission.base.version import __version__
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from mtcommission.commission import Commissioning
+    from mtcommission.commission.commission import Commissioning
     from mtcommission.machine.machine import Machine
     from mtcommission.record.record import Record
     from mtcommission.study.settings import Settings
@@ -38,9 +38,9 @@ def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> C
     """
     from threadpoolctl import threadpool_limits
 
-    from mtcommission.commission import commission
+    from mtcommission.commission.commission import commission
     from mtcommission.machine.machine import Machine
-    from mtcommission.profile.read import parse_profile, read_source
+    from mtcommission.machine.profile.read import parse_profile, read_source
 
     if isinstance(profile, Machine):
         source, machine = None, profile
@@ -58,7 +58,7 @@ def make_record(found: Commissioning) -> Record:
     """
     from threadpoolctl import threadpool_limits
 
-    from mtcommission.clock import now
+    from mtcommission.base.clock import now
     from mtcommission.record.record import record_run
 
     with threadpool_limits(limits=1, user_api="blas"):

@@ -8,8 +8,8 @@ import os
 import pytest
 from hypothesis import settings
 
+from mtcommission.base.messages.languages import ENGLISH
 from mtcommission.cli.language import LOCALE, choose
-from mtcommission.messages.languages import ENGLISH
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mtcommission.control_kinds.kind import (
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import (
     FEATURES,
     ControlKind,
     Feature,
     FilterChoice,
     PositionLoop,
 )
-from mtcommission.control_kinds.kinds import ADDRESSES, GENERIC, KINDS, STATE_SPACE
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.controls.kinds import ADDRESSES, GENERIC, KINDS, STATE_SPACE
 
 PAGE = Path(__file__).parent.parent / "docs" / "controls.md"
 
@@ -22,7 +22,7 @@ HEAD = """\
 
 `control.kind` of a profile names the control. What it lacks is neither tuned nor simulated nor
 exported, and asking for it is a fault with its line. This page is written from the tables in
-`mtcommission/control_kinds/makers/` by `python -m tests.controls_page`; a test holds both together.
+`mtcommission/controls/makers/` by `python -m tests.controls_page`; a test holds both together.
 
 "(?)" stands behind what was not read in a maker's text or source file: check it against the manual
 of your software version. Excerpts were read, in November 2026, not whole manuals.

@@ -8,7 +8,12 @@ from pathlib import Path
 from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record
 from mtcommission.group.task import read_task
-from mtcommission.profile.read import ProfileSource, parse_profile, profile_text_hash, read_source
+from mtcommission.machine.profile.read import (
+    ProfileSource,
+    parse_profile,
+    profile_text_hash,
+    read_source,
+)
 from mtcommission.record.files import dump_json
 
 PROFILES = Path(__file__).parent.parent / "profiles"

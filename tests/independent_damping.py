@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.solution import Arc, DampingOptimum, Interior, terminal_target
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

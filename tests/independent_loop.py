@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import HUMPS, shape
-from mtcommission.plant.manipulator import Manipulator
 
 Array = NDArray[np.float64]
 

@@ -6,15 +6,15 @@ from math import pi
 
 import numpy as np
 
-from mtcommission.control_kinds.kinds import STATE_SPACE
+from mtcommission.controls.kinds import STATE_SPACE
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.requirements import Modes, Requirements
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.modal import Modal
 
 REQUIREMENTS = Requirements(
     tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mtcommission.profile.describe import profile_schema
+from mtcommission.machine.profile.describe import profile_schema
 
 PAGE = Path(__file__).parent.parent / "docs" / "profile.md"
 

@@ -18,21 +18,23 @@ from typing import Any
 from filelock import FileLock
 
 import mtcommission
-from mtcommission.control_kinds.control import complete
-from mtcommission.control_kinds.kinds import CONTROLS
-from mtcommission.control_kinds.row import Setting
-from mtcommission.control_kinds.syntax import Entry
+from mtcommission.base.messages.message import Message, Value, to_json
+from mtcommission.controls.control import complete
+from mtcommission.controls.kinds import CONTROLS
+from mtcommission.controls.row import Setting
+from mtcommission.controls.syntax import Entry
 from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import Export
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion
-from mtcommission.messages.message import Message, Value, to_json
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile, profile_text_hash
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile, profile_text_hash
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.files import dump_json, find_checksum
 from mtcommission.record.loop import ClosedLoop
 from mtcommission.record.machine import list_data
@@ -40,8 +42,6 @@ from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
 from mtcommission.record.shape import entry_of, to_entry, to_plain
 from mtcommission.record.values import describe_move
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.attainable import NO_LIMITS
 
 Json = dict[str, Any]

@@ -8,18 +8,18 @@ from math import inf
 import numpy as np
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
+from mtcommission.limits.requirements.contour_deviation import CONTOUR_DEVIATION
+from mtcommission.limits.requirements.register import requirements_of
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
 from mtcommission.machine.variations import NOMINAL, Corner
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.contour_deviation import CONTOUR_DEVIATION
-from mtcommission.requirements.register import requirements_of
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.machines import paper_machine

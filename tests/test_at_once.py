@@ -12,21 +12,21 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
 from mtcommission.limits.optima import find_damping_optimum, find_optima, find_time_optimum
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant, driven_at_once
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band import find_band_optimum
 from mtcommission.optimal.free.time_optimal import solve_forces
 from mtcommission.optimal.solution import Arc, Bound, TimeOptimum, sample_trajectory
 from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant, driven_at_once
-from mtcommission.profile.read import parse_profile
 from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
 

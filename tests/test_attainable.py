@@ -8,12 +8,12 @@ import pytest
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
+from mtcommission.limits.requirements.peak import peak_of
+from mtcommission.limits.requirements.settling_time import SETTLING_TIME
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.peak import peak_of
-from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from tests.machines import paper_machine
 

@@ -11,12 +11,14 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.message import Message
 from mtcommission.optimal.band import BandForce, find_band_optimum
 from mtcommission.optimal.free_motion import (
     free_gains,
@@ -25,8 +27,6 @@ from mtcommission.optimal.free_motion import (
     free_rates,
     free_row,
 )
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.optimum import find_within_band
 from mtcommission.study.settings import BandSettings
 from tests.machines import paper_machine, random_modal_machine

@@ -24,8 +24,8 @@ from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.solution import Bang, constant_arc
-from mtcommission.plant.plant import build_plant
 
 
 def solve(module: str, problem: str, cells: int) -> Answer:

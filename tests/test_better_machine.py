@@ -6,9 +6,9 @@ import pytest
 
 from benchmarks.better_machine import LATER, improved, later
 from benchmarks.every_size import draw_profile
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped
-from mtcommission.recommend import recommend
+from mtcommission.commission.recommend import recommend
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 
 
 def test_the_stiffer_ball_screw_settles_no_later() -> None:

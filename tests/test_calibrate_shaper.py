@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.gather import gather
@@ -22,8 +23,7 @@ from mtcommission.identify.matching import states_differ
 from mtcommission.identify.measurement import AllDirections, Spectrum
 from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import compare_shapers
 from tests.test_wizard import from_answers

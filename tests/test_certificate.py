@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.mesh import build_mesh
 from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
@@ -23,7 +24,6 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
-from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 
 STEP = VelocityStep(velocity_step=0.1)

@@ -10,9 +10,15 @@ import pytest
 
 from benchmarks.every_size import draw_profile
 from benchmarks.population import random_machine
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Assessment, assess, evaluate
+from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.rms_force import RMS_FORCE
+from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements.settling_time import SETTLING_TIME
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import find_poles
@@ -21,17 +27,11 @@ from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.requirements import Peak, Reserve
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import parse_profile
-from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.rms_force import RMS_FORCE
-from mtcommission.requirements.set_force import SET_FORCE
-from mtcommission.requirements.settling_time import SETTLING_TIME
 from mtcommission.setpoint.setpoint import (
     filter_steps,
     jerk_steps,

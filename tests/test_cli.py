@@ -18,15 +18,15 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.__main__ import main as start
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.optimum_view import describe_optimum
 from mtcommission.cli.terminal import fold, show
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -92,7 +92,8 @@ def test_a_command_loads_what_it_computes_with(
     heavy = {
         "casadi", "control", "highspy", "matplotlib", "polars", "scipy.integrate",
         "scipy.interpolate", "scipy.optimize", "scipy.signal", "typst",
-        "mtcommission.commission", "mtcommission.optimal.solution", "mtcommission.sheet.content",
+        "mtcommission.commission.commission", "mtcommission.optimal.solution",
+        "mtcommission.sheet.content",
     }  # fmt: skip
     assert "mtcommission.machine.machine" in loaded
     assert not loaded & (heavy | set(left_out))
@@ -154,7 +155,7 @@ def test_a_third_language_is_a_folder_of_texts(tmp_path: Path) -> None:
     copy = tmp_path / "mtcommission"
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(package.parent / "profiles", tmp_path / "profiles")
-    texts = copy / "messages" / "texts"
+    texts = copy / "base" / "messages" / "texts"
     shutil.copytree(texts / "de", texts / "fr")
     for name, german, french in (
         ("sheet.ftl", "\nmode = Eigenform", "\nmode = Mode propre"),
@@ -284,7 +285,7 @@ def test_what_cannot_work_is_refused_before_computing(
     def compute(*_: object) -> None:
         raise AssertionError("computed before refusing")
 
-    monkeypatch.setattr("mtcommission.plant.plant.build_plant", compute)
+    monkeypatch.setattr("mtcommission.machine.plant.plant.build_plant", compute)
     file = tmp_path / "file.txt"
     file.write_text("mine")
     code, out, err = run(*(str(text).replace("{file}", str(file)) for text in arguments))
@@ -522,7 +523,7 @@ def test_ctrl_c_says_what_was_written_and_ends_with_130(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("mtcommission.plant.plant.build_plant", interrupt)
+    monkeypatch.setattr("mtcommission.machine.plant.plant.build_plant", interrupt)
     code, out, err = run("check", PAPER)
     assert (code, out) == (130, "")
     assert err.startswith("interrupted; every file is whole")

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.compute import ROWS_BELOW
 from mtcommission.cli.limits_view import ROWS, describe_limits
 from mtcommission.cli.terminal import fold
-from mtcommission.commission import Commissioning, commission
+from mtcommission.commission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
-from mtcommission.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.record.files import dump_json
 from mtcommission.record.limits import limits_answer
 from mtcommission.record.machine import Profile

@@ -13,8 +13,10 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.exchange import first_cells
@@ -25,8 +27,6 @@ from mtcommission.optimal.polish.sequence import Piece, Sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
 from mtcommission.optimal.proof import Measure, dual_value, lower_bound, stretches
 from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine, random_modal_machine
 
 PAPER_STEP = VelocityStep(velocity_step=0.1)

@@ -102,6 +102,6 @@ def test_a_circle_is_seen_in_every_package(copy: Path) -> None:
 
 def test_an_arrow_upwards_is_seen(copy: Path) -> None:
     """From the lowest package to the top."""
-    path = copy / "mtcommission" / "messages" / "message.py"
+    path = copy / "mtcommission" / "base" / "messages" / "message.py"
     path.write_text(path.read_text(encoding="utf-8") + "import mtcommission.cli\n")
     assert "data flows one way BROKEN" in lint(copy)

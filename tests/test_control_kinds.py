@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import pytest
 
-from mtcommission.control_kinds.kind import FEATURES, ControlKind
-from mtcommission.control_kinds.kinds import GENERIC, KINDS, STATE_SPACE
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kind import FEATURES, ControlKind
+from mtcommission.controls.kinds import GENERIC, KINDS, STATE_SPACE
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.machine.basis import describe_kind
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile
 from tests.controls_page import PAGE, number_sources, write_page
 from tests.test_profile import MANIPULATOR
 

@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mtcommission.limits.corner_velocity import find_corner_velocity
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.profile.read import parse_profile
 
 PROFILE = """
 schema = 1

@@ -12,23 +12,23 @@ import pytest
 
 from benchmarks.fuzz import LONGEST, call, fault_of, in_place
 from benchmarks.mutations import dice_of, extreme_machine
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.commission.recommend import recommend
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.free import newton
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.solution import joint_system
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
-from mtcommission.recommend import recommend
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint

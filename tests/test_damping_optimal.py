@@ -10,9 +10,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
@@ -22,7 +23,6 @@ from mtcommission.optimal.solution import (
     control_text,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.analysis import scan
 from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.assembly import INPUTS
@@ -25,7 +25,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import VelocityStep
-from mtcommission.profile.read import read_profile
+from mtcommission.machine.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.study.loops import LoopChoice

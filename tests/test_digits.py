@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.control_kinds.kind import Jerk
+from mtcommission.controls.kind import Jerk
 from mtcommission.limits.typed import DIGITS, round_limits
 from mtcommission.machine.machine import Machine
 from tests.machines import paper_machine

@@ -8,20 +8,20 @@ from math import isnan
 import numpy as np
 import pytest
 
-from mtcommission.control_kinds.kind import TWO_AVERAGES
+from mtcommission.controls.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import COARSE, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import SMALLEST, plan_sizes, size_of

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.problem import bounded_problem
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine
 
 Array = NDArray[np.float64]

@@ -21,20 +21,20 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mtcommission.commission import Commissioning, commission
-from mtcommission.control_kinds.kinds import CONTROLS, KINDS
-from mtcommission.control_kinds.row import Row, Setting
-from mtcommission.control_kinds.syntax import LIST, MACHINE_DATA, _harmless
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.commission.commission import Commissioning, commission
+from mtcommission.controls.kinds import CONTROLS, KINDS
+from mtcommission.controls.row import Row, Setting
+from mtcommission.controls.syntax import LIST, MACHINE_DATA, _harmless
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.export.choose import choose_limits
 from mtcommission.export.held import hold, loop_of
 from mtcommission.export.subject import build_subject
 from mtcommission.export.write import Export, export_record, read_text, write_body
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.read import parse_profile, profile_text_hash
+from mtcommission.machine.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.files import dump_json
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 from mtcommission.sheet.figures import ALONG, SIZE, Axis, draw_svg, span, text_width
 

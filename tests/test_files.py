@@ -10,10 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission import files
-from mtcommission.errors import InputError
-from mtcommission.files import read_bytes, require_folder, require_writable, write_files, write_text
-from mtcommission.messages.message import Message, printable
+from mtcommission.base import files
+from mtcommission.base.errors import InputError
+from mtcommission.base.files import (
+    read_bytes,
+    require_folder,
+    require_writable,
+    write_files,
+    write_text,
+)
+from mtcommission.base.messages.message import Message, printable
 
 FOLDER = Message("file-is-folder")
 
@@ -121,7 +127,7 @@ def test_of_several_files_none_is_replaced_if_one_cannot_be_filled(
         if left < 0:
             raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("mtcommission.files.os.fsync", fsync)
+    monkeypatch.setattr("mtcommission.base.files.os.fsync", fsync)
     with pytest.raises(InputError, match="No space left"):
         write_files(tmp_path, {"a": b"new", "b": b"new"})
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {

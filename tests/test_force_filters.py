@@ -9,8 +9,9 @@ from math import pi
 import numpy as np
 import pytest
 
-from mtcommission.control_kinds.kinds import GENERIC
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kinds import GENERIC
 from mtcommission.loop.model.controller import filter_delay, filter_polynomials
 from mtcommission.loop.tuning.family import (
     FilteredLoop,
@@ -29,9 +30,8 @@ from mtcommission.loop.tuning.tuned import (
 )
 from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.loops import settle_on_loop
 
 WANTED = TuningSettings()

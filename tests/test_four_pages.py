@@ -13,9 +13,9 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.shipped import shipped_names
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.machine.profile.shipped import shipped_names
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from mtcommission.loop.simulate import find_friction
 from mtcommission.machine.drive import Drive
-from mtcommission.plant.plant import build_plant
+from mtcommission.machine.plant.plant import build_plant
 from tests.machines import paper_machine
 
 STEP = 125e-6

@@ -20,12 +20,12 @@ import pytest
 from benchmarks import fuzz
 from benchmarks.fuzz import Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
-from mtcommission.commission import commission
-from mtcommission.errors import ComputationError, InputError
+from mtcommission.base.errors import ComputationError, InputError
+from mtcommission.commission.commission import commission
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 

@@ -7,7 +7,9 @@ from math import pi
 
 import pytest
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.loop.tuning.family import cascade_family, propose_cascades
 from mtcommission.loop.tuning.gains import symmetrical_optimum
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
@@ -15,11 +17,9 @@ from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.modal import Modal
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.loops import LoopChoice, settle_on_loop
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.control_kinds.control import Corner, CornerRule
-from mtcommission.control_kinds.kinds import CONTROLS
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.controls.control import Corner, CornerRule
+from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.contours import (
     NO_ARC,
     Turning,
@@ -31,9 +31,9 @@ from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, j
 from mtcommission.group.record import build_group_record, load_group
 from mtcommission.group.task import Task, read_task
 from mtcommission.machine.moves import Positioning
+from mtcommission.machine.profile.read import parse_profile, read_source
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
-from mtcommission.profile.read import parse_profile, read_source
 from mtcommission.record.files import dump_json, find_checksum
 from mtcommission.study.variations import Row, choose
 from tests.group_record import PROFILES, mill

@@ -15,17 +15,17 @@ import numpy as np
 import pytest
 
 from mtcommission.cli.group_view import describe_group
-from mtcommission.control_kinds.control import Control
-from mtcommission.control_kinds.kinds import CONTROLS
-from mtcommission.control_kinds.row import AT_CORNERS, PATH_ACCELERATION, PATH_JERK, WAIT, Key
+from mtcommission.controls.control import Control
+from mtcommission.controls.kinds import CONTROLS
+from mtcommission.controls.row import AT_CORNERS, PATH_ACCELERATION, PATH_JERK, WAIT, Key
 from mtcommission.group.contours import line_deviation
 from mtcommission.group.export import GroupExport, export_group
 from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record, load_group, read_pair
 from mtcommission.group.sheet import compose_group, words_of
 from mtcommission.group.task import read_task
+from mtcommission.machine.profile.read import parse_profile, profile_text_hash, read_source
 from mtcommission.machine.variations import vary
-from mtcommission.profile.read import parse_profile, profile_text_hash, read_source
 from mtcommission.record.files import dump_json
 from mtcommission.sheet.document import Table
 from tests.independent_circle import line_off

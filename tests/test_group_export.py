@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.group.export import GroupExport, export_group
 from mtcommission.group.record import AxisEntry, GroupRecord
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import profile_text_hash
+from mtcommission.machine.profile.read import profile_text_hash
 from tests.group_record import mill_record, printer_record, write_mill
 from tests.second_reader import ini_file, lines
 

@@ -26,7 +26,7 @@ from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
 from mtcommission.loop.respond import TOOL
 from mtcommission.loop.simulate import drive_loop, find_friction
-from mtcommission.profile.read import profile_text_hash
+from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.sheet.document import Headline, Table
 
 from .group_record import mill, mill_record

@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 import tomlkit
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain

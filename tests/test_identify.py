@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.measured import PER_AMPERE, read_number
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
 from mtcommission.identify.profile import Writing, merge_profile, write_profile
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.identified import read_evidence
 from mtcommission.wizard.script import list_questions
 from mtcommission.wizard.source import gather as known_before

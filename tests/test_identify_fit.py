@@ -13,7 +13,8 @@ import pytest
 from scipy.optimize import approx_fprime
 
 from benchmarks.identify_survey import GRIDS, Axis, measure, random_axis, survey
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.peaks import fit_spectrum
@@ -35,7 +36,6 @@ from mtcommission.identify.measurement import (
     Source,
     Spectrum,
 )
-from mtcommission.messages.message import Message
 
 BENCH = Path(__file__).parent / "data" / "identify" / "fdi-motor-bench"
 SOURCE = Source(file="made", sha256="0" * 64, format=Message("identify-format-response-table"))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import gather, read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.identified import IdentifiedPart
 from tests import identify_files as made
 

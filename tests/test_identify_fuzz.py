@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.fuzz import call
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
@@ -21,7 +22,6 @@ from mtcommission.identify.measurement import (
     Signal,
     Spectrum,
 )
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.files import dump_json
 from mtcommission.verify.report import report, verification_entry
 from mtcommission.verify.trace import read_trace

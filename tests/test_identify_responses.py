@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify

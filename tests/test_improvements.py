@@ -7,13 +7,13 @@ from math import isfinite
 
 import pytest
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.loops import LoopChoice
 

@@ -8,14 +8,14 @@ from itertools import pairwise
 
 import pytest
 
-from mtcommission.control_kinds.kinds import GENERIC
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kinds import GENERIC
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuned import TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.study.loops import (
     LoopChoice,
     say_settling,

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kinds import KINDS
 from mtcommission.machine.basis import list_neglected
 from mtcommission.machine.control import Control
 from mtcommission.machine.machine import moving_mass
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.machine import list_assumed
 from tests.machines import paper_machine, random_modal_machine
 

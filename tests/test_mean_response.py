@@ -12,8 +12,8 @@ from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import OUTPUTS, free_motion, lay_grid, set_in_motion, tool_deviation
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.setpoint.setpoint import filter_steps, jerk_steps
 
 Array = NDArray[np.float64]

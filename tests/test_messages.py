@@ -18,12 +18,12 @@ from fluent.syntax import ast as ftl
 from fluent.syntax.visitor import Visitor
 
 import mtcommission
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.catalogue import Catalogue, entries_of
-from mtcommission.messages.functions import functions_of
-from mtcommission.messages.languages import LANGUAGES
-from mtcommission.messages.message import Message, from_json, to_json
-from mtcommission.messages.quantities import Formatter
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.catalogue import Catalogue, entries_of
+from mtcommission.base.messages.functions import functions_of
+from mtcommission.base.messages.languages import LANGUAGES
+from mtcommission.base.messages.message import Message, from_json, to_json
+from mtcommission.base.messages.quantities import Formatter
 
 SOURCE = Path(mtcommission.__file__).parent
 FUNCTIONS = set(functions_of(Formatter()))
@@ -101,7 +101,7 @@ def test_every_text_calls_functions_that_there_are() -> None:
 
 
 def test_no_file_of_texts_has_a_line_that_is_no_text() -> None:
-    for path in sorted((SOURCE / "messages" / "texts").rglob("*.ftl")):
+    for path in sorted((SOURCE / "base" / "messages" / "texts").rglob("*.ftl")):
         junk = [
             entry.content
             for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body
@@ -113,7 +113,7 @@ def test_no_file_of_texts_has_a_line_that_is_no_text() -> None:
 def test_no_key_stands_in_two_files_of_a_language() -> None:
     for language in LANGUAGES:
         seen: dict[str, str] = {}
-        for path in sorted((SOURCE / "messages" / "texts" / language).glob("*.ftl")):
+        for path in sorted((SOURCE / "base" / "messages" / "texts" / language).glob("*.ftl")):
             for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body:
                 if isinstance(entry, ftl.Message | ftl.Term):
                     key = entry.id.name
@@ -165,8 +165,8 @@ def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
 
 
 NO_PROSE = {
-    "control_kinds/syntax.py": "rows of a file, read back as they were written",
-    "control_kinds/wording.py": "umlauts among capitals",
+    "controls/syntax.py": "rows of a file, read back as they were written",
+    "controls/wording.py": "umlauts among capitals",
     "sheet/html.py": "indices of a formula",
     "sheet/verdict.py": "numbers and units as they are typed",
     "sweep/case_table.py": "columns of a table of cases",
@@ -180,7 +180,7 @@ def test_nothing_behind_the_results_searches_in_texts() -> None:
     """What a record says is data: a pattern that finds a sentence again breaks with its words."""
     found = {
         str(path.relative_to(SOURCE))
-        for package in ("record", "sheet", "control_kinds", "export", "sweep", "validate", "cli")
+        for package in ("record", "sheet", "controls", "export", "sweep", "validate", "cli")
         for path in (SOURCE / package).rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Import) and any(item.name == "re" for item in node.names)
@@ -204,7 +204,7 @@ def test_no_text_about_an_open_loop_axis_has_a_force(language: str) -> None:
     assert Catalogue(language, follows=True).text("word-f-set") == "a_set"
     word = {"en": "[Ff]orce", "de": "Kraft"}[language]
     force = re.compile(rf"(?<![\w$.-])(?<!input ){word}(?![\w-])|(?<=[a-zäöü])kraft\b|F_max|F_set")
-    for path in (SOURCE / "messages" / "texts" / language).glob("*.ftl"):
+    for path in (SOURCE / "base" / "messages" / "texts" / language).glob("*.ftl"):
         # They ask what the axis is, or speak of the paper's machine and of examples.
         if path.name in ("wizard.ftl", "help.ftl", "validate.ftl", "paper.ftl"):
             continue

@@ -13,9 +13,9 @@ from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.smaller_moves import resize
 from mtcommission.study.robustness import MoveSizes, compare_move_sizes

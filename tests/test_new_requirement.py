@@ -13,22 +13,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.base.messages.message import Message, parts_of
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import simulate_moves
+from mtcommission.limits.requirements import register
+from mtcommission.limits.requirements.requirement import Requirement, Swing, Yields
 from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.ranges import VELOCITIES
 from mtcommission.machine.requirements import Requirements
 from mtcommission.machine.variations import Corner, corners
-from mtcommission.messages.message import Message, parts_of
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
-from mtcommission.requirements import register
-from mtcommission.requirements.requirement import Requirement, Swing, Yields
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of

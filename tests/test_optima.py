@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.constrained_survey import largest_excess
 from benchmarks.population import random_machine
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.limits.optima import find_optima
 from mtcommission.machine.moves import Positioning
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
+from mtcommission.machine.plant.plant import build_plant
 
 
 def test_reference_on_cells_says_how_far_from_the_optimum_it_can_be() -> None:

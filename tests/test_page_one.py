@@ -17,10 +17,10 @@ import pytest
 import yaml
 
 import mtcommission
-from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kinds import KINDS
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.export.write import export_own, export_record
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry
 from mtcommission.sheet import print_html

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant, kalman_rank
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant, kalman_rank
 from tests.independent_loop import axis_of
 from tests.machines import paper_machine, random_modal_machine
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile
 from tests.test_profile import MANIPULATOR, MODAL, cases, changed
 
 PROFILES = Path(__file__).parent.parent / "profiles"

@@ -7,7 +7,7 @@ from math import pi
 from benchmarks.population import Population, random_machine
 from mtcommission.machine.machine import moving_mass
 from mtcommission.machine.moves import VelocityStep
-from mtcommission.plant.modal import Modal
+from mtcommission.machine.plant.modal import Modal
 
 MACHINES = [random_machine(seed) for seed in range(300)]
 

@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mtcommission.commission import commission
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.commission.commission import commission
+from mtcommission.limits.requirements.register import keep_reserve
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.record.machine import list_data
-from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.sheet.limits import shown_jerk

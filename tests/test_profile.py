@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.controls.kinds import KINDS
 from mtcommission.machine.control import FilterKind, StateFeedback, TcpSensor, Today
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.profile.describe import questions
+from mtcommission.machine.profile.lines import find_key_lines
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.plant.modal import Modal
-from mtcommission.profile.describe import questions
-from mtcommission.profile.lines import find_key_lines
-from mtcommission.profile.read import parse_profile, read_profile
 from tests.machines import paper_machine
 from tests.profile_page import PAGE, write_page
 

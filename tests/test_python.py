@@ -14,8 +14,8 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import mtcommission
-from mtcommission.commission import Commissioning
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.commission.commission import Commissioning
 
 DOCS = Path(__file__).parent.parent / "docs" / "python.md"
 
@@ -161,7 +161,7 @@ def test_a_run_uses_one_thread_whatever_the_process_allows(
     def look(*_: object, **__: object) -> None:
         seen.append({one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"})
 
-    monkeypatch.setattr("mtcommission.commission.commission", look)
+    monkeypatch.setattr("mtcommission.commission.commission.commission", look)
     monkeypatch.setattr("mtcommission.record.record.record_run", look)
     with threadpool_limits(limits=3, user_api="blas"):
         look()

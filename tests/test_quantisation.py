@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.shapers import shape
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.machine import Datum, Profile
 from mtcommission.record.read_back import read_filter, read_machine
 from mtcommission.record.record import Record

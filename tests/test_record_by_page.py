@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.commission import commission
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.commission.commission import commission
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.machine.control import FilterKind, ForceFilter, TcpSensor
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.profile.read import read_profile
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.profile.read import read_profile
 from mtcommission.record.files import dump_json
 from mtcommission.record.machine import Profile
 from mtcommission.record.record import build_record

@@ -9,8 +9,8 @@ import pytest
 
 from benchmarks.fuzz import call
 from benchmarks.mutations import dice_of, mutated_text
-from mtcommission.errors import InputError
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.record.files import find_checksum
 from mtcommission.record.record import SCHEMA, load_record
 from mtcommission.sheet import remark_on_print

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
+from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
+from mtcommission.limits.requirements.rms_force import rms_forces
 from mtcommission.loop import poles as pole_module
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
@@ -17,10 +18,9 @@ from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.profile.shipped import read_shipped
-from mtcommission.requirements.rms_force import rms_forces
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     JerkSteps,

@@ -13,7 +13,7 @@ from mtcommission.loop.tuning import gains
 from mtcommission.loop.tuning.gains import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
 from mtcommission.machine.control import StateFeedback, TcpSensor
-from mtcommission.profile.read import read_profile
+from mtcommission.machine.profile.read import read_profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 

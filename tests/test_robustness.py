@@ -8,26 +8,26 @@ import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
+from mtcommission.limits.requirements.peak import peak_of
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     corners,
     vary,
 )
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.peak import peak_of
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.robustness import (

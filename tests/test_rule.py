@@ -25,6 +25,7 @@ from mtcommission.limits.commissioning_rule import (
 )
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import evaluate
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback
@@ -32,12 +33,11 @@ from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import read_profile
 from mtcommission.machine.requirements import Modes, Peak, Requirements
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import read_profile
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.machines import paper_machine
 

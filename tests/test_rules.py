@@ -7,12 +7,12 @@ from math import pi, sqrt
 
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.judge import evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.variations import Row, judge
 from tests.machines import paper_machine

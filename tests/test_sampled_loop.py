@@ -10,17 +10,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
+from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop.model.assembly import delay_weights, discretise
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import vary
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from tests.independent_loop import Run, axis_of, behind, delayed, profile_of, quiet_copy, run

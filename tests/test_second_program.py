@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import read_profile
 from mtcommission.machine.variations import vary
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.study.loops import settle_on_loop
 from tests.independent_loop import behind, judge, profile_of, quiet_copy, run

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mtcommission
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -9,15 +9,15 @@ from math import pi
 import numpy as np
 import pytest
 
-from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.kind import SHAPERS
+from mtcommission.controls.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.study.rules import compare_shapers

@@ -22,25 +22,26 @@ from matplotlib.ft2font import FT2Font
 from matplotlib.textpath import TextPath
 from typer.testing import CliRunner
 
+from mtcommission.base.errors import ComputationError, InputError, Outcome
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, from_json, join_by_and
+from mtcommission.base.messages.quantities import THIN_SPACE, Formatter
+from mtcommission.base.units.symbols import read_unit
 from mtcommission.cli import app
-from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule import (
     RuleFormula,
     apply_commissioning_rule,
     formulas_for,
 )
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.moves import Positioning
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, from_json, join_by_and
-from mtcommission.messages.quantities import THIN_SPACE, Formatter
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.machine import list_assumptions, list_data
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.sheet import print_html, print_pdf
 from mtcommission.sheet.basis import assumed_rows, basis_rows, holds_rows
 from mtcommission.sheet.content import compose
@@ -57,7 +58,6 @@ from mtcommission.sheet.document import (
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.verdict import headline
-from mtcommission.units.symbols import read_unit
 
 from .sheet_record import (
     HOSTILE,

@@ -11,19 +11,19 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile import shipped
-from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
+from mtcommission.machine.profile import shipped
+from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
 
 NAMES = shipped_names()
 
@@ -140,7 +140,7 @@ def test_profiles_inside_the_package_are_found_first(
     package = tmp_path / "mtcommission"
     (package / "profiles").mkdir(parents=True)
     (package / "profiles" / "only.toml").write_text(read_shipped(NAMES[0]).text, "utf-8")
-    monkeypatch.setattr(shipped, "__file__", str(package / "profile" / "shipped.py"))
+    monkeypatch.setattr(shipped, "__file__", str(package / "machine" / "profile" / "shipped.py"))
     assert shipped_names() == ("only",)
     with pytest.raises(InputError, match="there are only"):
         read_shipped("rotary-table")

@@ -29,14 +29,14 @@ import polars as pl
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from mtcommission.base.errors import ComputationError, InputError, Outcome
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.cli import main
-from mtcommission.errors import ComputationError, InputError, Outcome
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
 from mtcommission.sweep import solve
 from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.columns import columns
@@ -488,7 +488,7 @@ def test_files_carry_units(tmp_path: Path) -> None:
 
 def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     """A sweep must recommend what ``limits`` recommends for the same machine."""
-    from mtcommission.commission import commission
+    from mtcommission.commission.commission import commission
 
     plan = plan_of(quantity=Quantity.LIMITS)
     text = TEXT.replace("[damping_optimal]", "[requirements.peaks]\nv_phi = 0.1\n[damping_optimal]")

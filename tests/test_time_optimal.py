@@ -11,11 +11,13 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.moments import MomentProblem
 from mtcommission.optimal.free.time_optimal import (
@@ -29,8 +31,6 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
 from tests.references_optimal import (
     PAPER_SWITCHING_TIMES,

@@ -7,14 +7,14 @@ from math import inf
 
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import TodaysValues, judge_today
 from mtcommission.study.settings import RobustnessSettings

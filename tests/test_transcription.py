@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.solution import (
@@ -24,7 +25,6 @@ from mtcommission.optimal.transcription.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,
 )
-from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS
 

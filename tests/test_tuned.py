@@ -18,7 +18,7 @@ from mtcommission.loop.tuning.tuned import (
     close_loop,
     has_margins,
 )
-from mtcommission.profile.read import read_profile
+from mtcommission.machine.profile.read import read_profile
 
 PROFILES = [
     path

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.loop.analysis import mode_poles, scan
 from mtcommission.loop.model.diagram import build_open_loop, check_by_blocks
 from mtcommission.loop.tuning import gains
@@ -32,10 +33,9 @@ from mtcommission.machine.control import (
 )
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import VelocityStep
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import read_profile
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import read_profile
 from tests.independent_loop import Profile, axis_of, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

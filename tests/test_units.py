@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.units.advice import FOREIGN
-from mtcommission.units.quantities import (
+from mtcommission.base.units.advice import FOREIGN
+from mtcommission.base.units.quantities import (
     ACCELERATION,
     ANGLE,
     ANGULAR_VELOCITY,
@@ -31,7 +31,7 @@ from mtcommission.units.quantities import (
     Dimension,
     parse_quantity,
 )
-from mtcommission.units.symbols import SYMBOLS, read_unit
+from mtcommission.base.units.symbols import SYMBOLS, read_unit
 
 REPEATABLE = settings(derandomize=True, deadline=None)
 PINT = pint.UnitRegistry()

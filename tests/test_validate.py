@@ -17,15 +17,15 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import fsolve
 
 from mtcommission import cli
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.motion import follow_control
 from mtcommission.optimal.solution import Bang, constant_arc, propagate
-from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
     law_residual,

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli import main
-from mtcommission.commission import commission
-from mtcommission.errors import InputError
+from mtcommission.commission.commission import commission
 from mtcommission.identify.given import Given
 from mtcommission.machine.moves import Positioning
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.files import dump_json
 from mtcommission.record.machine import Profile
 from mtcommission.record.read_back import read_filter

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.commission.options import read_tried
 from mtcommission.limits.judge import assess, simulate_moves
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
@@ -25,12 +27,10 @@ from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import MachineState
 from mtcommission.machine.moves import Move
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.options import read_tried
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.what_if import WhatIfPart, what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint

@@ -17,14 +17,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.errors import InputError, Refused
+from mtcommission.base.errors import InputError, Refused
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.languages import LANGUAGES
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.languages import LANGUAGES
-from mtcommission.messages.message import Message
-from mtcommission.plant.modal import Modal
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile, read_profile
+from mtcommission.machine.plant.modal import Modal
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.record.machine import ACCEPTED_DEFAULT, list_data
 from mtcommission.wizard.answers import (
     FILES,

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli import main
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.profile.read import read_profile
+from mtcommission.machine.profile.read import read_profile
 from mtcommission.wizard import run_wizard  # noqa: F401
 from mtcommission.wizard.answers import TOWER_BY_STIFFNESS
 from mtcommission.wizard.question import Question

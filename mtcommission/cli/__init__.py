@@ -14,6 +14,9 @@ from typing import NoReturn
 
 import typer
 
+from mtcommission.base.clock import now
+from mtcommission.base.errors import INTERRUPTED, MtcommissionError
+from mtcommission.base.version import __version__
 from mtcommission.cli.arguments import LANGUAGE, flag
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
@@ -25,9 +28,6 @@ from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
 from mtcommission.cli.usage import UsageError, describe_usage
 from mtcommission.cli.verify import verify
-from mtcommission.clock import now
-from mtcommission.errors import INTERRUPTED, MtcommissionError
-from mtcommission.version import __version__
 
 EXIT_CODES = (
     "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.language import SPOKEN, choose
-from mtcommission.messages.languages import LANGUAGES
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
-    from mtcommission.profile.read import ProfileSource
+    from mtcommission.machine.profile.read import ProfileSource
 
 
 def option(names: str, value: str, meaning: str, default: Any = "", **more: Any) -> Any:
@@ -59,13 +59,13 @@ def read_machine(
 ) -> tuple[Machine, ProfileSource]:
     """Return the machine of a profile, with what ``--f-max`` and ``--for`` say, and its text."""
     from mtcommission.cli.language import speak_of
-    from mtcommission.profile.read import parse_profile, read_source
+    from mtcommission.machine.profile.read import parse_profile, read_source
 
     source = read_source(profile)
     machine = parse_profile(source.text, where=str(profile))
     speak_of(machine)
     if not f_max and not sizes:
         return machine, source
-    from mtcommission.options import with_options
+    from mtcommission.commission.options import with_options
 
     return with_options(machine, f_max=f_max, sizes=sizes), source

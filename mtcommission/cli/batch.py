@@ -8,10 +8,10 @@ from pathlib import Path
 
 import typer
 
+from mtcommission.base.clock import now
 from mtcommission.cli.arguments import FOLDER, JSON, LANGUAGE, PROFILE, flag, option
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_note, print_written, show, show_bar, show_stage
-from mtcommission.clock import now
 
 
 def sweep(
@@ -41,7 +41,7 @@ def sweep(
     A RANGE is START:STOP:COUNT, log:START:STOP:COUNT, random:LOW:HIGH:COUNT:SEED or a comma list.
     Several ranges make a grid. DIR gets rows.parquet, rows.csv and sweep.html.
     """
-    from mtcommission.files import require_folder
+    from mtcommission.base.files import require_folder
     from mtcommission.sweep.engine import RESULTS, run_sweep
     from mtcommission.sweep.lanes import Engine
     from mtcommission.sweep.page import print_sweep
@@ -84,8 +84,8 @@ def validate(
 
     Exit code 1 if one is out of its stated tolerance.
     """
+    from mtcommission.base.files import require_folder, require_writable, write_files, write_text
     from mtcommission.cli.validation_view import describe_validation
-    from mtcommission.files import require_folder, require_writable, write_files, write_text
     from mtcommission.record.files import dump_json
     from mtcommission.validate import page
 

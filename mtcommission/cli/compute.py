@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from mtcommission.base.clock import now
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import (
     APPENDIX,
     CSV,
@@ -28,12 +30,10 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.language import say, words
 from mtcommission.cli.terminal import print_said, show, show_stage
-from mtcommission.clock import now
-from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
-    from mtcommission.profile.read import ProfileSource
-    from mtcommission.recommend import Recommendation
+    from mtcommission.commission.recommend import Recommendation
+    from mtcommission.machine.profile.read import ProfileSource
     from mtcommission.record.values import Words
 
 ROWS_BELOW = 4
@@ -53,7 +53,7 @@ def run(
 
     DIR gets record.json, sheet.html, sheet.pdf and, for each move, a setpoint.csv.
     """
-    from mtcommission.files import require_folder, write_files
+    from mtcommission.base.files import require_folder, write_files
 
     names = ("record.json", "sheet.html", "sheet.pdf", "setpoint.csv")
     require_folder(output, *names, inputs=[profile])
@@ -61,8 +61,8 @@ def run(
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.limits_view import ROWS, describe_limits
-    from mtcommission.commission import commission
-    from mtcommission.control_kinds.kinds import GENERIC
+    from mtcommission.commission.commission import commission
+    from mtcommission.controls.kinds import GENERIC
     from mtcommission.export.catalogue import CONTROL_KEYS
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
@@ -154,11 +154,11 @@ def optimal(
     """Compute one optimal control."""
     from time import perf_counter
 
+    from mtcommission.base.files import require_writable, write_text
     from mtcommission.cli.csv_texts import motion_csv
     from mtcommission.cli.optimum_view import describe_optimum
-    from mtcommission.files import require_writable, write_text
-    from mtcommission.options import final_time_origin, read_optimal_request, solve
-    from mtcommission.plant.plant import build_plant
+    from mtcommission.commission.options import final_time_origin, read_optimal_request, solve
+    from mtcommission.machine.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
     from mtcommission.record.shape import to_plain
@@ -205,13 +205,13 @@ def limits(
     page: str = option("--page", "FILE", "Only a page to try values on, without the rest."),
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
-    from mtcommission.files import require_writable, write_text
+    from mtcommission.base.files import require_writable, write_text
 
     require_writable(json_file, page, inputs=[profile])
     machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
     is_page_only = bool(page and not json_file)
 
-    from mtcommission.recommend import recommend
+    from mtcommission.commission.recommend import recommend
 
     with show_stage() as progress:
         found = recommend(
@@ -275,9 +275,9 @@ def simulate(
 
     The loop is that of the profile, whatever is tried.
     """
-    from mtcommission.files import require_writable, write_text
+    from mtcommission.base.files import require_writable, write_text
+    from mtcommission.commission.options import read_limits, read_tried
     from mtcommission.machine.rigid_body import require_force
-    from mtcommission.options import read_limits, read_tried
     from mtcommission.setpoint.duration import require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
@@ -297,7 +297,7 @@ def simulate(
     from mtcommission.cli.limits_view import describe_simulation
     from mtcommission.limits.judge import simulate_moves
     from mtcommission.loop.tuning.tuned import close_beside
-    from mtcommission.plant.plant import build_plant
+    from mtcommission.machine.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.machine import list_assumed
     from mtcommission.record.moves import simulation_part

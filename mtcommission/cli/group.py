@@ -7,11 +7,11 @@ from pathlib import Path
 
 import typer
 
+from mtcommission.base.clock import now
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import JSON, LANGUAGE, argument, option, read_machine
 from mtcommission.cli.language import say, words
 from mtcommission.cli.terminal import print_said, show, show_stage
-from mtcommission.clock import now
-from mtcommission.messages.message import Message
 
 
 def group(
@@ -30,7 +30,7 @@ def group(
 
     DIR gets group.json, sheet.html and sheet.pdf.
     """
-    from mtcommission.files import require_folder, require_writable, write_files, write_text
+    from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 
     if output:
         require_folder(output, "group.json", "sheet.html", "sheet.pdf", inputs=profiles_of_axes)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
 from mtcommission.cli.verified_view import STYLES
 from mtcommission.group.record import AngleEntry, GroupRecord
 from mtcommission.group.verified import say_found
 from mtcommission.group.verify import CircleVerification
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.tables import say_filter, show
 from mtcommission.verify.report import check_row, say_reasons
 

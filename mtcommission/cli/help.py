@@ -16,8 +16,8 @@ from typing import Any
 
 from typer.core import TyperArgument, TyperCommand, TyperGroup, TyperOption
 
+from mtcommission.base.messages.languages import ENGLISH
 from mtcommission.cli.language import has_text, say, spoken
-from mtcommission.messages.languages import ENGLISH
 
 WIDTH, LONGEST_NAME = 79, 30
 """Columns of a help, and of the names before their explanations."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.identified import IdentifiedPart
 from mtcommission.sheet.identified import doubts_and_notes, facts, mode_heads, mode_row
 

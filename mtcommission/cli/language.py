@@ -7,13 +7,13 @@ from contextvars import ContextVar
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.languages import ENGLISH, LANGUAGES
-from mtcommission.messages.message import Message, Value
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.languages import ENGLISH, LANGUAGES
+from mtcommission.base.messages.message import Message, Value
 
 if TYPE_CHECKING:
+    from mtcommission.base.messages.catalogue import Catalogue
     from mtcommission.machine.machine import Machine
-    from mtcommission.messages.catalogue import Catalogue
 
 LOCALE = ("LC_ALL", "LC_MESSAGES", "LANG")
 """Variables of the environment that name a language, the first that is set counts (POSIX)."""
@@ -82,7 +82,7 @@ def speak_of(machine: Machine) -> None:
 
 def words(*, rotary: bool | None = None) -> Catalogue:
     """Return the catalogue of the chosen language for a kind of axis: that of the machine read."""
-    from mtcommission.messages.catalogue import Catalogue
+    from mtcommission.base.messages.catalogue import Catalogue
 
     turns = _rotary.get() if rotary is None else rotary
     return Catalogue(_spoken.get(), rotary=turns, follows=_follows.get())

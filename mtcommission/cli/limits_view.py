@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 from mtcommission.record.limits import LimitsAnswer, RecommendedEntry, RuleResult, TodayEntry
 from mtcommission.record.moves import AssessmentPart, SimulationPart
 from mtcommission.sheet.limits import ROUNDED

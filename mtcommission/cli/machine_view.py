@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
 from mtcommission.machine.basis import (
     OF_LOOP,
@@ -15,10 +17,8 @@ from mtcommission.machine.basis import (
     say_loop,
 )
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant, kalman_rank
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, kalman_rank
 
 
 def describe_machine(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import LANGUAGE, argument, flag, option, read_machine
 from mtcommission.cli.compute import run
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_written, show
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
 
 
 def wizard(
@@ -25,7 +25,7 @@ def wizard(
     language: str = LANGUAGE,
 ) -> None:
     """Ask for the machine and write a commented profile."""
-    from mtcommission.files import require_writable
+    from mtcommission.base.files import require_writable
     from mtcommission.wizard import Ending, open_console, run_wizard
 
     require_writable(str(output), inputs=[answers] if answers else [])
@@ -48,15 +48,15 @@ def check(
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
-        from mtcommission.profile.describe import profile_schema
+        from mtcommission.machine.profile.describe import profile_schema
 
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return
     if profile is None:
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.machine_view import describe_machine
+    from mtcommission.machine.plant.plant import build_plant
     from mtcommission.machine.plausibility import check_plausibility
-    from mtcommission.plant.plant import build_plant
     from mtcommission.record.machine import list_assumed
     from mtcommission.setpoint.duration import require_short_moves
 
@@ -76,7 +76,7 @@ def list_profiles(
     language: str = LANGUAGE,
 ) -> None:
     """List the example machines with the source of their numbers."""
-    from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
+    from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
 
     shipped = map(read_shipped, shipped_names())
     sys.stdout.write("".join(describe_shipped(one, words()) for one in shipped))
@@ -87,7 +87,7 @@ def show_profile(
     language: str = LANGUAGE,
 ) -> None:
     """Print an example machine."""
-    from mtcommission.profile.shipped import read_shipped
+    from mtcommission.machine.profile.shipped import read_shipped
 
     sys.stdout.write(read_shipped(name).text)
 
@@ -98,8 +98,8 @@ def copy_profile(
     language: str = LANGUAGE,
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
-    from mtcommission.files import write_text
-    from mtcommission.profile.shipped import read_shipped
+    from mtcommission.base.files import write_text
+    from mtcommission.machine.profile.shipped import read_shipped
 
     found = read_shipped(name)
     target = file or f"{found.name}.toml"

@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import typer
 
+from mtcommission.base.clock import now
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import FREQUENCY, parse_quantity
 from mtcommission.cli.arguments import (
     COLUMNS,
     CONSTANT,
@@ -22,10 +26,6 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_said, print_written, show, show_stage
-from mtcommission.clock import now
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
-from mtcommission.units.quantities import FREQUENCY, parse_quantity
 
 MOST_MODES = 8
 """Of a profile."""
@@ -111,7 +111,7 @@ class _Job(NamedTuple):
 
 
 def _require_writable(job: _Job) -> None:
-    from mtcommission.files import require_writable
+    from mtcommission.base.files import require_writable
     from mtcommission.identify.gather import split_name
 
     inputs = [Path(split_name(one).name) for one in job.files]
@@ -132,8 +132,8 @@ def _identify(
     """One axis: files to profile, page and terminal; whether a profile may be written."""
     before = _read_before(job.profile)
 
+    from mtcommission.base.files import write_text
     from mtcommission.cli.identified_view import describe_identified, refusal
-    from mtcommission.files import write_text
     from mtcommission.identify.job import identify_files, name_from
 
     output, beside = job.output, job.beside
@@ -190,13 +190,13 @@ def _keep_others(output: str, profile: Path | None) -> None:
 def _read_given(
     sensor: str, input_: str, constant: str, measured: str, columns: list[str], profile: Path | None
 ) -> Given:
+    from mtcommission.commission.options import Options
     from mtcommission.identify.given import INPUTS, Given
     from mtcommission.identify.measurement import (
         MOTIONS,
         Sensor,
         Signal,
     )
-    from mtcommission.options import Options
 
     with Options() as options:
         options.word("--sensor", sensor, ("", *(one.value for one in Sensor)))
@@ -215,7 +215,7 @@ def _read_given(
 def _read_before(profile: Path | None) -> str:
     if profile is None:
         return ""
-    from mtcommission.profile.read import read_profile_text
+    from mtcommission.machine.profile.read import read_profile_text
 
     return read_profile_text(profile)
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import isfinite, isnan
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
     AnyOptimum,
@@ -23,7 +24,6 @@ from mtcommission.optimal.solution import (
     join_arcs,
     side_text,
 )
-from mtcommission.plant.plant import Plant
 
 SHOWN_ARCS = 24
 """Arcs printed; a transcription has hundreds."""

@@ -8,6 +8,8 @@ from typing import NoReturn
 
 import typer
 
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import (
     APPENDIX,
     FOLDER,
@@ -20,8 +22,6 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_note, print_written, show_stage
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
 
 
 def sheet(
@@ -38,7 +38,7 @@ def sheet(
     appendix: bool = APPENDIX,
 ) -> None:
     """Print the sheet again from the record alone."""
-    from mtcommission.files import require_folder, write_files
+    from mtcommission.base.files import require_folder, write_files
     from mtcommission.record.files import names_group
     from mtcommission.record.record import load_record
     from mtcommission.record.verified import load_verdict
@@ -77,7 +77,7 @@ def sheet(
 
 
 def _print_group(record: Path, output: Path, language: str, *, with_pdf: bool) -> NoReturn:
-    from mtcommission.files import write_files
+    from mtcommission.base.files import write_files
     from mtcommission.group.record import load_group
     from mtcommission.group.sheet import print_group
 
@@ -101,8 +101,8 @@ def export(
 
     Text for entry by hand, to be verified; nothing is sent to a control.
     """
+    from mtcommission.base.files import require_writable, write_text
     from mtcommission.export.catalogue import describe_controls, find_control_key
-    from mtcommission.files import require_writable, write_text
 
     if control.strip() == "?":
         sys.stdout.write(describe_controls(words()))

@@ -15,10 +15,10 @@ from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, Value, printable
+from mtcommission.base.units.quantities import wrap_whole
 from mtcommission.cli.language import say, words
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, Value, printable
-from mtcommission.units.quantities import wrap_whole
 
 if TYPE_CHECKING:
     from mtcommission.limits.judge import Candidate
@@ -131,7 +131,7 @@ class Stage:
     def announce(self, machine: Machine, best: Candidate) -> None:
         """Say verdict and limits, as soon as they are known."""
         if self._show:
-            from mtcommission.glance import say_verdict
+            from mtcommission.commission.glance import say_verdict
 
             self._known = say_verdict(machine, best, words())
             self._update()

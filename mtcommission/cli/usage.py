@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.message import Message
 
 UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 """All that a command line can be wrong about is derived from it."""

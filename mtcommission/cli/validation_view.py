@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.terminal import Line, heading, table
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.validate.page import SOURCE, Validation, head_of, heading_of, key_of, name_of
 from mtcommission.validate.row import Row, Verdict, tell
 

@@ -9,13 +9,13 @@ from typing import NoReturn
 
 import typer
 
+from mtcommission.base.clock import now
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import COLUMNS, CONSTANT, JSON, LANGUAGE, RECORD, argument, option
 from mtcommission.cli.language import speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
 from mtcommission.cli.terminal import print_written, show, show_stage
-from mtcommission.clock import now
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
 
 EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
 
@@ -34,7 +34,7 @@ def verify(
 
     Says first whether the control sent what was entered. Reads what identify reads.
     """
-    from mtcommission.files import require_folder, require_writable, write_files, write_text
+    from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 
     inputs = [record, *(Path(name) for name in traces if name != "-")]
     require_writable(json_file, renewed, inputs=inputs)
@@ -53,7 +53,7 @@ def verify(
 
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.identify.given import Given
-    from mtcommission.profile.read import parse_profile
+    from mtcommission.machine.profile.read import parse_profile
     from mtcommission.record.files import dump_json
     from mtcommission.record.record import load_record
     from mtcommission.verify.renew import find_new_limits, renew_profile
@@ -102,8 +102,8 @@ def _verify_circles(
     json_file: str,
 ) -> NoReturn:
     """Recorded circles beside the record of a group."""
+    from mtcommission.base.files import write_files, write_text
     from mtcommission.cli.group_view import describe_circles
-    from mtcommission.files import write_files, write_text
     from mtcommission.group.record import load_group
     from mtcommission.group.traces import read_circular
     from mtcommission.group.verified import circles_entry, print_circles

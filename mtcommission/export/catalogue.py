@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from mtcommission.control_kinds.kinds import KINDS, STATE_SPACE
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kinds import KINDS, STATE_SPACE
 from mtcommission.machine.readers import propose
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 
 CONTROL_KEYS = tuple(key for key in KINDS if key != STATE_SPACE.key)
 """What ``--control`` takes: every kind but the free controller, which has no syntax of its own."""

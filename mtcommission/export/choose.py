@@ -11,12 +11,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from mtcommission.control_kinds.row import Key, Row, Setting, Values, unreadable
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.held import Held, read_limits, write_limits
 from mtcommission.export.subject import Subject, for_mode
 from mtcommission.limits.judge import Candidate
-from mtcommission.messages.message import Message
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from functools import reduce
 from math import inf, isfinite
 
-from mtcommission.control_kinds.control import Control, Typed
-from mtcommission.control_kinds.row import Row, Setting
-from mtcommission.control_kinds.wording import name_mode, show_value, to_ascii
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Control, Typed
+from mtcommission.controls.row import Row, Setting
+from mtcommission.controls.wording import name_mode, show_value, to_ascii
 from mtcommission.export.catalogue import name_control
 from mtcommission.export.held import Held
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.read_back import AxisRecord

@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
-from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
-from mtcommission.control_kinds.row import Key, Setting, Values, unreadable
-from mtcommission.errors import ComputationError, Fault, InputError
+from mtcommission.base.errors import ComputationError, Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
+from mtcommission.controls.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
 

@@ -12,18 +12,18 @@ from math import inf, isfinite, pi
 
 import numpy as np
 
-from mtcommission.control_kinds.control import Axis
-from mtcommission.control_kinds.kind import ControlKind, PositionLoop
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Axis
+from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.plant.plant import build_plant, dominant_mode
+from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant, dominant_mode
-from mtcommission.profile.read import profile_text_hash
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import AxisRecord, close_as_held, read_held, read_limits
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -11,12 +11,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from mtcommission.control_kinds.control import Control, complete
-from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
-from mtcommission.control_kinds.row import Key, Row, Setting, Values, unreadable
-from mtcommission.control_kinds.syntax import LIST, Entry, Layout, read_elsewhere
-from mtcommission.control_kinds.wording import to_ascii
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import wrap_whole
+from mtcommission.controls.control import Control, complete
+from mtcommission.controls.kinds import CONTROLS, GENERIC
+from mtcommission.controls.row import Key, Row, Setting, Values, unreadable
+from mtcommission.controls.syntax import LIST, Entry, Layout, read_elsewhere
+from mtcommission.controls.wording import to_ascii
 from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import Chosen, choose_limits, take
 from mtcommission.export.header import (
@@ -38,12 +41,9 @@ from mtcommission.export.held import (
 )
 from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.limits.judge import Candidate
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.units.quantities import wrap_whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

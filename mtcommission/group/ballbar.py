@@ -9,9 +9,9 @@ from math import floor, log10, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.group.contours import Pair
 from mtcommission.group.follow import AFTER, Follower, filter_lag
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.document import Diagram
 from mtcommission.sheet.figures import GRID, INK, LIMIT, LINES, ROW, SAMPLE, SIZE, WIDTH, Canvas
 from mtcommission.sheet.tables import show

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from mtcommission.control_kinds.control import Corner, CornerRule
+from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.group.follow import Follower, starts_of
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -13,9 +13,12 @@ from math import inf, isclose
 
 import numpy as np
 
-from mtcommission.control_kinds.control import Control, Corner
-from mtcommission.control_kinds.kinds import CONTROLS, GENERIC
-from mtcommission.control_kinds.row import (
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Control, Corner
+from mtcommission.controls.kinds import CONTROLS, GENERIC
+from mtcommission.controls.row import (
     AT_CORNERS,
     PATH_ACCELERATION,
     PATH_JERK,
@@ -25,9 +28,8 @@ from mtcommission.control_kinds.row import (
     Setting,
     Values,
 )
-from mtcommission.control_kinds.syntax import LIST, Entry, Layout
-from mtcommission.control_kinds.wording import show_value, to_ascii
-from mtcommission.errors import Fault, InputError
+from mtcommission.controls.syntax import LIST, Entry, Layout
+from mtcommission.controls.wording import show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key, name_control
 from mtcommission.export.header import (
     Judged,
@@ -52,8 +54,6 @@ from mtcommission.group.follow import follow
 from mtcommission.group.group import tell
 from mtcommission.group.judged import Circle
 from mtcommission.group.record import GroupRecord
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 
 SLOW = 1.0 / 60.0
 """The first feed at which the text's circle is drawn [m/s]; the other is the group's."""

@@ -13,10 +13,12 @@ from math import ceil, hypot, inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.control import Control
-from mtcommission.control_kinds.kind import MOVING_AVERAGE, Jerk
-from mtcommission.control_kinds.kinds import CONTROLS
-from mtcommission.control_kinds.row import (
+from mtcommission.base.messages.message import Message
+from mtcommission.commission.recommend import Progress, Recommendation, recommend
+from mtcommission.controls.control import Control
+from mtcommission.controls.kind import MOVING_AVERAGE, Jerk
+from mtcommission.controls.kinds import CONTROLS
+from mtcommission.controls.row import (
     PATH_ACCELERATION,
     PATH_JERK,
     WAIT,
@@ -39,8 +41,6 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.messages.message import Message
-from mtcommission.recommend import Progress, Recommendation, recommend
 from mtcommission.study.variations import Row, choose, judge, look
 
 Array = NDArray[np.float64]

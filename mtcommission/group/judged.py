@@ -8,7 +8,8 @@ from math import sqrt
 
 import numpy as np
 
-from mtcommission.control_kinds.control import Corner
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Corner
 from mtcommission.group.contours import (
     CornerSpeed,
     line_deviation,
@@ -20,11 +21,10 @@ from mtcommission.group.contours import (
 from mtcommission.group.follow import filter_response
 from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
+from mtcommission.limits.requirements.settling_time import SETTLING_TIME
 from mtcommission.machine.moves import largest_velocity
-from mtcommission.messages.message import Message
 from mtcommission.record.moves import Check
 from mtcommission.record.shape import finite_or_none
-from mtcommission.requirements.settling_time import SETTLING_TIME
 
 RADII = (LEAST_RADIUS, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
 """Of the circles over which the feed is listed [m]; the last three are a ballbar's."""

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.control_kinds.control import Corner
-from mtcommission.control_kinds.kinds import CONTROLS
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.controls.control import Corner
+from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.ballbar import SINCE, reverses
 from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
 from mtcommission.group.follow import AFTER, Follower
 from mtcommission.group.record import GroupRecord
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.shape import finite_or_none, to_plain
 from mtcommission.record.values import rounded
 from mtcommission.sheet.what_if import Field

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from pathlib import Path
 
-from mtcommission.control_kinds.kind import SHAPERS
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import SHAPERS
 from mtcommission.group.contours import Pair, PathLimits, tell_corner
 from mtcommission.group.follow import follow
 from mtcommission.group.group import BY_CONTOUR, Group, GroupAxis
@@ -20,7 +21,6 @@ from mtcommission.group.judged import (
     feeds_over_radius,
     judge_group,
 )
-from mtcommission.messages.message import Message
 from mtcommission.record.files import find_checksum
 from mtcommission.record.limits import (
     ModeLimitsEntry,

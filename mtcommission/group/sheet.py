@@ -7,15 +7,17 @@ from dataclasses import replace
 from math import inf, isclose
 from typing import Any
 
-from mtcommission.control_kinds.row import (
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.quantities import pretty_unit
+from mtcommission.controls.row import (
     AT_CORNERS,
     PATH_ACCELERATION,
     PATH_JERK,
     Key,
     Setting,
 )
-from mtcommission.control_kinds.syntax import Entry
-from mtcommission.errors import InputError
+from mtcommission.controls.syntax import Entry
 from mtcommission.group.ballbar import Trace, draw_ballbar, trace_circle
 from mtcommission.group.contours import Pair
 from mtcommission.group.export import Part, type_in_group
@@ -23,8 +25,6 @@ from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel
 from mtcommission.group.record import GroupRecord, read_pair
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import pretty_unit
 from mtcommission.record.machine import say_assumed
 from mtcommission.sheet.document import (
     HASH_DIGITS,

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import LENGTH, VELOCITY
+from mtcommission.commission.options import Options
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import largest_velocity
-from mtcommission.messages.message import Message
-from mtcommission.options import Options
-from mtcommission.profile.read import ProfileSource
-from mtcommission.units.quantities import LENGTH, VELOCITY
+from mtcommission.machine.profile.read import ProfileSource
 
 AXES = (2, 3)
 """How many axes a group has, at least and at most."""

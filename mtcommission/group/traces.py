@@ -9,13 +9,13 @@ from hashlib import sha256
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
 from mtcommission.identify.formats.heads import find_columns
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.meaning.clock import read_clock
 from mtcommission.identify.meaning.units import read_signal_unit
 from mtcommission.identify.measurement import Signal
-from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, to_json
 from mtcommission.group.verify import CircleBeside, CircleVerification
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, to_json
 from mtcommission.sheet.document import Block, Bullets, LinePlot
 from mtcommission.sheet.plots import FOURTH, OTHER, THIRD, Curve, Signals, line_plot
 from mtcommission.verify.checks import Verdict

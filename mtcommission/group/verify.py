@@ -9,11 +9,11 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.group.contours import Pair, find_ellipses
 from mtcommission.group.fit import FittedCircle, Found, fit_circles
 from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.traces import CircularTrace
-from mtcommission.messages.message import Message
 from mtcommission.verify.checks import Check, Part, Verdict, judge, judge_all, judged, what_of
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 
 _NAME = re.compile(
     r"(?:resonances|calibration_data|raw_data|shaper_calibrate)_(?:axis=)?([xyz])(?![a-z])",

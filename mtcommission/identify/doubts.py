@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.lines import spacing_at
 from mtcommission.identify.measurement import (
@@ -14,7 +15,6 @@ from mtcommission.identify.measurement import (
     Signal,
     TimeRecord,
 )
-from mtcommission.messages.message import Message
 from mtcommission.record.identified import IdentifiedPart
 
 MASS_TOLERANCE = 0.05

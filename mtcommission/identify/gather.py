@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
 from mtcommission.identify.formats.contents import ResponseContents, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.given import Given

@@ -12,7 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.check import check_records
 from mtcommission.identify.doubts import list_doubts
@@ -27,7 +28,6 @@ from mtcommission.identify.measurement import (
 )
 from mtcommission.identify.states import find_states, fit_states
 from mtcommission.machine.identified import MeasuredFile, ShaperProposal
-from mtcommission.messages.message import Message
 from mtcommission.record.identified import IdentifiedPart, MeasuredResponseEntry
 
 NOT_DESCRIBED = "identify-not-described"

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.machine.machine import MOST_STATES
-from mtcommission.messages.message import Message
 from mtcommission.record.identified import MeasuredStateEntry, SpreadEntry
 
 FARTHEST = 0.25

@@ -11,8 +11,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.identified import Estimate
-from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.record.identified import IdentifiedPart
 from mtcommission.sheet.document import BigValue, Block, Headline, Preformatted, Section, document
 from mtcommission.sheet.html import set_html

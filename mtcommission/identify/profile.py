@@ -11,6 +11,10 @@ from typing import Any
 
 import tomlkit
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.base.version import __version__
 from mtcommission.identify.identified import Identified
 from mtcommission.identify.matching import FARTHEST, states_differ
 from mtcommission.machine.identified import (
@@ -20,13 +24,9 @@ from mtcommission.machine.identified import (
     MeasuredMode,
     ShaperProposal,
 )
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.modal import MOST_MODES
+from mtcommission.machine.plant.modal import MOST_MODES
 from mtcommission.record.identified import IdentifiedPart, evidence_checksum
 from mtcommission.record.shape import to_plain
-from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.version import __version__
 
 COLUMN = 34
 """Where comments begin, if the line leaves room."""

@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedSpectrum
 from mtcommission.identify.measurement import (
@@ -20,7 +21,6 @@ from mtcommission.identify.measurement import (
     Spectrum,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
-from mtcommission.messages.message import Message
 from mtcommission.record.identified import MeasuredStateEntry
 
 SAME = 3.0

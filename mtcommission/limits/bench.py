@@ -18,6 +18,8 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.requirements.requirement import Mean, Requirement
+from mtcommission.limits.requirements.together import Asked, Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, worst_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
@@ -31,10 +33,8 @@ from mtcommission.loop.respond import (
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.plant.plant import Plant
-from mtcommission.requirements.requirement import Mean, Requirement
-from mtcommission.requirements.together import Asked, Swings, sort_requirements
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of
 

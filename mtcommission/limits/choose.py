@@ -13,18 +13,18 @@ from math import inf
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.explore import Found
 from mtcommission.limits.judge import Candidate, MoveResult, evaluate_moves, simulate_moves
 from mtcommission.limits.landscape import Landscape, chart_landscape
+from mtcommission.limits.requirements.register import keep_reserve, requirements_of
+from mtcommission.limits.requirements.requirement import Requirement, Yields
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.requirements import Reserve
-from mtcommission.messages.message import Message, join_by_and
-from mtcommission.plant.plant import Plant
-from mtcommission.requirements.register import keep_reserve, requirements_of
-from mtcommission.requirements.requirement import Requirement, Yields
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 __all__ = ["Choice", "choose_limits"]

@@ -23,15 +23,15 @@ from math import cbrt, exp, floor, hypot, inf, isfinite, pi, sin, sqrt
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import MOVING_AVERAGE, Jerk
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import MOVING_AVERAGE, Jerk
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.plant import Plant, PlantMode
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import corners, vary
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, PlantMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
 
@@ -172,8 +172,8 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
     """Return limits and filter by the rule, from the gains of a loop, with the hand calculation.
 
     >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.plant.plant import build_plant
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> machine = read_shipped("modal-two-modes").machine
     >>> found = apply_commissioning_rule(machine, build_plant(machine), tune_loop(machine))
     >>> found.best.residual_deviation <= machine.requirements.tcp_deviation

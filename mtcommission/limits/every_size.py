@@ -23,6 +23,8 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.requirements.requirement import Mean, Requirement
+from mtcommission.limits.requirements.together import Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (
@@ -36,11 +38,9 @@ from mtcommission.loop.respond import (
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
-from mtcommission.plant.plant import Plant
-from mtcommission.requirements.requirement import Mean, Requirement
-from mtcommission.requirements.together import Swings, sort_requirements
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 from mtcommission.setpoint.smaller_moves import lay_sizes, plan_sizes, size_of

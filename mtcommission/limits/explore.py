@@ -17,7 +17,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import Jerk
+from mtcommission.controls.kind import Jerk
 from mtcommission.limits.bench import Bench, Use
 from mtcommission.limits.filters import filters_to_try, neighbours
 from mtcommission.machine.machine import largest_acceleration

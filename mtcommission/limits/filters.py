@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import (
+from mtcommission.controls.kind import (
     MOVING_AVERAGE,
     SHAPERS,
     TWO_AVERAGES,

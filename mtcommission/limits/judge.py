@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
+from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements.requirement import Requirement
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.variations import NOMINAL, Corner
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
-from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_within
 

@@ -11,7 +11,7 @@ from mtcommission.limits.bench import build_bench
 from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
-from mtcommission.plant.plant import Plant, longest_period
+from mtcommission.machine.plant.plant import Plant, longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import filter_steps, jerk_steps
 

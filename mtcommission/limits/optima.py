@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant, driven_at_once
 from mtcommission.optimal.at_once import (
     least_limit,
     on_states,
@@ -27,7 +28,6 @@ from mtcommission.optimal.solution import (
     excess_velocity,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 DAMPING_TIME_FACTOR = 1.2

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.machine.rigid_body import peak_velocity
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 SLOWER_RAMPS = (2, 3)

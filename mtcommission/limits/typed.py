@@ -8,13 +8,13 @@ from math import ceil, floor, inf, log, log10
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import Jerk
+from mtcommission.controls.kind import Jerk
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
 from mtcommission.limits.explore import LEAST_GROWTH, REFINED, Found, explore
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint

@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.assembly import SampledLoop, discretise, discretise_disturbance
 from mtcommission.loop.model.controller import Controller, filter_polynomials
 from mtcommission.machine.control import ForceFilter
-from mtcommission.plant.plant import Plant, PlantMode
+from mtcommission.machine.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -46,7 +46,7 @@ from mtcommission.loop.respond import (
     set_in_motion,
 )
 from mtcommission.machine.drive import Drive
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
 
 Array = NDArray[np.float64]

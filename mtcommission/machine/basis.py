@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import isinf
 
-from mtcommission.control_kinds.kind import ControlKind
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import ControlKind
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 
 OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
 

@@ -8,8 +8,10 @@ from enum import Enum
 from math import pi
 from typing import Any
 
-from mtcommission.control_kinds.kind import ControlKind, PositionLoop
-from mtcommission.control_kinds.kinds import GENERIC, KINDS
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.controls.kind import ControlKind, PositionLoop
+from mtcommission.controls.kinds import GENERIC, KINDS
 from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.ranges import (
     ACCELERATIONS,
@@ -43,8 +45,6 @@ from mtcommission.machine.setpoint_filter import (
     SetpointFilter,
     list_misfits,
 )
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import AxisUnits
 
 FEEDFORWARDS_OF_KINDS = ("velocity_feedforward", "acceleration_feedforward", "jerk_feedforward")
 """Keys of [control], and fields of the kinds of control."""

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import ROTARY, AxisUnits
 from mtcommission.machine.keys import ELSEWHERE, ByKind, Misfit, Table, keyed
 from mtcommission.machine.mechanics import SOURCE
 from mtcommission.machine.moves import Move, largest_velocity
@@ -28,8 +30,6 @@ from mtcommission.machine.ranges import (
     VELOCITIES,
 )
 from mtcommission.machine.readers import Array, as_typed
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import ROTARY, AxisUnits
 
 
 class DriveKind(Enum):

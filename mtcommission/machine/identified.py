@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from mtcommission.control_kinds.kind import SHAPERS
+from mtcommission.controls.kind import SHAPERS
 from mtcommission.machine.keys import REQUIRED, Table, keyed
 from mtcommission.machine.ranges import (
     ACCELERATIONS,

@@ -13,6 +13,8 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from math import inf
 from typing import Any
 
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import AxisUnits
 from mtcommission.machine.readers import (
     Array,
     AxisRange,
@@ -26,8 +28,6 @@ from mtcommission.machine.readers import (
     propose,
     read_path,
 )
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import AxisUnits
 
 Misfit = tuple[str, Message]
 """Key of a profile, below the table that it belongs to, and what is wrong with its value."""

@@ -12,7 +12,15 @@ from enum import Enum
 from math import ceil, inf, isfinite
 from typing import Any
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import (
+    LINEAR,
+    LINEAR_SOURCE,
+    ROTARY,
+    ROTARY_SOURCE,
+    AxisUnits,
+)
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.machine.control import Control, Today
 from mtcommission.machine.drive import DRIVES, Drive, PositionSource
 from mtcommission.machine.identified import Identification
@@ -32,8 +40,6 @@ from mtcommission.machine.readers import (
 )
 from mtcommission.machine.requirements import Requirements
 from mtcommission.machine.setpoint_filter import list_misfits
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import LINEAR, LINEAR_SOURCE, ROTARY, ROTARY_SOURCE, AxisUnits
 
 MOST_MOVES = 50
 MOST_STATES = 8

@@ -15,6 +15,9 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.base.units.quantities import Dimension
 from mtcommission.machine.keys import (
     ELSEWHERE,
     ByKind,
@@ -34,9 +37,6 @@ from mtcommission.machine.readers import (
     must_be,
     one_of,
 )
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import AxisUnits
-from mtcommission.units.quantities import Dimension
 
 Array = NDArray[np.float64]
 

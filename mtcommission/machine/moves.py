@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.keys import Table, keyed, read_table
 from mtcommission.machine.ranges import DISTANCES, DWELLS, VELOCITIES
 from mtcommission.machine.readers import KeyPath, Reading
-from mtcommission.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

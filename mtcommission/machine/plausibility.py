@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import inf, log
 
+from mtcommission.base.messages.catalogue import NAME
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import convert_to
 from mtcommission.machine.identified import MOST_MISFIT
 from mtcommission.machine.machine import Machine, Motion, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import VelocityStep, largest_velocity
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.messages.catalogue import NAME
-from mtcommission.messages.message import Message
-from mtcommission.units.quantities import convert_to
 
 DAMPING_RATIOS = (0.002, 0.3)
 LOWEST_FREQUENCY_HZ = 1.0
@@ -52,7 +52,7 @@ def check_plausibility(machine: Machine) -> tuple[Message, ...]:
 
     Examples
     --------
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> check_plausibility(read_shipped("ball-screw").machine)
     ()
     """

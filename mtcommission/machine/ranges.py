@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from math import inf
 
-from mtcommission.machine.readers import AxisRange, Range
-from mtcommission.units.axis_units import LINEAR, ROTARY
-from mtcommission.units.quantities import (
+from mtcommission.base.units.axis_units import LINEAR, ROTARY
+from mtcommission.base.units.quantities import (
     FREQUENCY,
     GAIN,
     INERTIA,
@@ -20,6 +19,7 @@ from mtcommission.units.quantities import (
     TIME,
     Dimension,
 )
+from mtcommission.machine.readers import AxisRange, Range
 
 Ends = tuple[float, float]
 

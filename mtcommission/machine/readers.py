@@ -11,10 +11,10 @@ from enum import Enum
 from math import inf
 from typing import Any, Protocol
 
-from mtcommission.errors import Refused
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import ROTARY, AxisUnits
-from mtcommission.units.quantities import LARGEST, Dimension, parse_quantity
+from mtcommission.base.errors import Refused
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import ROTARY, AxisUnits
+from mtcommission.base.units.quantities import LARGEST, Dimension, parse_quantity
 
 KeyPath = tuple[str | int, ...]
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import AxisUnits
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
 from mtcommission.machine.ranges import ARMS, BANDS, LOADS, SHARES, SPREADS, TIMES, VELOCITIES
 from mtcommission.machine.readers import Array, PerSignal, Reading, Signals, Word, as_typed
-from mtcommission.messages.message import Message
-from mtcommission.units.axis_units import AxisUnits
 
 LARGEST_FREQUENCY_SPREAD = 0.5
 MODE_BANDS = {"surface": 0.4, "accuracy": 1.0, "speed": 4.0}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.messages.message import Message
 
 
 def peak_velocity(move: Move, acceleration: float) -> float:

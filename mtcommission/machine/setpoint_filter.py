@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from math import fsum
 from typing import Any
 
-from mtcommission.control_kinds.kind import (
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import (
     FIR,
     MOVING_AVERAGE,
     SHAPERS,
@@ -25,7 +26,6 @@ from mtcommission.machine.keys import Misfit, keyed, read_table, table_schema
 from mtcommission.machine.ranges import FILTER_DAMPINGS, FILTER_TIMES, FREQUENCIES, TAPS
 from mtcommission.machine.readers import Array, KeyPath, Reading, Word, describe, one_of
 from mtcommission.machine.shapers import Impulses, shape
-from mtcommission.messages.message import Message
 
 KEYS: Mapping[str, tuple[str, ...]] = {
     "none": (),

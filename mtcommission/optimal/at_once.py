@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.solution import Bound, MotionPeaks, Optimum, Proof
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

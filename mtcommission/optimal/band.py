@@ -15,9 +15,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.exchange import exchange, first_cells
 from mtcommission.optimal.free.moments import all_moment_rows
 from mtcommission.optimal.free_motion import free_gains, free_peaks, free_rates, free_row
@@ -26,7 +27,6 @@ from mtcommission.optimal.program import Cells
 from mtcommission.optimal.proof import require_followable
 from mtcommission.optimal.refine import cell_arcs, finer, finishes, observe, refined
 from mtcommission.optimal.solution import Arc, Boundary, Interior, constant_arc
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,10 +14,11 @@ from math import inf, isfinite, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.exchange import (
     first_cells,
@@ -55,7 +56,6 @@ from mtcommission.optimal.solution import (
     TouchPoint,
     terminal_target,
 )
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
@@ -96,9 +96,9 @@ def solve_bounded_time_optimal(
 
     Examples
     --------
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> from mtcommission.optimal.solution import Boundary
-    >>> from mtcommission.plant.plant import build_plant
+    >>> from mtcommission.machine.plant.plant import build_plant
     >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
     ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))

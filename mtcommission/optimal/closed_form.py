@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.plant.plant import Plant, PlantMode, driven_at_once
+from mtcommission.machine.plant.plant import Plant, PlantMode, driven_at_once
 
 Array = NDArray[np.float64]
 

@@ -24,10 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.motion import FollowedMotion, follow_control
 from mtcommission.optimal.peaks import unit_cubics
 from mtcommission.optimal.solution import (
@@ -41,7 +42,6 @@ from mtcommission.optimal.solution import (
     constant_arc,
     terminal_target,
 )
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -388,8 +388,8 @@ def solve_damping_optimal(
 
     Examples
     --------
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.plant.plant import build_plant
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> machine = read_shipped("milling-manipulator").machine
     >>> best = solve_damping_optimal(build_plant(machine), machine.moves[0], force_limit=2e3,
     ...     t_f=0.0522, weights=machine.damping_optimal.weights)

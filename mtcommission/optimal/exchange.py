@@ -8,8 +8,8 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.optimal.cell_peaks import excess, find_peaks
 from mtcommission.optimal.free_motion import free_rates
 from mtcommission.optimal.linear_program import Basis, Program, solve_program

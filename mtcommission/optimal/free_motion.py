@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.free.moments import all_moment_rows
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

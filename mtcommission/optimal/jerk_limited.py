@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.plant import Plant, driven_at_once
 from mtcommission.optimal.bounded import refuse_impossible, solve_problem
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
@@ -22,7 +23,6 @@ from mtcommission.optimal.solution import (
     Ramp,
     TimeOptimum,
 )
-from mtcommission.plant.plant import Plant, driven_at_once
 
 
 def solve_jerk_limited(
@@ -44,8 +44,8 @@ def solve_jerk_limited(
 
     Examples
     --------
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.plant.plant import build_plant
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> machine = read_shipped("printer-belt").machine
     >>> found = solve_jerk_limited(build_plant(machine), VelocityStep(velocity_step=0.08),
     ...     force_limit=53.0, jerk_limit=2e4, bounds=())

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.exponential import balanced_expm, powers_of
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
 from mtcommission.optimal.solution import Arc, follow_runs
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

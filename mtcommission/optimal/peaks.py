@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

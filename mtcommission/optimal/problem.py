@@ -13,12 +13,12 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, Positioning
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.exponential import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound, terminal_target
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

@@ -24,8 +24,8 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.exponential import balanced_expm, powers_of
 from mtcommission.optimal.motion import FollowedMotion, follow_control

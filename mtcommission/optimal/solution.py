@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning
+from mtcommission.machine.plant.plant import Plant, driven_at_once
 from mtcommission.optimal.exponential import balanced_expm, powers_of
-from mtcommission.plant.plant import Plant, driven_at_once
 
 Array = NDArray[np.float64]
 

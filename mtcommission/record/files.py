@@ -9,9 +9,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NoReturn
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.files import read_bytes
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import read_bytes
+from mtcommission.base.messages.message import Message
 from mtcommission.record.shape import to_plain
 
 LARGEST_FILE = 50_000_000

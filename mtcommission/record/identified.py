@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.identified import (
     Estimate,
     Identification,
@@ -16,7 +17,6 @@ from mtcommission.machine.identified import (
     ShaperProposal,
 )
 from mtcommission.machine.machine import Machine, Motion
-from mtcommission.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
 from mtcommission.record.shape import WrongFormError, entry_of, to_entry
 

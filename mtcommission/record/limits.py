@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from mtcommission.base.messages.message import Message
+from mtcommission.commission.recommend import Recommendation
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule import (
     ADVICE,
@@ -15,8 +17,6 @@ from mtcommission.limits.commissioning_rule import (
     RuleStep,
 )
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message
-from mtcommission.recommend import Recommendation
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
@@ -34,7 +34,7 @@ from mtcommission.study.robustness import KeptRange
 from mtcommission.study.rules import TodaysValues
 
 if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
-    from mtcommission.commission import Commissioning
+    from mtcommission.commission.commission import Commissioning
 
 
 REACHED = ("settling_time", "residual_deviation", "peak_deviation")

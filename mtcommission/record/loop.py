@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
+from mtcommission.limits.requirements.set_force import SET_FORCE
 from mtcommission.loop.analysis import draw_bode
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
 from mtcommission.loop.model.assembly import INPUTS, CrossCheck
@@ -16,8 +18,7 @@ from mtcommission.loop.model.controller import PathDelay, list_delays
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     Matrix,
@@ -25,7 +26,6 @@ from mtcommission.record.values import (
     Words,
     by_mode,
 )
-from mtcommission.requirements.set_force import SET_FORCE
 from mtcommission.study.loops import LoopChoice, LoopTrial
 
 

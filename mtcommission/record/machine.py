@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, printable
 from mtcommission.machine.drive import PositionSource
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant, kalman_rank
+from mtcommission.machine.profile.lines import find_key_lines, show_key
 from mtcommission.machine.readers import KeyPath
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, printable
-from mtcommission.plant.plant import Plant, kalman_rank
-from mtcommission.profile.lines import find_key_lines, show_key
 from mtcommission.record.shape import of
 from mtcommission.record.values import Matrix, Words
 

@@ -11,7 +11,7 @@ import numpy as np
 from mtcommission.limits.judge import MoveResult, evaluate_moves
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.plant import Plant, longest_period
+from mtcommission.machine.plant.plant import Plant, longest_period
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     InCorner,

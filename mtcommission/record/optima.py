@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.solution import (
     AnyOptimum,
     Arc,
@@ -15,7 +16,6 @@ from mtcommission.optimal.solution import (
     sample_trajectory,
     side_text,
 )
-from mtcommission.plant.plant import Plant
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     Array,

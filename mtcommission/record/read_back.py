@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from mtcommission.control_kinds.kind import FIR
+from mtcommission.controls.kind import FIR
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import build_cascade, given_state_feedback
 from mtcommission.loop.tuning.tuned import (
@@ -18,9 +18,9 @@ from mtcommission.loop.tuning.tuned import (
 from mtcommission.loop.tuning.tuning import warn_of_modes
 from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.plant.plant import Plant
-from mtcommission.profile.read import parse_profile
 from mtcommission.record.limits import JudgedLimits, ModeLimitsEntry, RecommendedEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile

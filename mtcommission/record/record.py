@@ -14,9 +14,10 @@ from math import isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import STEERING, Message
+from mtcommission.base.version import __version__
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.messages.message import STEERING, Message
 from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.limits import LimitsPart, limits_part
@@ -45,10 +46,9 @@ from mtcommission.record.shape import (
 )
 from mtcommission.record.values import Words
 from mtcommission.record.what_if import WhatIfPart, what_if_part
-from mtcommission.version import __version__
 
 if TYPE_CHECKING:
-    from mtcommission.commission import Commissioning
+    from mtcommission.commission.commission import Commissioning
 
 Sealed = TypeVar("Sealed")
 

@@ -18,8 +18,8 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 import numpy as np
 from cattrs import BaseValidationError, Converter
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, from_json, to_json
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, from_json, to_json
 
 Entry = TypeVar("Entry")
 

@@ -10,9 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.record.shape import of
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.message import Message
 from mtcommission.record.files import LARGEST_FILE, fault, load_json
 from mtcommission.record.record import Record
 from mtcommission.record.shape import WrongFormError, to_entry

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import MOVING_AVERAGE
+from mtcommission.controls.kind import MOVING_AVERAGE
+from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements.requirement import Yields
+from mtcommission.limits.requirements.together import bounded_states
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
@@ -15,9 +18,9 @@ from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.record.shape import entry_of, of
 from mtcommission.record.values import (
     InCorner,
@@ -25,9 +28,6 @@ from mtcommission.record.values import (
     SetpointFilterEntry,
     describe_move,
 )
-from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Yields
-from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import TodaysValues
 

@@ -17,11 +17,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 Array = NDArray[np.float64]

@@ -17,9 +17,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.languages import LANGUAGES
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.languages import LANGUAGES
+from mtcommission.base.messages.message import Message
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export

@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import symbol
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import symbol
 from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.optima import ComparedEntry, OptimumEntry
 from mtcommission.record.record import Record

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.record.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.appendix import (

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.web import fill_template
 from mtcommission.record.record import Record
 from mtcommission.sheet.document import Diagram
 from mtcommission.sheet.tables import PATH_GAINS, show
-from mtcommission.web import fill_template
 
 SIZE, MARGIN = 9.5, 4.0
 """Font size and room beside text in a box [drawing units]."""

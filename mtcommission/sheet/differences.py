@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.record.loop import Margins
 from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.record import Record

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
 
 Array = NDArray[np.float64]
 

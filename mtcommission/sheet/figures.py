@@ -11,7 +11,7 @@ from math import ceil, floor, log10
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.messages.quantities import tick_text
+from mtcommission.base.messages.quantities import tick_text
 from mtcommission.sheet.document import Line, LinePlot, Panel
 
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ from typing import Any, Protocol
 import numpy as np
 from markupsafe import Markup, escape
 
-from mtcommission.messages.catalogue import decimal_mark_of
+from mtcommission.base.messages.catalogue import decimal_mark_of
+from mtcommission.base.web import fill_template, json_for_script, render_page
 from mtcommission.sheet.document import Document, Formula, LinePlot
-from mtcommission.web import fill_template, json_for_script, render_page
 
 FOLDER = Path(__file__).parent
 DIGITS = 5

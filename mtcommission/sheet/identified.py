@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
 from mtcommission.machine.identified import Estimate, MeasuredMode
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 from mtcommission.record.identified import (
     IdentifiedPart,
     MeasuredResponseEntry,
@@ -38,7 +39,6 @@ from mtcommission.sheet.tables import (
     table,
     wide,
 )
-from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 if TYPE_CHECKING:
     from mtcommission.record.record import Record

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.record.limits import Alternative, ModeLimitsEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import ModeEntry

@@ -11,9 +11,9 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import symbol
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import symbol
 from mtcommission.record.loop import (
     LoopPart,
     Margins,

@@ -7,9 +7,9 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import motion_unit
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.record.moves import MoveEntry
 from mtcommission.record.record import Record
 from mtcommission.record.verified import Verified

@@ -13,9 +13,9 @@ from typing import Any
 
 import typst
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.catalogue import decimal_mark_of
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.catalogue import decimal_mark_of
+from mtcommission.base.messages.message import Message
 from mtcommission.sheet.document import (
     Block,
     Diagram,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Value
-from mtcommission.messages.quantities import motion_unit
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Value
+from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.sheet.document import Border, Line, LinePlot, Panel
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.record.limits import ImprovementEntry, MoveSizesEntry
 from mtcommission.record.moves import MoveEntry
 from mtcommission.record.optima import OptimaEntry, OptimumEntry

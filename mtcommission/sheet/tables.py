@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
 
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import DIGITS
+from mtcommission.limits.requirements.register import read_requirement
 from mtcommission.machine.shapers import name_shaper
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import DIGITS
 from mtcommission.record.machine import MachineEntry
 from mtcommission.record.values import SetpointFilterEntry
-from mtcommission.requirements.register import read_requirement
 from mtcommission.sheet.document import Cell, Column, Formula, Table
 
 DASH = "–"

@@ -8,16 +8,16 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
-from mtcommission.control_kinds.control import is_neutral
-from mtcommission.errors import ComputationError, InputError
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, join_by_and, parts_of
-from mtcommission.messages.quantities import pretty_unit
+from mtcommission.base.errors import ComputationError, InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, join_by_and, parts_of
+from mtcommission.base.messages.quantities import pretty_unit
+from mtcommission.controls.control import is_neutral
+from mtcommission.limits.requirements.register import REGISTER, read_requirement
+from mtcommission.limits.requirements.requirement import Requirement
 from mtcommission.record.limits import AttainableEntry
 from mtcommission.record.machine import datum_name
 from mtcommission.record.moves import Check
-from mtcommission.requirements.register import REGISTER, read_requirement
-from mtcommission.requirements.requirement import Requirement
 from mtcommission.sheet.basis import (
     basis_rows,
     data_rows,
@@ -48,7 +48,7 @@ from mtcommission.sheet.tables import (
 )
 
 if TYPE_CHECKING:
-    from mtcommission.control_kinds.syntax import Entry
+    from mtcommission.controls.syntax import Entry
     from mtcommission.export.write import Export
     from mtcommission.record.optima import BandEntry, RobustEntry
     from mtcommission.record.record import Record

@@ -14,9 +14,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import motion_unit
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.quantities import motion_unit
+from mtcommission.controls.kind import FIR, MOVING_AVERAGE
 from mtcommission.record.shape import to_plain
 from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.record.what_if import KnownLimitsEntry, WhatIfPart

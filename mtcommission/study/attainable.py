@@ -18,16 +18,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, sqrt
 
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate
+from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements.requirement import Requirement, Yields
+from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirements import NO_RESERVE
-from mtcommission.messages.message import Message
-from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Requirement, Yields
-from mtcommission.requirements.residual_deviation import RESIDUAL_DEVIATION
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
 from mtcommission.study.variations import Row, choose, judge, look

@@ -11,10 +11,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, inf, log10, sqrt
 
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.message import Message, parts_of
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.judge import Candidate, MoveResult
+from mtcommission.limits.requirements.rms_force import RMS_FORCE
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     cascade_family,
@@ -26,8 +28,6 @@ from mtcommission.loop.tuning.gains import CLASSIC
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message, parts_of
-from mtcommission.requirements.rms_force import RMS_FORCE
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
 from mtcommission.study.settings import STUDY
 from mtcommission.study.variations import Row, choose, judge

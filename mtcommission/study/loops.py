@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any
 
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.choose import Choice, may_be_in_time
 from mtcommission.limits.explore import REFINED, Found
 from mtcommission.limits.judge import Candidate
@@ -34,7 +35,6 @@ from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
 from mtcommission.study.variations import Row, choose, look

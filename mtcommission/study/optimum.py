@@ -16,21 +16,21 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.optima import Optima
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once, longest_period
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.messages.message import Message
 from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
 from mtcommission.optimal.solution import (
     AnyOptimum,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant, build_plant, driven_at_once, longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.setpoint.smaller_moves import size_of

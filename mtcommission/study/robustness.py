@@ -22,8 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.judge import MoveResult
+from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements.requirement import Requirement
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
@@ -31,11 +34,8 @@ from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.variations import Corner, corners, vary
-from mtcommission.messages.message import Message, join_by_and
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.register import requirements_of
-from mtcommission.requirements.requirement import Requirement
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, knots_of, plan_within, sample_setpoint
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Candidate, describe_place
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
@@ -17,9 +18,8 @@ from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine, largest_acceleration
+from mtcommission.machine.plant.plant import build_plant, dominant_mode
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant, dominant_mode
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.robustness import KeptRange, find_frequency_error

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
+from mtcommission.base.messages.message import Message
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.filters import neighbours
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
+from mtcommission.limits.requirements.register import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
-from mtcommission.requirements.register import keep_reserve
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
 

@@ -7,11 +7,11 @@ import io
 import re
 from pathlib import Path
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.files import read_bytes
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import read_bytes
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import NUMBER
 from mtcommission.sweep.plan import FORCE_KEY, MOST_VALUES, Axis
-from mtcommission.units.quantities import NUMBER
 
 LARGEST_TABLE = 30_000_000
 """Bytes; as many cases as a sweep takes, with thirty characters each: half a gigabyte as cells."""

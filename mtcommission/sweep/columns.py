@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.catalogue import NAME, Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, Motion
-from mtcommission.messages.catalogue import NAME, Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.describe import unit_of
+from mtcommission.machine.profile.lines import read_key
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.describe import unit_of
-from mtcommission.profile.lines import read_key
-from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.plan import PEAKS_KEY, Plan, Quantity, si_number
 
 if TYPE_CHECKING:

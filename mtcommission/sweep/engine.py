@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mtcommission.errors import ComputationError, Fault, InputError, Outcome
-from mtcommission.files import replace_file
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.base.files import replace_file
+from mtcommission.base.messages.message import Message
 from mtcommission.sweep.lanes import (
     Engine,
     Lane,

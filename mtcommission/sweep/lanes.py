@@ -19,8 +19,8 @@ from multiprocessing import resource_tracker
 from types import FrameType
 from typing import Any
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 
 PATIENCE = 30.0
 """Seconds that a cluster is waited for."""

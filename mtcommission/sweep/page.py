@@ -7,11 +7,11 @@ from typing import Any
 
 import polars as pl
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.web import json_for_script, render_page
 from mtcommission.sweep.columns import Column
 from mtcommission.sweep.plan import Plan, vary_profile
 from mtcommission.sweep.table import SweepTable, summarise
-from mtcommission.web import json_for_script, render_page
 
 FOLDER = Path(__file__).parent
 DIGITS = 7

@@ -16,15 +16,15 @@ from typing import Any, NoReturn
 import numpy as np
 import tomlkit
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message, Value
+from mtcommission.base.units.quantities import NUMBER
+from mtcommission.base.units.symbols import read_unit
+from mtcommission.base.version import __version__
 from mtcommission.machine.moves import Positioning
-from mtcommission.messages.message import Message, Value
+from mtcommission.machine.profile.lines import read_key
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.solution import Bound
-from mtcommission.profile.lines import read_key
-from mtcommission.profile.read import parse_profile
-from mtcommission.units.quantities import NUMBER
-from mtcommission.units.symbols import read_unit
-from mtcommission.version import __version__
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."

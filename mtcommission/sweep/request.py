@@ -7,12 +7,13 @@ from functools import partial
 from itertools import chain, islice, product
 from pathlib import Path
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
-from mtcommission.options import Options
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.lines import read_key
-from mtcommission.profile.read import parse_profile, read_profile_text
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import NUMBER
+from mtcommission.commission.options import Options
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.lines import read_key
+from mtcommission.machine.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases
 from mtcommission.sweep.plan import (
     FORCE_KEY,
@@ -26,7 +27,6 @@ from mtcommission.sweep.plan import (
     unit_of,
     vary_profile,
 )
-from mtcommission.units.quantities import NUMBER
 
 ACCELERATION_KEY = "drive.max_acceleration"
 """What --f-max varies where the motor follows its setpoint."""

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from mtcommission.errors import ComputationError, InputError, MtcommissionError
+from mtcommission.base.errors import ComputationError, InputError, MtcommissionError
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
+from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.rigid_body import require_force
 from mtcommission.optimal.free.time_optimal import solve_forces
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant.plant import Plant, build_plant, driven_at_once
-from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.columns import Cell, Chosen, Optimum, result_columns
 from mtcommission.sweep.plan import (
     FEWEST,
@@ -157,8 +157,8 @@ def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Setting
 
 
 def _choose(machine: Machine, plant: Plant) -> Chosen:
+    from mtcommission.commission.recommend import recommend
     from mtcommission.limits.optima import find_optima
-    from mtcommission.recommend import recommend
 
     optima = [find_optima(machine, plant, move) for move in machine.moves]
     return _chosen(optima, recommend(machine).choice)
@@ -166,7 +166,7 @@ def _choose(machine: Machine, plant: Plant) -> Chosen:
 
 def _run(machine: Machine, text: str, base: Plan, place: str) -> tuple[Chosen, str]:
     """A whole commissioning, and its ``record.json`` as text."""
-    from mtcommission.commission import commission
+    from mtcommission.commission.commission import commission
     from mtcommission.machine.plausibility import check_plausibility
     from mtcommission.record.files import dump_json
     from mtcommission.record.identified import read_evidence

@@ -21,9 +21,9 @@ from zlib import crc32
 
 from filelock import FileLock, Timeout
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.files import no_folder
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import no_folder
+from mtcommission.base.messages.message import Message
 from mtcommission.sweep.solve import Answer
 
 NAME = "mtcommission-sweep.log"

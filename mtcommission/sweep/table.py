@@ -11,11 +11,11 @@ from typing import BinaryIO
 
 import polars as pl
 
-from mtcommission.files import replace_file
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
+from mtcommission.base.files import replace_file
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.machine.plant.plant import build_plant
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.sweep.columns import Column, columns
 from mtcommission.sweep.plan import Plan, Quantity, piece_size, si_number
 from mtcommission.sweep.solve import DONE

@@ -10,10 +10,10 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import expm
 from scipy.signal import lsim
 
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.exponential import powers_of
 from mtcommission.optimal.solution import DampingOptimum, Interior, sample_trajectory
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.plant import Plant
 from mtcommission.validate.cases import Array
 from mtcommission.validate.printed import FORCE_LIMIT
 

@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import expm
 
-from mtcommission.messages.message import Message, Value
+from mtcommission.base.messages.message import Message, Value
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.damping import balanced_weights
 from mtcommission.optimal.exponential import powers_of
 from mtcommission.optimal.solution import (
@@ -17,7 +18,6 @@ from mtcommission.optimal.solution import (
     control_text,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant
 from mtcommission.validate.adjoint import law_residual
 from mtcommission.validate.cases import Array, Cases
 from mtcommission.validate.free import SURE_GAP

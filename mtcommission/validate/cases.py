@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.manipulator import Manipulator
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.requirements import Reserve
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
-from mtcommission.plant.manipulator import Manipulator
-from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
 from mtcommission.validate.printed import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
 
 Array = NDArray[np.float64]

@@ -8,8 +8,9 @@ from math import exp, inf, pi, sqrt
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message, Value
 from mtcommission.machine.moves import Move
-from mtcommission.messages.message import Message, Value
+from mtcommission.machine.plant.plant import Plant, kalman_rank
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Bang,
@@ -19,7 +20,6 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.validate.adjoint import (
     adjoint_from_switches,
     adjoint_uncertainty,

@@ -8,13 +8,13 @@ from math import log
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message, Value
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.condense import condense
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message, Value
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.solution import sample_trajectory
-from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.loops import settle_on_loop
 from mtcommission.study.optimum import ComparedControl, compare_controls

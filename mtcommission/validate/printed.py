@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.message import Message
 
 FORCE_LIMIT = 2e3
 """F_max of secs. 5.1, 5.2 and 6 [N]."""

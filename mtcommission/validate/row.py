@@ -8,8 +8,8 @@ from enum import Enum
 from math import isnan, nan
 from types import MappingProxyType
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, Value
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, Value
 from mtcommission.validate.printed import CLAIMS, NUMBERS
 
 NOTHING: Mapping[str, Value] = MappingProxyType({})

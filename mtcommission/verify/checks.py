@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf, isfinite
 
-from mtcommission.messages.message import Message
-from mtcommission.requirements.register import read_requirement
+from mtcommission.base.messages.message import Message
+from mtcommission.limits.requirements.register import read_requirement
 
 
 class Verdict(Enum):

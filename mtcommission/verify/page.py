@@ -9,8 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.record.machine import Profile
 from mtcommission.sheet.document import (
     BigValue,

@@ -6,13 +6,13 @@ from math import inf
 
 import numpy as np
 
-from mtcommission.errors import MtcommissionError
+from mtcommission.base.errors import MtcommissionError
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import AxisUnits
 from mtcommission.identify.measurement import Array
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint, sample_setpoint
-from mtcommission.units.axis_units import AxisUnits
 from mtcommission.verify.checks import Check, Verdict
 from mtcommission.verify.setpoint import Motion, Reached
 

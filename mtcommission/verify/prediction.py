@@ -15,7 +15,7 @@ from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.loop.tuning.tuned import corner_plants, follow
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.record.read_back import held_controller, read_held
 from mtcommission.record.record import Record
 from mtcommission.verify.setpoint import Motion

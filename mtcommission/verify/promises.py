@@ -9,11 +9,11 @@ from math import hypot, inf, isfinite, pi, sqrt
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import Array
-from mtcommission.messages.message import Message
+from mtcommission.limits.requirements.settling_time import SETTLING_TIME
+from mtcommission.limits.requirements.together import bounded_states
 from mtcommission.record.record import Record
-from mtcommission.requirements.settling_time import SETTLING_TIME
-from mtcommission.requirements.together import bounded_states
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside, Recorded, allowed_shift
 from mtcommission.verify.checks import KEPT, Check, Verdict, judge, judged

@@ -9,10 +9,10 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 
-from mtcommission.errors import MtcommissionError
+from mtcommission.base.errors import MtcommissionError
 from mtcommission.machine.identified import Estimate
 from mtcommission.machine.machine import Machine
-from mtcommission.plant.plant import build_plant
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.verify.beside import Recorded, unexplained
 from mtcommission.verify.prediction import Rebuilt, on_machine
 from mtcommission.verify.rigid import fit_rigid_body

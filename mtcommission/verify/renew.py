@@ -7,11 +7,11 @@ from typing import Any
 
 import tomlkit
 
-from mtcommission.errors import ComputationError
+from mtcommission.base.errors import ComputationError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.keys import list_quantities
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.record import Record
 from mtcommission.verify.refine import Parameter, Refined
 
@@ -95,7 +95,7 @@ class NewLimits:
 
 def find_new_limits(record: Record, profile: str) -> NewLimits:
     """Return what ``run`` recommends for a refined profile, beside what the record recommends."""
-    from mtcommission.commission import commission  # half of what verify would load
+    from mtcommission.commission.commission import commission  # half of what verify would load
 
     best, new, failure = record.limits.recommended, None, None
     try:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, to_json
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message, to_json
 from mtcommission.record.shape import to_plain
 from mtcommission.sheet.document import Block, Column, Paragraph, Table, Tone, note
 from mtcommission.sheet.tables import DASH, Quantity, table

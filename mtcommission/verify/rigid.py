@@ -21,7 +21,7 @@ from scipy.linalg import expm, solve_banded
 from mtcommission.identify.damped import Equations, Regression, regress
 from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.verify.setpoint import runs
 from mtcommission.verify.trace import Role, Trace
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, pi, prod, sqrt
 
-from mtcommission.errors import Refused
+from mtcommission.base.errors import Refused
+from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.base.units.quantities import FREQUENCY, RATIO, Dimension, parse_quantity
 from mtcommission.machine.mechanics import SOURCE
+from mtcommission.machine.profile.lines import read_key, show_key
 from mtcommission.machine.readers import read_path
-from mtcommission.profile.lines import read_key, show_key
-from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.units.quantities import FREQUENCY, RATIO, Dimension, parse_quantity
 
 Answers = Mapping[str, str]
 """What was typed, by dotted key: the profile's own keys, or the wizard's beside them; "": left

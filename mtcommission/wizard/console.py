@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.units.quantities import wrap_whole
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.units.quantities import wrap_whole
 from mtcommission.wizard.question import Question, title
 
 WIDTH = 78

@@ -7,7 +7,7 @@ from typing import Any
 
 import tomlkit
 
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.wizard.answers import Answers, Data, as_text
 from mtcommission.wizard.question import title
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import MASS
 from mtcommission.machine.mechanics import PLANTS, Mechanics
 from mtcommission.machine.readers import Reading
-from mtcommission.messages.message import Message
-from mtcommission.units.quantities import MASS
 from mtcommission.wizard.answers import (
     MODAL,
     PAIRS,

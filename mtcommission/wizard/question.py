@@ -6,14 +6,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.errors import Refused
-from mtcommission.machine.basis import name_control
-from mtcommission.machine.readers import Range, read_path
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.lines import show_key
-from mtcommission.units.quantities import (
+from mtcommission.base.errors import Refused
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import (
     DIGITS,
     FORCE,
     GAIN,
@@ -25,6 +21,10 @@ from mtcommission.units.quantities import (
     convert_to,
     parse_quantity,
 )
+from mtcommission.controls.kinds import KINDS
+from mtcommission.machine.basis import name_control
+from mtcommission.machine.profile.lines import show_key
+from mtcommission.machine.readers import Range, read_path
 
 LONGEST_TEXT = 400
 

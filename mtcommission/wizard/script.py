@@ -12,15 +12,15 @@ from dataclasses import replace
 from functools import cache
 from math import pi
 
-from mtcommission.control_kinds.kinds import GENERIC
-from mtcommission.control_kinds.kinds import KINDS as CONTROLS
-from mtcommission.errors import Refused
+from mtcommission.base.errors import Refused
+from mtcommission.base.units.quantities import LENGTH, RATIO
+from mtcommission.controls.kinds import GENERIC
+from mtcommission.controls.kinds import KINDS as CONTROLS
 from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.machine.mechanics import KINDS, SOURCE
+from mtcommission.machine.plant.modal import MOST_MODES
+from mtcommission.machine.profile.describe import KeyQuestion, questions
 from mtcommission.machine.ranges import FREQUENCIES, LOADS, MASSES, RATIOS, STIFFNESSES
-from mtcommission.plant.modal import MOST_MODES
-from mtcommission.profile.describe import KeyQuestion, questions
-from mtcommission.units.quantities import LENGTH, RATIO
 from mtcommission.wizard.answers import (
     FILES,
     MEASURED,

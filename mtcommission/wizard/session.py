@@ -6,15 +6,15 @@ from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 
-from mtcommission.errors import INTERRUPTED, Fault, InputError, Refused
-from mtcommission.files import write_text
+from mtcommission.base.errors import INTERRUPTED, Fault, InputError, Refused
+from mtcommission.base.files import write_text
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.profile.lines import read_key, show_key
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.readers import read_path
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.lines import read_key, show_key
-from mtcommission.profile.read import parse_profile
 from mtcommission.wizard.answers import (
     FILES,
     MEASURED,

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 import tomlkit
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.files import write_text
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import write_text
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import LENGTH, RATIO, TIME
+from mtcommission.machine.profile.describe import find_unknown
+from mtcommission.machine.profile.lines import find_key_lines, read_key
+from mtcommission.machine.profile.read import load_toml, parse_profile, read_profile_text
 from mtcommission.machine.readers import propose
-from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.profile.describe import find_unknown
-from mtcommission.profile.lines import find_key_lines, read_key
-from mtcommission.profile.read import load_toml, parse_profile, read_profile_text
-from mtcommission.units.quantities import LENGTH, RATIO, TIME
 from mtcommission.wizard.answers import (
     ACCEPTED,
     MEASURED,

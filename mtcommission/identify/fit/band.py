@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.lines import (
     ERROR_FLOOR,
     Lines,
@@ -22,7 +23,6 @@ from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import BROADEST, Ordered, choose_modes
 from mtcommission.identify.measurement import Array, FrequencyResponse, Sensor
 from mtcommission.machine.identified import MOST_MISFIT
-from mtcommission.messages.message import Message
 
 Band = tuple[float, float]
 

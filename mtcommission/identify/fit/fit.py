@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.band import (
     LEAST_LINES,
     Band,
@@ -24,7 +25,6 @@ from mtcommission.identify.measurement import (
     Signal,
 )
 from mtcommission.machine.identified import MOST_MISFIT, Estimate
-from mtcommission.messages.message import Message
 
 FAR = 0.5
 """Share of |H| that a model misses beyond which it does not describe what was measured: where a

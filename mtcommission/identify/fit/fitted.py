@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
 from mtcommission.identify.measurement import (
@@ -17,7 +18,6 @@ from mtcommission.identify.measurement import (
     Spectrum,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
-from mtcommission.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message, Value
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import AllDirections, Array, ComplexArray, Sensor
-from mtcommission.messages.message import Message, Value
 
 Lines = NDArray[np.int64]
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
@@ -21,7 +22,6 @@ from mtcommission.identify.formats.contents import (
 from mtcommission.identify.formats.heads import words_of
 from mtcommission.identify.formats.table import read_table
 from mtcommission.identify.measurement import AllDirections, Array, Sensor
-from mtcommission.messages.message import Message
 
 HALF_POWER_BINS = 1.41
 """Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""

@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Column, FileContents, TimeContents, refuse
 from mtcommission.identify.formats.heads import split_head
 from mtcommission.identify.formats.table import read_table
-from mtcommission.messages.message import Message
 
 PERIOD = re.compile(r"^#\s*Sampling period is\s+(\d{1,12})\s*ns", re.IGNORECASE)
 

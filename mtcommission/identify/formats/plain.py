@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
@@ -26,7 +27,6 @@ from mtcommission.identify.formats.heads import CLOCK, find_column, split_head, 
 from mtcommission.identify.formats.table import Table, read_table
 from mtcommission.identify.given import INPUTS, Given
 from mtcommission.identify.measurement import MOTIONS, ComplexArray, Sensor, Signal
-from mtcommission.messages.message import Message
 
 FREQUENCY = "frequency_hz"
 

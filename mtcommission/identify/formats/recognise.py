@@ -9,7 +9,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from mtcommission.files import read_bytes
+from mtcommission.base.files import read_bytes
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import FileContents, refuse
 from mtcommission.identify.formats.klipper import header_of, read_klipper
 from mtcommission.identify.formats.linuxcnc import PERIOD, read_halscope
@@ -17,7 +18,6 @@ from mtcommission.identify.formats.plain import read_plain
 from mtcommission.identify.formats.sinumerik import read_sinumerik
 from mtcommission.identify.formats.twincat import is_twincat, read_twincat
 from mtcommission.identify.formats.uff import is_uff, read_uff
-from mtcommission.messages.message import Message
 
 LARGEST_FILE = 64_000_000
 """Bytes; a minute of ten signals at 8 kHz has half of it."""

@@ -21,7 +21,8 @@ from xml.etree.ElementTree import Element, ParseError, fromstring
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import Refused
+from mtcommission.base.errors import Refused
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
@@ -36,7 +37,6 @@ from mtcommission.identify.measurement import (
     Sensor,
     Signal,
 )
-from mtcommission.messages.message import Message
 
 ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Lines, refuse
 from mtcommission.identify.measurement import Array
-from mtcommission.messages.message import Message
 
 COMMENT_MARKS = "#%!"
 MOST_COLUMNS = 400

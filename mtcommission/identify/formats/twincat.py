@@ -15,10 +15,10 @@ from functools import partial
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Column, FileContents, TimeContents, refuse
 from mtcommission.identify.formats.table import LAST_LINE
 from mtcommission.identify.measurement import Array
-from mtcommission.messages.message import Message
 
 STEP = "SampleTime[ms]"
 HEAD_LINES = 60

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
@@ -26,7 +27,6 @@ from mtcommission.identify.measurement import (
     Array,
     Signal,
 )
-from mtcommission.messages.message import Message
 
 MARK = b"    -1"
 MOST_SETS = 500

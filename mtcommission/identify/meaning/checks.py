@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mtcommission.errors import Fault
+from mtcommission.base.errors import Fault
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Lines
 from mtcommission.identify.measurement import Array, FrequencyResponse, Sensor
-from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
 LOWEST_HZ, HIGHEST_HZ = 5.0, 50_000.0

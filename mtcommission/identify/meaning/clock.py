@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mtcommission.errors import Fault, InputError, Refused
+from mtcommission.base.errors import Fault, InputError, Refused
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import TIME, parse_quantity
 from mtcommission.identify.formats.contents import Lines, TimeContents, refuse
 from mtcommission.identify.formats.heads import CLOCK, SAMPLE_TIME
 from mtcommission.identify.measurement import Array
-from mtcommission.messages.message import Message
-from mtcommission.units.quantities import TIME, parse_quantity
 
 LEAST_SAMPLES = 64
 ROUNDING = 0.02

@@ -9,12 +9,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Column
 from mtcommission.identify.formats.heads import find_columns, words_of
 from mtcommission.identify.meaning.units import read_signal_unit
 from mtcommission.identify.measurement import FORCES, MOTIONS, Sensor, Signal
-from mtcommission.messages.message import Message
 
 
 class Course(Enum):

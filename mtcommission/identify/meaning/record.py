@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import Column, TimeContents, refuse
 from mtcommission.identify.given import Given
 from mtcommission.identify.meaning.checks import find_clipping, find_unit_slip
@@ -24,7 +25,6 @@ from mtcommission.identify.measurement import (
     Source,
     TimeRecord,
 )
-from mtcommission.messages.message import Message
 
 Known = list[tuple[Column, Meaning]]
 

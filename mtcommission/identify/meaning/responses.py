@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     NO_LINES,
     Lines,
@@ -28,7 +29,6 @@ from mtcommission.identify.measurement import (
     Source,
     Spectrum,
 )
-from mtcommission.messages.message import Message
 
 PERFECT = 1.0 - 1e-9
 """A coherence of 1 in every line is that of a single average: it says nothing."""

@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from mtcommission.errors import Refused
+from mtcommission.base.errors import Refused
+from mtcommission.base.units.symbols import Unit, read_unit
 from mtcommission.identify.measurement import (
     MOTIONS,
     Signal,
 )
-from mtcommission.units.symbols import Unit, read_unit
 
 GRAVITY = 9.80665
 """Standard gravity [m/s^2]. Source: CGPM 1901."""

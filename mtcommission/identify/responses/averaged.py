@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import (
     Array,
     ComplexArray,
@@ -30,7 +31,6 @@ from mtcommission.identify.measurement import (
     Signal,
 )
 from mtcommission.identify.responses.excitation import NEIGHBOURS, excited_band
-from mtcommission.messages.message import Message
 
 HIGHEST_SHARE = 0.3
 """Share of the sampling frequency up to which lines are kept: above it anti-alias filters act, and

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mtcommission.errors import InputError
+from mtcommission.base.errors import InputError
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import refuse
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
@@ -23,7 +24,6 @@ from mtcommission.identify.measurement import (
 )
 from mtcommission.identify.responses.averaged import by_blows, by_periods, by_windows, prepare
 from mtcommission.identify.responses.excitation import find_blows, find_period
-from mtcommission.messages.message import Message
 
 _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
 """What is said of a force in a loop, and of one that is held between samples."""

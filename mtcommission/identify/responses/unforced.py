@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import decimate, welch
 
+from mtcommission.base.messages.message import Message
 from mtcommission.identify.damped import Damped, correlation_length, fit_damped, weigh
 from mtcommission.identify.measurement import (
     AllDirections,
@@ -30,7 +31,6 @@ from mtcommission.identify.measurement import (
     TimeRecord,
 )
 from mtcommission.identify.responses.averaged import HALF_POWER_BINS, HIGHEST_SHARE
-from mtcommission.messages.message import Message
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6

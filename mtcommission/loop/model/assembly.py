@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
 from mtcommission.machine.control import ForceFilter
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

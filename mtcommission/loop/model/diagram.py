@@ -18,7 +18,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.assembly import (
     INPUTS,
     CrossCheck,
@@ -28,7 +28,7 @@ from mtcommission.loop.model.assembly import (
     hand_down,
 )
 from mtcommission.loop.model.controller import Controller, filter_polynomials
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
     Examples
     --------
     >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> loop = tune_loop(read_shipped("modal-two-modes").machine).loops[0]
     >>> model = build_model(loop.plant, loop.controller, model=loop.plant)
     >>> abs(model["tcp", "x_ref"].dcgain()).round(6)

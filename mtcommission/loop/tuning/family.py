@@ -16,7 +16,8 @@ from math import pi, radians, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.loop.analysis import GainGrid, lay_grids
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import (
@@ -38,7 +39,6 @@ from mtcommission.loop.tuning.tuned import (
 )
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
-from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 

@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
 from scipy.linalg.lapack import dgees
 
-from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.assembly import discretise
 from mtcommission.loop.model.controller import Controller, Observer, filter_delay
 from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, mid_payload, moving_mass
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, PlantMode
+from mtcommission.machine.plant.plant import Plant, PlantMode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.analysis import (
     FrequencyResponse,
     GainGrid,
@@ -21,9 +22,8 @@ from mtcommission.loop.analysis import (
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.variations import Corner, corners, vary
-from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, build_plant
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

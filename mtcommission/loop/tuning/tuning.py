@@ -12,7 +12,8 @@ from functools import reduce
 from math import floor, log10
 from typing import Any
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     build,
@@ -44,7 +45,6 @@ from mtcommission.loop.tuning.tuned import (
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL, Corner
-from mtcommission.messages.message import Message
 
 __all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
 

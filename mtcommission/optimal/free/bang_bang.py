@@ -8,11 +8,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.free.mesh import graded_nodes
 from mtcommission.optimal.free.moments import PLANTS, MomentProblem, all_moment_rows
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -8,8 +8,8 @@ from math import log1p
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.optimal.free.moments import MomentProblem
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.plant.plant import Plant
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

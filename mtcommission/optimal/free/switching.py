@@ -21,8 +21,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.message import Message
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.optimal.free.mesh import Mesh, build_mesh
 from mtcommission.optimal.free.moments import TINY, MomentProblem
 

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesdd
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move
-from mtcommission.messages.message import Message
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.mesh import Mesh, build_mesh
@@ -47,7 +48,6 @@ from mtcommission.optimal.solution import (
     TimeOptimum,
     terminal_target,
 )
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
@@ -96,8 +96,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
 
     Examples
     --------
-    >>> from mtcommission.plant.plant import build_plant
-    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.machine.plant.plant import build_plant
+    >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
     >>> [round(t, 6) for t in (*optimum.switching_times, optimum.t_f)]

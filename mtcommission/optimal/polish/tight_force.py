@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import replace
 from math import log
 
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.polish.sequence import Piece, Sequence
 from mtcommission.optimal.problem import BoundedProblem
 from mtcommission.optimal.solution import Arc, Boundary, Interior
-from mtcommission.plant.plant import Plant
 
 TIGHT = 0.97
 """Share of the force limit below which a bound on F counts as tight (empirical)."""

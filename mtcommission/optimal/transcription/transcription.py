@@ -30,11 +30,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import ComputationError, Outcome
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.damping import cost_terms, state_scales
 from mtcommission.optimal.motion import follow_control
@@ -54,7 +55,6 @@ from mtcommission.optimal.solution import (
     terminal_target,
 )
 from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
-from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

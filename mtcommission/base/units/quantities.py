@@ -1,0 +1,262 @@
+"""Quantities with units: "44.41 N/um" -> 44.41e6, if a stiffness is wanted.
+
+"52.2 ms" is the same number as 0.0522, to the last bit.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import isfinite, pi
+from textwrap import wrap
+
+from mtcommission.base.errors import Refused
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.advice import find_worth, list_candidates
+from mtcommission.base.units.symbols import LONGEST_TEXT, ONE, SYMBOLS, Unit, read_unit
+
+LARGEST = 10**300
+"""Beyond it a number is as good as infinite."""
+
+NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+DIGITS = re.compile(r"[+-]?[0-9.,]*[0-9]")
+_INSIDE = re.compile(
+    r"(?<=[0-9]) (?=[A-Za-z%µ(])(?!to |and )|(?<=[kMG]N) (?=[ms])|(?<=[0-9] N) (?=[ms])"
+    r"|(?<=kg) (?=m)"
+)
+"""Blanks between a number and its unit, or inside a unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """A kind of quantity: what a unit must measure."""
+
+    name: Message  # said with its article: a mass
+    si: str  # the SI unit, for messages
+    forms: tuple[Unit, ...]
+    """Units that count as 1 of this quantity. The first is the SI unit; further ones admit what is
+    written by custom, e.g. N m beside N m/rad."""
+    usual: tuple[str, ...]  # units to propose
+
+    @property
+    def described(self) -> Message:
+        """What it is and in which units, e.g. a mass, in kg, g or t."""
+        *first, last = self.usual
+        kind = "unit-in-one-of" if first else "unit-none-or" if not self.si else "unit-in"
+        units = Message(kind, first=", ".join(first), last=last)
+        return Message("quantity-described", what=self.name, units=units)
+
+    @property
+    def expected(self) -> Message:
+        """That it must be this, in these units."""
+        return Message("quantity-expected", **self.described.values)
+
+    def per(self, other: Dimension) -> Dimension:
+        """Return the quantity "this per other", e.g. a force per velocity."""
+        forms = tuple(a * b**-1 for a, b in product(self.forms, other.forms))
+        si = f"{self.si}/({other.si})"
+        name = Message("dimension-per", what=self.name, other=other.si)
+        return Dimension(name, si, forms, (si,))
+
+    def squared(self) -> Dimension:
+        """Return the square of the quantity."""
+        forms = tuple(unit**2 for unit in self.forms)
+        si = f"({self.si})^2"
+        return Dimension(Message("dimension-squared", what=self.name), si, forms, (si,))
+
+
+def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> float:
+    """Return the SI value of a number with a unit, to the last bit; a bare number is SI already.
+
+    ``decimal_comma``: whether ``"2,5 ms"`` is read as 2.5 ms instead of refused.
+
+    Raises
+    ------
+    Refused
+        With a message that says what was got and what to write.
+
+    Examples
+    --------
+    >>> parse_quantity("44.41 N/um", STIFFNESS)
+    44410000.0
+    >>> parse_quantity("20 s", FORCE)
+    Traceback (most recent call last):
+    ...
+    mtcommission.base.errors.Refused: got "20 s", which is a time; must be a force, in N, kN or MN
+    """
+    text = text.replace("\t", " ")
+    shown = _shorten(text)
+    if not text.isprintable():
+        raise Refused(Message("quantity-with-control-characters", got=shown))
+    if len(text) > LONGEST_TEXT:
+        raise Refused(Message("quantity-too-long", got=shown, most=LONGEST_TEXT))
+    number, unit = _split_number(text, shown, dimension, decimal_comma=decimal_comma)
+    try:
+        meanings = read_unit(unit)
+    except Refused as error:
+        raise Refused(
+            Message(
+                "quantity-without-unit",
+                got=shown,
+                why=error.message,
+                advice=_advise(unit, dimension),
+                expected=dimension.expected,
+            )
+        ) from error
+    if not unit:
+        return _value(number, ONE, shown)
+    for meaning, form in product(meanings, dimension.forms):
+        if meaning.exponents == form.exponents:
+            return _value(number, meaning * form**-1, shown)
+    name = _name(meanings[0])
+    raise Refused(
+        Message(
+            "quantity-of-another-kind",
+            got=shown,
+            what=name or Message("dimension-in", units=_in_si(meanings[0])),
+            advice=None if name else _advise(unit, dimension),
+            expected=dimension.expected,
+            hint=Message("g-is-the-gram") if unit == "g" else None,
+        )
+    )
+
+
+def _advise(unit: str, dimension: Dimension) -> Message | None:
+    """Return what the unit is worth, or which one may have been meant that fits here."""
+    worth = find_worth(unit)
+    if worth:
+        return Message("unit-worth", worth=worth)
+    for candidate in list_candidates(unit, dimension.usual, tuple(SYMBOLS)):
+        if _fits(candidate, dimension):
+            return Message("unit-meant", unit=candidate)
+    return None
+
+
+def _fits(unit: str, dimension: Dimension) -> bool:
+    try:
+        meanings = read_unit(unit)
+    except Refused:
+        return False
+    exponents = {form.exponents for form in dimension.forms}
+    return any(meaning.exponents in exponents for meaning in meanings)
+
+
+def _split_number(
+    text: str, shown: str, dimension: Dimension, *, decimal_comma: bool
+) -> tuple[str, str]:
+    """Return number and unit of a quantity as texts."""
+    plain = text.strip().replace("\N{MINUS SIGN}", "-")
+    digits = DIGITS.match(plain)
+    if digits is not None and "," in digits[0]:
+        plain = digits[0].replace(",", ".") + plain[digits.end() :]
+        if plain.count(".", 0, digits.end()) > 1:
+            raise Refused(Message("number-with-separators", got=shown))
+        if not decimal_comma:
+            raise Refused(Message("number-with-comma", got=shown, wanted=plain))
+    match = NUMBER.match(plain)
+    if match is not None:
+        return match[0], plain[match.end() :].strip()
+    if re.match(r"[+-]?(nan|inf)", plain, re.IGNORECASE):
+        raise Refused(Message("quantity-infinite", got=shown, expected=dimension.expected))
+    raise Refused(Message("quantity-without-number", got=shown, expected=dimension.expected))
+
+
+def _value(number: str, unit: Unit, shown: str) -> float:
+    rough = float(number)
+    if not isfinite(rough):
+        raise Refused(Message("number-infinite", got=shown))
+    # Also keeps "0e999999999" from being spelt out as a fraction.
+    if rough == 0.0:
+        return 0.0
+    exact = Fraction(number) * unit.factor
+    if abs(exact) > LARGEST:
+        raise Refused(Message("number-infinite", got=shown))
+    return float(exact) * pi**unit.pi_power
+
+
+def convert_to(value: float, unit: str) -> float:
+    """Return an SI value in another unit, for output; raise ValueError if the unit is unknown.
+
+    Examples
+    --------
+    >>> convert_to(2.5, "mm/s^2")
+    2500.0
+    """
+    return value / read_unit(unit)[0].si_value
+
+
+def wrap_whole(text: str, width: int, *, indent: str = "") -> list[str]:
+    """Return the lines of a paragraph; none ends between a number and its unit.
+
+    ``indent``: what every line but the first begins with.
+
+    Examples
+    --------
+    >>> wrap_whole("so soft as 8 N s/m", 16)
+    ['so soft as', '8 N s/m']
+    """
+    whole = _INSIDE.sub("\N{NO-BREAK SPACE}", text)
+    lines = wrap(whole, width, subsequent_indent=indent)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+
+
+def _shorten(text: str) -> str:
+    printable = "".join(letter if letter.isprintable() else "?" for letter in text)
+    return printable if len(printable) <= LONGEST_TEXT else printable[: LONGEST_TEXT - 3] + "..."
+
+
+def _name(unit: Unit) -> Message | None:
+    names = (one.name for one in DIMENSIONS if unit.exponents == one.forms[0].exponents)
+    return next(names, None)
+
+
+def _in_si(unit: Unit) -> str:
+    parts = zip(("m", "kg", "s", "rad"), unit.exponents, strict=True)
+    return " ".join(
+        symbol if power == 1 else f"{symbol}^{power}" for symbol, power in parts if power
+    )
+
+
+def _dimension(kind: str, si: str, usual: str, *custom: Unit) -> Dimension:
+    name = Message(f"dimension-{kind}")
+    return Dimension(name, si, (read_unit(si)[0], *custom), tuple(usual.split(", ")))
+
+
+# The radian counts, but custom drops it wherever no length could be meant instead.
+MASS = _dimension("mass", "kg", "kg, g, t")
+LENGTH = _dimension("length", "m", "m, mm, um, nm")
+ANGLE = _dimension("angle", "rad", "rad, mrad, deg, arcsec, rev")
+TIME = _dimension("time", "s", "s, ms, us, min")
+FREQUENCY = _dimension("frequency", "Hz", "Hz, kHz, 1/min", Unit((0, 0, -1, 1), Fraction(2), 1))
+FORCE = _dimension("force", "N", "N, kN, MN")
+TORQUE = _dimension("torque", "N m", "N m, kN m")
+INERTIA = _dimension("moment-of-inertia", "kg m^2", "kg m^2, kg cm^2, kg mm^2")
+VELOCITY = _dimension("velocity", "m/s", "m/s, mm/s, m/min, mm/min")
+ANGULAR_VELOCITY = _dimension("angular-velocity", "rad/s", "rad/s, deg/s, rev/min")
+ACCELERATION = _dimension("acceleration", "m/s^2", "m/s^2, mm/s^2")
+ANGULAR_ACCELERATION = _dimension("angular-acceleration", "rad/s^2", "rad/s^2, deg/s^2")
+JERK = _dimension("jerk", "m/s^3", "m/s^3, mm/s^3")
+ANGULAR_JERK = _dimension("angular-jerk", "rad/s^3", "rad/s^3, deg/s^3")
+STIFFNESS = _dimension("stiffness", "N/m", "N/m, N/mm, N/um, kN/mm")
+DAMPING = _dimension("damping-constant", "N s/m", "N s/m, kN s/m")
+ROTARY_STIFFNESS = _dimension("rotary-stiffness", "N m/rad", "N m/rad", Unit((2, 1, -2, 0)))
+ROTARY_DAMPING = _dimension(
+    "rotary-damping-constant", "N m s/rad", "N m s/rad", Unit((2, 1, -1, 0))
+)
+GAIN = _dimension("position-gain", "1/s", "1/s, (m/min)/mm")
+PER_MASS = _dimension("gain-per-mass", "1/kg", "1/kg")
+PER_INERTIA = _dimension("gain-per-inertia", "1/(kg m^2)", "1/(kg m^2)", Unit((-2, -1, 0, 1)))
+MODAL_DEFLECTION = _dimension("modal-deflection", "N s^2", "N s^2")
+MODAL_RATE = _dimension("modal-rate", "N s", "N s")
+ROTARY_MODAL_DEFLECTION = _dimension("rotary-modal-deflection", "N m s^2", "N m s^2")
+ROTARY_MODAL_RATE = _dimension("rotary-modal-rate", "N m s", "N m s")
+RATIO = _dimension("ratio", "", "%")
+
+DIMENSIONS = (
+    MASS, LENGTH, ANGLE, TIME, FREQUENCY, FORCE, TORQUE, INERTIA, VELOCITY, ANGULAR_VELOCITY,
+    ACCELERATION, ANGULAR_ACCELERATION, JERK, ANGULAR_JERK, STIFFNESS, DAMPING,
+    ROTARY_STIFFNESS, ROTARY_DAMPING, PER_MASS, PER_INERTIA, RATIO,
+)  # fmt: skip
+"""All dimensions with a name of their own; a gain is a frequency by its exponents."""

@@ -1,0 +1,100 @@
+"""What controls have in common that send steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+
+from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Axis, Typed
+from mtcommission.controls.kind import (
+    FEATURES,
+    ControlKind,
+    Feature,
+    FilterChoice,
+    Jerk,
+    PositionLoop,
+    read,
+)
+from mtcommission.controls.row import Setting
+
+FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
+"""Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
+
+USUAL_CORNER = 5e-3
+"""square_corner_velocity that Klipper takes unless told otherwise [m/s] (Config_Reference)."""
+
+WHOLE = 0.999
+"""Share of the recommended acceleration that is all of it, but for rounding."""
+
+PRINTER = 20.0
+"""The most that any of Klipper's sample configurations has as max_accel, most have 3 (config/ at
+84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model. Marlin has
+no such list; its printers are taken to be alike (assumed)."""
+
+
+def sends_steps(
+    key: str,
+    source: str,
+    *,
+    features: Mapping[str, Feature],
+    jerk: Jerk = Jerk.NONE,
+    setpoint_filters: tuple[FilterChoice, ...] = (),
+    largest_acceleration: float = inf,
+) -> ControlKind:
+    """A control that sends steps: it has nothing of a loop, but for what was read."""
+    common = dict.fromkeys(FEATURES, read(source, note="None: steps go out open loop."))
+    pulses = "The pulses themselves carry the velocity; no parameter."
+    common["velocity_feedforward"] = read(source, note=pulses)
+    stand_in = (
+        "None: the motor follows its steps: drive.kind = position_source. With a servo profile a "
+        "stiff loop in the drive stands in for it."
+    )
+    common["position_loops"] = read(source, note=stand_in)
+    common["modes"] = common["setpoint_filters"] = read(source, note="None.")
+    return ControlKind(
+        key=key,
+        follows_steps=True,
+        jerk=jerk,
+        setpoint_filters=setpoint_filters,
+        acceleration_feedforward=False,
+        reference_delay=False,
+        position_loops=(PositionLoop.DRIVE,),
+        position_cycle=1e-3,
+        largest_acceleration=largest_acceleration,
+        features=common | dict(features),
+    )
+
+
+def say_shaper(axis: Axis) -> Message:
+    """Where frequency and damping of the shaper come from."""
+    if axis.has_own_filter:
+        return Message("shaper-of-run")
+    return Message("klipper-of-mode", mode=axis.mode_name)
+
+
+def written(axis: Axis) -> float:
+    """What the control is to get at most of the recommended acceleration [m/s²]."""
+    return min(axis.acceleration, axis.kind.largest_acceleration)
+
+
+def make_up(axis: Axis, typed: Typed) -> tuple[Message, ...]:
+    """What the acceleration had to give for the missing jerk limit; nothing if it gave none."""
+    a = typed.acceleration
+    share = a / axis.acceleration
+    shaper = "yes" if (Setting.SHAPER, "") in typed.values else "no"
+    if not typed.is_met:
+        return (Message("export-least-vibration", share=share, shaper=shaper),)
+    if a > WHOLE * written(axis):
+        return ()
+    return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
+
+
+def of_corner(
+    axis: Axis, kind: str, kinds: tuple[str, ...], **values: float
+) -> tuple[Message, ...]:
+    """What the model says of the corner, and what it does not."""
+    if not axis.follows:
+        return ()
+    most = axis.corner_velocity(kinds)
+    return (Message(kind, usual=1e3 * USUAL_CORNER, most=1e3 * most, **values),)

@@ -1,0 +1,76 @@
+"""SI values in the units that an export speaks in."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from math import isfinite, pi
+from unicodedata import combining, normalize
+
+from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.quantities import SUPERSCRIPTS, THIN_SPACE
+
+MILLI, MICRO = 1e-3, 1e-6
+
+LETTERS = str.maketrans(
+    {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "°": " deg"}
+    | {"µ": "u", "×": "x", "·": " ", "−": "-", "–": "-", "„": '"', "“": '"', "≤": "<=", "≥": ">="}
+    | {"ω": "omega", "ζ": "zeta", "φ": "phi", "τ": "tau", "σ": "sigma", "π": "pi", "″": " arcsec"}
+    | {THIN_SPACE: " "}
+)
+"""Signs of our sentences in the letters that every control reads."""
+
+CAPITAL = re.compile("[ÄÖÜ](?=[A-ZÄÖÜ])|(?<=[A-ZÄÖÜ])[ÄÖÜ]")
+"""A capital among capitals."""
+
+_RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
+
+DEGREE, TURN = pi / 180.0, 2.0 * pi
+
+
+def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
+    """Return an SI value with a unit that people read.
+
+    Examples
+    --------
+    >>> from mtcommission.base.messages.catalogue import Catalogue
+    >>> Catalogue("de").say(show_value(4.848e-5, "rad", in_degrees=True))
+    '0,002778 deg'
+    >>> show_value(float("inf"), "s", in_degrees=False)
+    Message('not-settled')
+    """
+    if not isfinite(value):
+        return Message("not-settled")
+    if in_degrees and unit.split("/")[0] == "rad":
+        size, shown = DEGREE, unit.replace("rad", "deg", 1)
+    else:
+        sizes = {"m": (MICRO, "µm"), "rad": (MICRO, "µrad"), "s": (MILLI, "ms")}
+        size, shown = sizes.get(unit, (1.0, unit))
+    return Message("value-about", value=value / size, unit=shown)
+
+
+def name_mode(key: str) -> Message:
+    """Return the name of a machining mode in signs that every control reads."""
+    return Message(f"export-mode-{key}")
+
+
+def to_ascii(text: str) -> str:
+    """Return a sentence in letters that every control reads.
+
+    Examples
+    --------
+    >>> to_ascii("5 µm/s², 2×10⁻⁵ N·m für die Säule")
+    '5 um/s^2, 2x10^-5 N m fuer die Saeule'
+    >>> to_ascii("vérifié à la main")
+    'verifie a la main'
+    >>> to_ascii("UNVOLLSTÄNDIG, Übergang")
+    'UNVOLLSTAENDIG, Uebergang'
+    """
+    signs = [
+        ("^" if sign in _RAISED and (before not in _RAISED) else "") + _RAISED.get(sign, sign)
+        for before, sign in pairwise(f" {text}")
+    ]
+    capitals = CAPITAL.sub(lambda one: LETTERS[ord(one[0])].upper(), "".join(signs))
+    plain = normalize("NFKD", capitals.translate(LETTERS))  # é is e and its accent
+    letters = "".join(sign for sign in plain if not combining(sign))
+    return letters.encode("ascii", "replace").decode()

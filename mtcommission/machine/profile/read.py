@@ -1,0 +1,206 @@
+"""Machine profile (TOML) -> Machine: units to SI, every fault at once, with file and line."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import mtcommission.machine.plant.kinds  # noqa: F401  registers them
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import read_bytes
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.axis_units import LINEAR, ROTARY, of_position_source
+from mtcommission.base.units.quantities import Dimension
+from mtcommission.machine.keys import build_table, read_values
+from mtcommission.machine.machine import ABOUT, MOST_ASSUMED, Machine
+from mtcommission.machine.mechanics import HELD, SOURCE, kind_of
+from mtcommission.machine.plant.plant import OUTPUTS
+from mtcommission.machine.profile.lines import find_key_lines, show_key
+from mtcommission.machine.readers import KeyPath, Reading, find_close, must_be
+
+LARGEST_FILE = 200_000
+"""Bytes; a profile has a few thousand."""
+
+MOST_PARTS = 300
+"""Parts of a dotted key: the time to read one grows with their square."""
+
+
+def read_profile(path: Path | str) -> Machine:
+    """Return the machine that a profile file describes; raise InputError with every fault found.
+
+    The file is TOML in UTF-8, with or without byte order mark.
+    """
+    return parse_profile(read_profile_text(path), where=str(path))
+
+
+def read_profile_text(path: Path | str) -> str:
+    """Return the text of a profile file; raise InputError if it cannot be read as text."""
+    return decode_profile(read_profile_bytes(path), where=str(path))
+
+
+def read_profile_bytes(path: Path | str) -> bytes:
+    """Return a profile file as it is; raise InputError if it cannot be read."""
+    return read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
+
+
+def decode_profile(data: bytes, *, where: str) -> str:
+    """Return the text of a profile's bytes, without byte order mark.
+
+    Raises
+    ------
+    InputError
+        If they are no text of a profile's size.
+    """
+    if data.lstrip()[:1] == b"{":
+        raise _file_fault(where, 0, Message("file-is-json"))
+    if len(data) > LARGEST_FILE:
+        raise _file_fault(where, 0, Message("file-too-large", most=LARGEST_FILE))
+    if b"\0" in data:
+        raise _file_fault(where, 0, Message("file-binary"))
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        message = Message("file-not-utf8", byte=f"0x{data[error.start]:02x}")
+        line = data.count(b"\n", 0, error.start) + 1
+        raise _file_fault(where, line, message) from error
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileSource:
+    """A profile as it stood in its file."""
+
+    path: Path  # of the file; what was measured stands beside it
+    sha256: str  # of its bytes, 64 hexadecimal digits
+    text: str  # without byte order mark
+
+
+def read_source(path: Path | str) -> ProfileSource:
+    """Return a profile's text and hash, from one reading: a pipe gives it only once."""
+    data = read_profile_bytes(path)
+    text = decode_profile(data, where=str(path))
+    return ProfileSource(path=Path(path), sha256=profile_text_hash(data), text=text)
+
+
+def profile_text_hash(data: bytes) -> str:
+    """Return the SHA-256 of a profile's bytes as they are on disk, as 64 hexadecimal digits.
+
+    Examples
+    --------
+    >>> profile_text_hash(b"")[:8]
+    'e3b0c442'
+    """
+    return sha256(data).hexdigest()
+
+
+def load_toml(text: str, *, where: str) -> dict[str, Any]:
+    """Return the data of a TOML text; raise InputError with the line that TOML refuses.
+
+    Examples
+    --------
+    >>> load_toml("a = 1", where="p.toml")
+    {'a': 1}
+    """
+    lines = text.split("\n")
+    for number, line in enumerate(lines, start=1):
+        if line.partition("=")[0].partition("#")[0].count(".") > MOST_PARTS:
+            raise _file_fault(where, number, Message("toml-nested-deeply"))
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise _file_fault(where, 1, Message("toml-nested-deeply")) from error
+    except ValueError as error:
+        place = re.search(r"\(at line (\d+)", str(error))
+        at = min(int(place[1]), len(lines)) if place else len(lines)
+        reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
+        raise _file_fault(where, at, Message("toml-refused", reason=reason)) from error
+
+
+def parse_profile(text: str, *, where: str) -> Machine:
+    """Return the machine that a profile text describes; ``where`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        With every fault found, ordered by line.
+    """
+    if not text.strip():
+        raise _file_fault(where, 1, Message("file-empty"))
+    data = load_toml(text, where=where)
+    reading = _begin(data)
+    machine = _read_machine(data, reading)
+    for path, message in _misspelt(data):
+        reading.refuse(path, message)
+    if machine is None or reading.faults:
+        lines = find_key_lines(text)
+        faults = [
+            Fault(where=where, line=lines.line_of(path), key=show_key(path), message=message)
+            for path, message in reading.faults
+        ]
+        raise InputError(sorted(faults, key=lambda fault: fault.line))
+    return machine
+
+
+def _file_fault(where: str, line: int, message: Message) -> InputError:
+    return InputError([Fault(where=where, line=line, message=message)])
+
+
+def _begin(data: Mapping[str, Any]) -> Reading:
+    """What values depend on, from data that may still be wrong."""
+    about, plant, drive = (
+        one if isinstance(one := data.get(table), dict) else {}
+        for table in (ABOUT, "plant", "drive")
+    )
+    axis = ROTARY if about.get("motion") == "rotary" else LINEAR
+    follows = drive.get("kind") == SOURCE
+    states: dict[str, Dimension] = {}
+    if plant:
+        modes = plant.get("modes")
+        tables = modes if isinstance(modes, list) else []
+        names = [str(mode.get("name")) for mode in tables if isinstance(mode, dict)]
+        kind = kind_of(plant, follows=follows)
+        states = kind.states(names, of_position_source(axis) if kind in HELD.values() else axis)
+    outputs = dict.fromkeys(OUTPUTS, axis.length)
+    return Reading(axis=axis, states=states, outputs=outputs, data=data, follows=follows)
+
+
+def _read_machine(data: dict[str, Any], reading: Reading) -> Machine | None:
+    """The machine, whose fields stand in [machine] and in tables of their own."""
+    schema = data.get("schema", 1)
+    if isinstance(schema, bool) or schema != 1:
+        reading.refuse(("schema",), must_be(schema, "1"))
+    values = read_values(Machine, data, (), reading, required=("schema", ABOUT))
+    if ABOUT in data:
+        values |= read_values(Machine, data[ABOUT], (ABOUT,), reading, table=ABOUT)
+    if reading.faults:
+        return None
+    machine: Machine = build_table(Machine, values, data, (), reading)
+    return machine
+
+
+def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
+    """Keys in machine.assumed that the profile does not state, and what is wrong with each."""
+    about = data.get(ABOUT)
+    named = about.get("assumed") if isinstance(about, dict) else None
+    stated = [show_key(path) for path in _paths(data) if path[:2] != (ABOUT, "assumed")]
+    for place, key in enumerate(named[:MOST_ASSUMED] if isinstance(named, list) else ()):
+        if isinstance(key, str) and key not in stated:
+            close = find_close(key, stated)
+            hint = Message("hint-did-you-mean", name=close) if close else Message("hint-key")
+            yield (ABOUT, "assumed", place), Message("key-not-stated", got=key, hint=hint)
+
+
+def _paths(value: object, path: KeyPath = ()) -> Iterator[KeyPath]:
+    """The path of every table, array and value."""
+    if path:
+        yield path
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _paths(inner, (*path, name))
+    elif isinstance(value, list):
+        for place, inner in enumerate(value):
+            yield from _paths(inner, (*path, place))

@@ -1,5 +1,0 @@
-"""TOML -> Machine: every fault at once, with file and line."""
-
-from mtcommission.profile.read import read_profile
-
-__all__ = ["read_profile"]
