@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.fit.fit import fit_state
-from mtcommission.identify.fit.fitted import Fitted
+from mtcommission.identify.fit import Fitted, fit_state
 from mtcommission.identify.measurement import (
     FrequencyResponse,
     Sensor,

@@ -14,14 +14,12 @@ from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import propose_shapers
-from mtcommission.identify.gather import gather
-from mtcommission.identify.given import Given
+from mtcommission.identify.gather import by_axis, gather
 from mtcommission.identify.identified import identify
-from mtcommission.identify.matching import states_differ
-from mtcommission.identify.measurement import AllDirections, Spectrum
+from mtcommission.identify.measurement import AllDirections, Given, Spectrum
 from mtcommission.identify.profile import Writing, write_profile
+from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -16,8 +16,8 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.measured import PER_AMPERE, read_number
 from mtcommission.identify.gather import gather
-from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
+from mtcommission.identify.measurement import Given
 from mtcommission.identify.profile import Writing, merge_profile, write_profile
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped

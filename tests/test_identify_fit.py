@@ -15,27 +15,27 @@ from scipy.optimize import approx_fprime
 from benchmarks.identify_survey import GRIDS, Axis, measure, random_axis, survey
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.fit.fit import fit_state
-from mtcommission.identify.fit.lines import Lines
-from mtcommission.identify.fit.peaks import fit_spectrum
-from mtcommission.identify.fit.projection import (
-    Poles,
-    find_variances,
-    predict,
-    project,
-)
+from mtcommission.identify.fit import fit_state
 from mtcommission.identify.gather import gather
-from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
-from mtcommission.identify.matching import states_differ
 from mtcommission.identify.measurement import (
     Evidence,
     FrequencyResponse,
+    Given,
     Sensor,
     Signal,
     Source,
     Spectrum,
 )
+from mtcommission.identify.peaks import fit_spectrum
+from mtcommission.identify.projection import (
+    Lines,
+    Poles,
+    find_variances,
+    predict,
+    project,
+)
+from mtcommission.identify.states import states_differ
 
 BENCH = Path(__file__).parent / "data" / "identify" / "fdi-motor-bench"
 SOURCE = Source(file="made", sha256="0" * 64, format=Message("identify-format-response-table"))

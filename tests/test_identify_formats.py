@@ -13,9 +13,9 @@ import pytest
 
 from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import gather, read_file
-from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
     FrequencyResponse,
+    Given,
     Sensor,
     Signal,
     Spectrum,

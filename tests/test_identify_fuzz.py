@@ -14,10 +14,10 @@ from benchmarks.fuzz import call
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import read_file
-from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
     Finding,
     FrequencyResponse,
+    Given,
     Sensor,
     Signal,
     Spectrum,

@@ -8,12 +8,12 @@ from scipy.signal import lfilter
 
 from mtcommission.base.errors import InputError
 from mtcommission.identify.gather import read_file
-from mtcommission.identify.given import Given
 from mtcommission.identify.identified import identify
 from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
+    Given,
     Sensor,
     Signal,
     Spectrum,

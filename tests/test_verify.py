@@ -15,7 +15,7 @@ from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli import main
 from mtcommission.commission.commission import commission
-from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.files import dump_json

@@ -34,7 +34,7 @@ PER_AMPERE = ("N/A", "N m/A", "N*m/A", "Nm/A")
 """Units of a force or torque constant, all of SI."""
 
 if TYPE_CHECKING:
-    from mtcommission.identify.given import Given
+    from mtcommission.identify.measurement import Given
 
 
 def identify(
@@ -61,8 +61,7 @@ def identify(
     Reads tables of responses and signals, SINUMERIK, TwinCAT, LinuxCNC, Klipper and UFF files.
     Klipper's resonances_x_... and resonances_y_... at once: NEW-x.toml and NEW-y.toml.
     """
-    from mtcommission.identify.axes import by_axis, of_axis
-    from mtcommission.identify.gather import split_name
+    from mtcommission.identify.gather import by_axis, of_axis, split_name
 
     limits, count = _read_band(band), _read_count(modes)
     ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
@@ -191,9 +190,10 @@ def _read_given(
     sensor: str, input_: str, constant: str, measured: str, columns: list[str], profile: Path | None
 ) -> Given:
     from mtcommission.commission.options import Options
-    from mtcommission.identify.given import INPUTS, Given
     from mtcommission.identify.measurement import (
+        INPUTS,
         MOTIONS,
+        Given,
         Sensor,
         Signal,
     )

@@ -52,7 +52,7 @@ def verify(
         _verify_circles(record, traces, said, output, language, json_file)
 
     from mtcommission.cli.verified_view import describe_verification
-    from mtcommission.identify.given import Given
+    from mtcommission.identify.measurement import Given
     from mtcommission.machine.profile.read import parse_profile
     from mtcommission.record.files import dump_json
     from mtcommission.record.record import load_record

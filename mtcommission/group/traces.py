@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
+from mtcommission.identify.columns import read_signal_unit
 from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
-from mtcommission.identify.formats.heads import find_columns
 from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.meaning.clock import read_clock
-from mtcommission.identify.meaning.units import read_signal_unit
+from mtcommission.identify.formats.table import find_columns
 from mtcommission.identify.measurement import Signal
+from mtcommission.identify.record import read_clock
 
 Array = NDArray[np.float64]
 

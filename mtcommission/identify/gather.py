@@ -3,27 +3,42 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from hashlib import sha256
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import NamedTuple
 
+import numpy as np
+
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages.message import Message
+from mtcommission.identify.averaged import (
+    by_blows,
+    by_periods,
+    by_windows,
+    find_blows,
+    find_period,
+    prepare,
+)
 from mtcommission.identify.formats.contents import ResponseContents, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.given import Given
-from mtcommission.identify.meaning.record import read_record
-from mtcommission.identify.meaning.responses import read_response, read_spectrum, settle
 from mtcommission.identify.measurement import (
+    FORCES,
+    MOTIONS,
+    Array,
+    Channel,
     Evidence,
     Finding,
     FrequencyResponse,
+    Given,
     Sensor,
+    Signal,
     Source,
     TimeRecord,
 )
-from mtcommission.identify.responses.estimate import estimate
+from mtcommission.identify.record import read_record
+from mtcommission.identify.response import read_response, read_spectrum, settle
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:
@@ -124,3 +139,166 @@ def read_file(
     if faults and not (findings and any(isinstance(i, TimeContents) for i in items)):
         raise InputError(faults)
     return tuple(findings), tuple(records)
+
+
+_NAME = re.compile(
+    r"(?:resonances|calibration_data|raw_data|shaper_calibrate)_(?:axis=)?([xyz])(?![a-z])",
+    re.IGNORECASE,
+)
+_BELT = re.compile(r"axis=-?[0-9.]+,-?[0-9.]+", re.IGNORECASE)
+"""TEST_RESONANCES AXIS=1,1: a direction, as for comparing the belts of a CoreXY."""
+
+
+def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
+    """Return the files of each axis that their names tell, in the order given.
+
+    Raises
+    ------
+    InputError
+        A file was recorded along a belt.
+
+    Examples
+    --------
+    >>> by_axis(["resonances_x_1.csv", "resonances_y_1.csv"])
+    {'X': ['resonances_x_1.csv'], 'Y': ['resonances_y_1.csv']}
+    >>> by_axis(["drive.csv", "resonances_y_1.csv"])
+    {'': ['drive.csv', 'resonances_y_1.csv']}
+    """
+    belts = [file for file in files if _BELT.search(PurePath(file).name)]
+    if belts:
+        raise InputError([Fault(where=one, message=Message("identify-of-belt")) for one in belts])
+    told = [_NAME.search(PurePath(file).name) for file in files]
+    found: dict[str, list[str]] = {}
+    for file, name in zip(files, told, strict=True):
+        axis = name[1].upper() if name and all(told) else ""
+        found.setdefault(axis, []).append(file)
+    return found
+
+
+def of_axis(file: str, axis: str) -> str:
+    """Return the name of a file that is written for one of several axes.
+
+    Examples
+    --------
+    >>> of_axis("printer.toml", "X")
+    'printer-x.toml'
+    """
+    path = PurePath(file)
+    return str(path.with_name(f"{path.stem}-{axis.lower()}{path.suffix}")) if file else ""
+
+
+_OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
+"""What is said of a force in a loop, and of one that is held between samples."""
+
+LEAST_COHERENCE = 0.3
+"""Median coherence below which a record has not measured the response of the input."""
+
+HOLD = 0.078
+"""Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
+
+
+def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
+    """Return what a record says about the axis, at least one finding.
+
+    With a force it is a response: by blows, by periods, or by Welch; likewise from the motor's
+    acceleration to the tool, if the user says so. Without either it is a free vibration if the
+    signal dies away, else a spectrum. Raise InputError where it says too little.
+    """
+    motions = [c for c in record.channels if c.signal in MOTIONS]
+    force: Array | None
+    if given.input == Signal.ACCELERATION:
+        force = _shaking(record)
+        motions = [c for c in motions if c.sensor is Sensor.TCP]
+    else:
+        force = _force(record, given)
+    if given.output is not None:
+        motions = [c for c in motions if c.signal is given.output]
+    motions = [c for c in motions if float(np.ptp(c.values)) > 0.0]
+    if not motions:
+        raise _refusal(record, "identify-no-motion")
+    if force is None:
+        from mtcommission.identify.unforced import find_unforced  # loads scipy.signal
+
+        found = find_unforced(record, motions)
+        if not found:
+            raise _refusal(record, "identify-nothing-rings")
+        return found
+    if float(np.ptp(force)) == 0.0:
+        raise _refusal(record, "identify-no-excitation")
+    return tuple(_best_of_each_sensor([_response(record, force, one, given) for one in motions]))
+
+
+def _refusal(record: TimeRecord, kind: str) -> InputError:
+    return refuse(record.source.name, kind, found=tuple(c.name for c in record.channels))
+
+
+def _force(record: TimeRecord, given: Given) -> Array | None:
+    """The force or torque that acts [SI], None where none was recorded."""
+    channels = [c for c in record.channels if c.signal in FORCES]
+    if not channels:
+        return None
+    chosen = min(channels, key=lambda c: (c.signal != given.input, FORCES.index(c.signal)))
+    if chosen.signal is Signal.CURRENT and given.constant is None:
+        raise _refusal(record, "identify-current-without-constant")
+    return chosen.values if given.constant is None else given.constant * chosen.values
+
+
+def _shaking(record: TimeRecord) -> Array:
+    """The acceleration of the motor, from which the modes on a held motor are excited."""
+    for channel in record.channels:
+        if channel.signal is Signal.ACCELERATION and channel.sensor is Sensor.ENCODER:
+            return channel.values
+    raise _refusal(record, "identify-no-motor-acceleration")
+
+
+def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -> FrequencyResponse:
+    reference, none = record.reference, np.zeros(0)
+    if reference is not None and float(np.ptp(reference)) == 0.0:
+        reference = None
+    by_force = given.input != Signal.ACCELERATION
+    others = (c.rotary for c in record.channels if c.signal in (Signal.FORCE, Signal.TORQUE))
+    told = next((one for one in (motion.rotary, *others) if one is not None), given.rotary)
+    found = FrequencyResponse(
+        source=record.source_of(motion),
+        frequency_hz=none,
+        values=none.astype(np.complex128),
+        coherence=none,
+        averages=None,
+        resolution_hz=None,
+        input=Signal.FORCE if by_force else Signal.ACCELERATION,
+        output=motion.signal,
+        sensor=motion.sensor or Sensor.ENCODER,
+        rotary=bool(told),
+        remarks=record.remarks,
+    )
+    signals = prepare(record.sample_time, force, motion.values, reference, found)
+    if blows := find_blows(signals.input, signals.step):
+        found = by_blows(signals, blows)
+    else:
+        period = find_period(signals.input)
+        if not period and signals.reference is not None:
+            period = find_period(signals.reference)
+        found = by_periods(signals, period) if period else by_windows(signals)
+        found = found.say(Message("identify-hold", limit=HOLD / signals.step))
+    coherence = found.coherence
+    if coherence is None or not coherence.size or np.quantile(coherence, 0.9) < LEAST_COHERENCE:
+        raise _refusal(record, "identify-incoherent")
+    if not by_force:
+        kept = tuple(one for one in found.remarks if one.kind not in _OF_A_FORCE)
+        found = replace(found, remarks=kept)
+    if found.averages == 1.0:  # which has no coherence
+        found = replace(found, coherence=None, averages=None)
+    return found
+
+
+def _best_of_each_sensor(found: Sequence[FrequencyResponse]) -> Iterator[FrequencyResponse]:
+    """Position and rate of one sensor are one measurement: the clearer of them."""
+    for sensor in dict.fromkeys(response.sensor for response in found):
+        same = [response for response in found if response.sensor is sensor]
+        best = max(same, key=_clarity)
+        others = tuple(response.source.label for response in same if response is not best)
+        yield best.say(Message("identify-same-sensor", names=others)) if others else best
+
+
+def _clarity(response: FrequencyResponse) -> float:
+    return float(np.median(response.coherence)) if response.coherence is not None else 0.0

@@ -9,8 +9,8 @@ from typing import Any
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.gather import gather
-from mtcommission.identify.given import Given
 from mtcommission.identify.identified import Identified, identify
+from mtcommission.identify.measurement import Given
 from mtcommission.identify.profile import Writing, kind_replaced, merge_profile, write_profile
 from mtcommission.record.files import dump_json
 from mtcommission.record.identified import IdentifiedPart

@@ -16,7 +16,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
 from mtcommission.base.version import __version__
 from mtcommission.identify.identified import Identified
-from mtcommission.identify.matching import FARTHEST, states_differ
+from mtcommission.identify.states import FARTHEST, states_differ
 from mtcommission.machine.identified import (
     LONGEST_FILE,
     MOST_FILES,

@@ -11,12 +11,11 @@ from math import ceil
 import numpy as np
 
 from mtcommission.base.messages.message import Message
+from mtcommission.identify.columns import Course, Meaning, read_columns
 from mtcommission.identify.formats.contents import Column, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.given import Given
-from mtcommission.identify.meaning.clock import read_clock
-from mtcommission.identify.meaning.columns import Course, Meaning, read_columns
-from mtcommission.identify.measurement import FORCES, Array, Sensor, Signal
+from mtcommission.identify.measurement import FORCES, Array, Given, Sensor, Signal
+from mtcommission.identify.record import read_clock
 
 SAME_TRAVEL = 0.5
 """Relative difference between what setpoint and encoder travel that no following error explains:

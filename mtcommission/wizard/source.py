@@ -136,9 +136,9 @@ def measure(
     ``before``: profile that takes the modes in; ``output``: where the profile will stand. Points
     and advice are written beside it.
     """
-    from mtcommission.identify.axes import by_axis
-    from mtcommission.identify.given import Given
+    from mtcommission.identify.gather import by_axis
     from mtcommission.identify.job import identify_files
+    from mtcommission.identify.measurement import Given
     from mtcommission.identify.profile import evidence_file
 
     typed = answers[MEASURED]

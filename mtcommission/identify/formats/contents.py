@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message, Value
-from mtcommission.identify.given import Given
-from mtcommission.identify.measurement import AllDirections, Array, ComplexArray, Sensor
+from mtcommission.identify.measurement import AllDirections, Array, ComplexArray, Given, Sensor
 
 Lines = NDArray[np.int64]
 

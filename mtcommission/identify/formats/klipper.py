@@ -19,8 +19,7 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.formats.heads import words_of
-from mtcommission.identify.formats.table import read_table
+from mtcommission.identify.formats.table import read_table, words_of
 from mtcommission.identify.measurement import AllDirections, Array, Sensor
 
 HALF_POWER_BINS = 1.41

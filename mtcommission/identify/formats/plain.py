@@ -1,7 +1,12 @@
-"""Tables with named columns: responses by frequency, and signals by time.
+"""Tables with named columns: responses by frequency, and signals by time; LinuxCNC's, too.
 
 The names are those of docs/identification.md; others are taken where their words or units leave
 one reading, or where ``--columns NAME=COLUMN`` says which they are.
+
+LinuxCNC's formats were read in src/hal/utils/scope_files.c (halscope: a line with the sampling
+period in ns, names of the channels, values, all with ``;``) and src/hal/components/sampler_usr.c
+(halsampler: values with blanks, no names, with ``-t`` the number of the sample first; ``overrun``
+where samples were lost).
 """
 
 from __future__ import annotations
@@ -23,10 +28,15 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.formats.heads import CLOCK, find_column, split_head, words_of
-from mtcommission.identify.formats.table import Table, read_table
-from mtcommission.identify.given import INPUTS, Given
-from mtcommission.identify.measurement import MOTIONS, ComplexArray, Sensor, Signal
+from mtcommission.identify.formats.table import (
+    CLOCK,
+    Table,
+    find_column,
+    read_table,
+    split_head,
+    words_of,
+)
+from mtcommission.identify.measurement import INPUTS, MOTIONS, ComplexArray, Given, Sensor, Signal
 
 FREQUENCY = "frequency_hz"
 
@@ -226,3 +236,25 @@ def _record(
         if k != place
     )
     return TimeContents(clock=clock, columns=found, lines=table.lines[first:last]), remarks
+
+
+PERIOD = re.compile(r"^#\s*Sampling period is\s+(\d{1,12})\s*ns", re.IGNORECASE)
+
+
+def read_halscope(lines: Sequence[str], *, where: str) -> FileContents:
+    """Return the channels of a file that halscope saved."""
+    match = PERIOD.match(lines[0])
+    period = 1e-9 * int(match[1]) if match else 0.0
+    if period <= 0.0:
+        raise refuse(where, "identify-no-period", line=1, got=lines[0].strip()[:60])
+    alone = ";" not in "".join(lines[1:40])
+    body = [f"{line};0" for line in lines[1:]] if alone else lines[1:]
+    table = read_table(body, where=where, first_line=2)
+    heads = [split_head(head) for head in table.heads[: -1 if alone else None]]
+    columns = tuple(
+        Column(name=name or str(place + 1), unit=unit, values=table.values[:, place])
+        for place, (name, unit) in enumerate(heads)
+    )
+    record = TimeContents(sample_time=period, columns=columns, lines=table.lines)
+    format_ = Message("identify-format-halscope")
+    return FileContents(format=format_, items=(record,), remarks=table.remarks)

@@ -13,8 +13,7 @@ from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import FileContents, refuse
 from mtcommission.identify.formats.klipper import header_of, read_klipper
-from mtcommission.identify.formats.linuxcnc import PERIOD, read_halscope
-from mtcommission.identify.formats.plain import read_plain
+from mtcommission.identify.formats.plain import PERIOD, read_halscope, read_plain
 from mtcommission.identify.formats.sinumerik import read_sinumerik
 from mtcommission.identify.formats.twincat import is_twincat, read_twincat
 from mtcommission.identify.formats.uff import is_uff, read_uff

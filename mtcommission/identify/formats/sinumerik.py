@@ -30,10 +30,10 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
     Array,
     ComplexArray,
+    Given,
     Sensor,
     Signal,
 )

@@ -22,9 +22,9 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
-from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
     Array,
+    Given,
     Signal,
 )
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.identify.columns import place_in, read_response_unit
 from mtcommission.identify.formats.contents import (
     NO_LINES,
     Lines,
@@ -16,19 +17,18 @@ from mtcommission.identify.formats.contents import (
     SpectrumContents,
     refuse,
 )
-from mtcommission.identify.formats.heads import words_of
 from mtcommission.identify.formats.sinumerik import SETPOINT
-from mtcommission.identify.given import INPUTS, Given
-from mtcommission.identify.meaning.checks import find_bad_lines, find_rising
-from mtcommission.identify.meaning.columns import place_in
-from mtcommission.identify.meaning.units import read_response_unit
+from mtcommission.identify.formats.table import words_of
 from mtcommission.identify.measurement import (
+    INPUTS,
     FrequencyResponse,
+    Given,
     Sensor,
     Signal,
     Source,
     Spectrum,
 )
+from mtcommission.identify.record import find_bad_lines, find_rising
 
 PERFECT = 1.0 - 1e-9
 """A coherence of 1 in every line is that of a single average: it says nothing."""

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.signal import decimate, welch
 
 from mtcommission.base.messages.message import Message
+from mtcommission.identify.averaged import HALF_POWER_BINS, HIGHEST_SHARE
 from mtcommission.identify.damped import Damped, correlation_length, fit_damped, weigh
 from mtcommission.identify.measurement import (
     AllDirections,
@@ -30,7 +31,6 @@ from mtcommission.identify.measurement import (
     Spectrum,
     TimeRecord,
 )
-from mtcommission.identify.responses.averaged import HALF_POWER_BINS, HIGHEST_SHARE
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
-from mtcommission.identify.fit.fitted import FittedSpectrum
+from mtcommission.identify.fit import FittedSpectrum
 from mtcommission.identify.measurement import Array, Spectrum
 from mtcommission.machine.identified import Estimate, MeasuredMode
 

@@ -1,0 +1,379 @@
+"""Columns over time -> a record in SI, on an even clock.
+
+Never guessed in silence: what a name or a unit leaves open becomes one error that shows what was
+found and how to say it, and what they decide alone becomes a remark. Numbers that cannot be what
+they are said to be (clipped, swapped, off by a power of ten) are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from mtcommission.base.errors import Fault, InputError, Refused
+from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import TIME, parse_quantity
+from mtcommission.identify.columns import Course, Meaning, read_columns
+from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
+from mtcommission.identify.formats.table import CLOCK, SAMPLE_TIME
+from mtcommission.identify.measurement import (
+    FORCES,
+    MOTIONS,
+    Array,
+    Channel,
+    FrequencyResponse,
+    Given,
+    Sensor,
+    Signal,
+    Source,
+    TimeRecord,
+)
+
+Known = list[tuple[Column, Meaning]]
+
+
+def read_record(
+    contents: TimeContents, source: Source, given: Given, remarks: Sequence[Message]
+) -> TimeRecord:
+    """Return a record in SI."""
+    where, columns = source.file, contents.columns
+    clock = read_clock(contents, given.columns, where=where)
+    clock.require_even(where=where)
+    # Words alone tell no unit; and who names columns names those that count.
+    names_all = bool(set(given.columns) - {"t", "sample_time"})
+    meanings = [
+        one if one and (one.is_ours or not (one.is_assumed or names_all)) else None
+        for one in read_columns(columns, given.columns, where=where)
+    ]
+    _require_known(columns, meanings, given, where=where)
+    known = [(c, m) for c, m in zip(columns, meanings, strict=True) if m]
+    channels, said = _channels(known, clock, given)
+    slips = (
+        find_unit_slip(one.values, other.values, clock.step, name=other.name)
+        for one in channels
+        for other in channels
+        if (one.signal, other.signal) in tuple(pairwise(MOTIONS))
+        if one.sensor is other.sensor and one.rotary == other.rotary
+    )
+    clipped = (find_clipping(c.values, c.name) for c, m in known if m.seen is not Signal.REFERENCE)
+    if faults := [Fault(where=where, message=one) for one in (*slips, *clipped) if one]:
+        raise InputError(faults)
+    if ignored := tuple(c.name for c, m in zip(columns, meanings, strict=True) if m is None):
+        said.insert(0, Message("identify-ignored", names=ignored))
+    remarks = (*remarks, *clock.remarks, *said)
+    return TimeRecord(source=source, sample_time=clock.step, channels=channels, remarks=remarks)
+
+
+def _require_known(
+    columns: Sequence[Column], meanings: Sequence[Meaning | None], given: Given, *, where: str
+) -> None:
+    """Raise one error that shows every column where what is known does not suffice."""
+    known = [meaning for meaning in meanings if meaning]
+    signals = {meaning.seen for meaning in known}
+    has_input = bool(signals & set(FORCES)) or None not in meanings
+    has_place = all(m.sensor for m in known if m.seen is Signal.ACCELERATION)
+    missing = {
+        "identify-missing-output": not signals & set(MOTIONS),
+        "identify-missing-input": not has_input and not given.columns,
+        "identify-missing-sensor": given.sensor is None and not has_place,
+    }
+    if not any(missing.values()):
+        return
+    found = tuple(
+        Message(
+            "identify-column-found",
+            place=place,
+            name=column.name,
+            unit=column.unit or "?",
+            what=Message(f"identify-signal-{meaning.seen if meaning else 'unknown'}"),
+        )
+        for place, (column, meaning) in enumerate(zip(columns, meanings, strict=True), start=1)
+    )
+    asked = tuple(Message(kind) for kind, lacks in missing.items() if lacks)
+    raise refuse(where, "identify-columns-unknown", found=found, missing=asked)
+
+
+def _channels(
+    known: Known, clock: Clock, given: Given
+) -> tuple[tuple[Channel, ...], list[Message]]:
+    """Channels that are of use, the inputs first, and what was decided about them."""
+    forces = [pair for pair in known if pair[1].seen in FORCES]
+    acting = [pair for pair in forces if pair[1].course is Course.ACTUAL]
+    remarks = []
+    if acting:  # the force that acts says more than the one that was asked for
+        known = [pair for pair in known if pair not in forces or pair in acting]
+    else:
+        remarks = [
+            Message("identify-set-force", name=column.name)
+            for column, meaning in forces
+            if meaning.course is Course.SETPOINT
+        ]
+    if assumed := tuple(c.name for c, m in known if m.is_assumed):
+        remarks.append(Message("identify-si-assumed", names=assumed))
+    # FILE@tcp goes before a column's name.
+    is_alone = sum(m.seen in MOTIONS for _, m in known) == 1
+    channels = []
+    for column, meaning in known:
+        sensor = meaning.sensor
+        if meaning.seen in MOTIONS:
+            sensor = (given.sensor if is_alone or sensor is None else None) or sensor
+            if sensor is None:
+                sensor = Sensor.ENCODER
+                remarks.append(Message("identify-sensor-assumed", name=column.name))
+        sign = -1.0 if meaning.course is Course.ERROR else 1.0
+        values, _ = clock.sample(column.values)
+        channels.append(
+            Channel(
+                name=column.name,
+                signal=meaning.seen,
+                sensor=sensor,
+                rotary=meaning.rotary,
+                values=sign * meaning.scale * values,
+            )
+        )
+    channels.sort(key=lambda channel: channel.signal not in FORCES)
+    return tuple(channels), remarks
+
+
+LEAST_SAMPLES = 64
+ROUNDING = 0.02
+"""Distance from an even clock, as share of the step, that times printed with few digits have."""
+
+GAP = 4.0
+"""Steps without a sample from which on something is missing."""
+
+JITTER = 0.5
+"""Spread of the steps up to which what nothing is missing from may be interpolated."""
+
+SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
+"""Other steps are no sampling of an axis but a wrong unit [s]."""
+
+LATEST = 1e12
+"""Beyond it a time is a broken number [s]; a clock may count from the year 1601."""
+
+SIGMAS = 3.0
+"""Standard errors that the largest error of an interpolation is taken for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Clock:
+    """Times at which samples were taken, and the even ones at which they are wanted."""
+
+    times: Array  # shape (n,) [s]
+    step: float  # [s]
+    lines: Lines  # of each sample in the file, shape (n,) or empty
+
+    @property
+    def even(self) -> Array:
+        """Even times, shape (m,) [s]."""
+        count = int((self.times[-1] - self.times[0]) / self.step + 1e-6) + 1
+        return np.asarray(self.times[0] + self.step * np.arange(count))
+
+    @property
+    def is_even(self) -> bool:
+        """Whether samples stand at even times but for rounding."""
+        even = self.even
+        off = np.abs(self.times - even).max() if even.size == self.times.size else np.inf
+        return bool(off <= ROUNDING * self.step)
+
+    @property
+    def gaps(self) -> list[tuple[float, float]]:
+        """Begin and end of stretches without samples [s]."""
+        at = np.flatnonzero(np.diff(self.times) > GAP * self.step)
+        return [(float(self.times[i]), float(self.times[i + 1])) for i in at]
+
+    @property
+    def remarks(self) -> list[Message]:
+        """What is done to the signals, if anything."""
+        if self.is_even or self.gaps:
+            return []
+        spread = float(np.abs(np.diff(self.times) / self.step - 1.0).max())
+        return [Message("identify-resampled", spread=spread, step=self.step)]
+
+    def sample(self, values: Array) -> tuple[Array, float]:
+        """Return a signal at the even times, and the standard error of its interpolation."""
+        if self.is_even:
+            return values, 0.0
+        from scipy.interpolate import CubicSpline  # slow to load, and most clocks are even
+
+        # Every other sample from its neighbours errs more than the sample between them.
+        half = CubicSpline(self.times[::2], values[::2])(self.times[1:-1:2])
+        error = float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
+        return np.asarray(CubicSpline(self.times, values)(self.even)), error
+
+    def require_even(self, *, where: str) -> None:
+        """Raise InputError where samples are missing."""
+        steps = np.diff(self.times)
+        usual = float(np.median(steps))
+        worst = int(np.argmax(np.abs(steps - usual)))
+        got, at = float(steps[worst]), float(self.times[worst])
+        if not self.is_even and abs(got - usual) > JITTER * usual:
+            line = _line(self.lines, worst + 1)
+            raise refuse(where, "identify-uneven", line=line, usual=usual, got=got, at=at)
+
+
+def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -> Clock:
+    """Return the clock of a record; ``said``: ``--columns``, which may state the sample time."""
+    size = contents.columns[0].values.size if contents.columns else 0
+    if size < LEAST_SAMPLES:
+        raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)
+    if contents.clock is None:
+        step = contents.sample_time or _said_step(said)
+        if step <= 0.0:
+            raise refuse(where, "identify-no-sample-time")
+        times: Array = step * np.arange(size, dtype=np.float64)
+    else:
+        times = _rising(contents.clock, contents.lines, where=where)
+        steps = np.diff(times)
+        step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
+    if not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise refuse(where, "identify-step-out-of-range", step=step)
+    return Clock(times=times, step=step, lines=contents.lines)
+
+
+def _said_step(said: Mapping[str, str]) -> float:
+    try:
+        return parse_quantity(said[SAMPLE_TIME], TIME) if SAMPLE_TIME in said else 0.0
+    except Refused as error:
+        fault = Fault(where=f"--columns {SAMPLE_TIME}", message=error.message)
+        raise InputError([fault]) from error
+
+
+def _rising(clock: Array, lines: Lines, *, where: str) -> Array:
+    """Times that rise; those printed with too few digits are spread evenly between."""
+    if not (np.abs(clock) < LATEST).all():
+        raise refuse(where, "identify-series-not-finite", name=CLOCK)
+    steps = np.diff(clock)
+    if (steps > 0.0).all():
+        return clock
+    even: Array = np.linspace(clock[0], clock[-1], clock.size)
+    grain = float(steps.max())
+    if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
+        at = int(np.argmax(steps <= 0.0))
+        kind, before, after = "identify-time-does-not-rise", clock[at], clock[at + 1]
+        raise refuse(where, kind, line=_line(lines, at + 1), before=before, after=after)
+    return even
+
+
+def _line(lines: Lines, row: int) -> int:
+    return int(lines[row]) if lines.size else 0
+
+
+LEAST_LINES = 12
+LOWEST_HZ, HIGHEST_HZ = 5.0, 50_000.0
+"""The last line of a response lies between, or its unit is wrong."""
+SLACK = 1e-3
+"""How far a coherence may leave 0 to 1 by rounding."""
+
+PLATEAU = 4
+"""Equal samples at the end of the range that no smooth signal shows."""
+
+FEWEST_PLATEAUS = 3
+LARGEST_SHARE = 0.35
+"""A signal that stands at its ends more often switches between two values on purpose."""
+
+STEEPEST = -0.7
+"""Slope of the position in decades per decade of frequency that an axis with its mass stays below:
+a free mass falls by two, modes bend that by less than one on the whole."""
+
+LEAST_DECADES = 0.8
+"""Band below which a resonance alone may make a response rise."""
+
+STEEPEST_HELD = 1.0
+"""The same of a structure that is held, seen at the tool: it stays level, then falls."""
+
+
+def find_clipping(values: Array, name: str) -> Message | None:
+    """Return what is wrong with a signal that was cut off at the end of its range.
+
+    A clipped signal runs into its largest value at full slope and stands there; a smooth one
+    arrives slowly, and one of two values (PRBS, square) is there half of the time.
+    """
+    steps = np.abs(np.diff(values))
+    moved = steps[steps > 0.0]
+    if not moved.size:
+        return None
+    usual, quantum = float(np.median(moved)), float(moved.min())
+    for end in (values.max(), values.min()):
+        edges = np.flatnonzero(np.diff((values == end).astype(np.int8), prepend=0, append=0))
+        starts, lengths = edges[::2], edges[1::2] - edges[::2]
+        long = lengths >= PLATEAU
+        share = float(lengths[long].sum()) / values.size
+        if long.sum() < FEWEST_PLATEAUS or share > LARGEST_SHARE:
+            continue
+        entered = starts[long & (starts > 0)]
+        arrival = float(np.median(steps[entered - 1])) if entered.size else 0.0
+        if arrival > 0.2 * usual and arrival > 2.5 * quantum:
+            count = int(long.sum())
+            return Message("identify-clipped", name=name, end=float(end), count=count, share=share)
+    return None
+
+
+def find_bad_lines(
+    frequency_hz: Array, lines: Lines, *, where: str, coherence: Array | None = None
+) -> Fault | None:
+    """Return the fault of frequencies that do not rise, are too few, or out of all range.
+
+    Or that of a coherence that leaves 0 to 1.
+    """
+
+    def fault(message: Message, row: int = -1) -> Fault:
+        line = int(lines[row]) if row >= 0 and lines.size else 0
+        return Fault(where=where, line=line, message=message)
+
+    f = frequency_hz
+    if f.size < LEAST_LINES:
+        kind = "identify-fewer-lines-than-needed"
+        return fault(Message(kind, got=f.size, least=LEAST_LINES))
+    steps = np.diff(f)
+    if (steps <= 0.0).any():
+        row = int(np.argmax(steps <= 0.0)) + 1
+        kind = "identify-frequency-does-not-rise"
+        return fault(Message(kind, before=f[row - 1], after=f[row]), row)
+    first, last = float(f[0]), float(f[-1])
+    if not LOWEST_HZ <= last <= HIGHEST_HZ or first < 0.0:
+        allowed = {"least": LOWEST_HZ, "most": HIGHEST_HZ}
+        return fault(Message("identify-frequency-out-of-range", first=first, last=last, **allowed))
+    if coherence is not None:
+        out = (coherence < -SLACK) | (coherence > 1.0 + SLACK)
+        if out.any():
+            row = int(np.argmax(out))
+            return fault(Message("identify-coherence-out-of-range", got=float(coherence[row])), row)
+    return None
+
+
+def find_rising(response: FrequencyResponse) -> Message | None:
+    """Return what is wrong with a response per force that rises like no mechanics do.
+
+    The position per force falls with frequency or stays; one that rises is the reciprocal
+    (columns swapped), or a derivative more than was said.
+    """
+    f, size = response.frequency_hz, np.abs(response.values)
+    good = (f > 0.0) & (size > 0.0)
+    if good.sum() < LEAST_LINES:
+        return Message("identify-all-zero")
+    decades = np.log10(f[good])
+    if decades[-1] - decades[0] < LEAST_DECADES:
+        return None
+    # Evenly over the decades: on a linear grid the high lines would outvote the low ones.
+    grid = np.linspace(decades[0], decades[-1], 200)
+    course = np.interp(grid, decades, np.log10(size[good])) - response.output.derivative * grid
+    slope = float(np.polyfit(grid, course, 1)[0])
+    most = STEEPEST_HELD if response.sensor is Sensor.TCP else STEEPEST
+    return Message("identify-rising", slope=slope) if slope > most else None
+
+
+def find_unit_slip(position: Array, velocity: Array, step: float, *, name: str) -> Message | None:
+    """Return what is wrong with a velocity that is not the position's rate; or acceleration so."""
+    rate = np.diff(position) / step
+    mean = 0.5 * (velocity[1:] + velocity[:-1])
+    width = min(9, rate.size)
+    rate, mean = (np.convolve(one, np.ones(width) / width, "valid") for one in (rate, mean))
+    size = float(np.linalg.norm(rate) * np.linalg.norm(mean))
+    if size == 0.0 or abs(float(rate @ mean)) < 0.9 * size:
+        return None
+    ratio = float(np.linalg.norm(mean) / np.linalg.norm(rate))
+    return None if 0.7 < ratio < 1.4 else Message("identify-unit-slip", name=name, ratio=ratio)

@@ -1,1 +1,0 @@
-"""Time records -> responses, spectra and free vibrations, with what they are worth."""
