@@ -32,7 +32,7 @@ from mtcommission.base.errors import ComputationError
 from mtcommission.controls.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, ControlKind
 from mtcommission.controls.kinds import KINDS
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.requirements.register import keep_reserve
+from mtcommission.limits.requirements import keep_reserve
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -38,8 +38,7 @@ from mtcommission.limits.commissioning_rule import (
     servo_sensitivity,
 )
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Positioning

@@ -26,8 +26,7 @@ from mtcommission.controls.syntax import Entry
 from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import Export
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop

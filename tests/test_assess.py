@@ -11,8 +11,7 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
-from mtcommission.limits.requirements.contour_deviation import CONTOUR_DEVIATION
-from mtcommission.limits.requirements.register import requirements_of
+from mtcommission.limits.requirements import CONTOUR_DEVIATION, requirements_of
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine

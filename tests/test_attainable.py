@@ -8,8 +8,7 @@ import pytest
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements.peak import peak_of
-from mtcommission.limits.requirements.settling_time import SETTLING_TIME
+from mtcommission.limits.requirements import SETTLING_TIME, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import build_plant

@@ -14,11 +14,13 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Assessment, assess, evaluate
-from mtcommission.limits.requirements.register import requirements_of
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.rms_force import RMS_FORCE
-from mtcommission.limits.requirements.set_force import SET_FORCE
-from mtcommission.limits.requirements.settling_time import SETTLING_TIME
+from mtcommission.limits.requirements import (
+    RESIDUAL_DEVIATION,
+    RMS_FORCE,
+    SET_FORCE,
+    SETTLING_TIME,
+    requirements_of,
+)
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import find_poles

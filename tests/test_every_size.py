@@ -12,8 +12,7 @@ from mtcommission.controls.kind import TWO_AVERAGES
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.every_size import COARSE, SizeCheck, judge_sizes
 from mtcommission.limits.explore import explore
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -1,7 +1,7 @@
 """A requirement that the package has never heard of, registered from outside.
 
 Judge, search, Monte Carlo and page know no requirement by name: if one of these tests failed, a new
-requirement would need more than its file, its line in the register and the key of the profile.
+requirement would need more than its object, its line in the register and the key of the profile.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from mtcommission.base.messages.message import Message, parts_of
+from mtcommission.limits import requirements as register
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import simulate_moves
-from mtcommission.limits.requirements import register
-from mtcommission.limits.requirements.requirement import Requirement, Swing, Yields
+from mtcommission.limits.requirements import Requirement, Swing, Yields
 from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop

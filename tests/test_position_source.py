@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.commission.commission import commission
-from mtcommission.limits.requirements.register import keep_reserve
+from mtcommission.limits.requirements import keep_reserve
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
-from mtcommission.limits.requirements.rms_force import rms_forces
+from mtcommission.limits.requirements import rms_forces
 from mtcommission.loop import poles as pole_module
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion

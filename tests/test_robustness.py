@@ -12,9 +12,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import THIN_SPACE
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements.peak import peak_of
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE, peak_of
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop

@@ -25,7 +25,7 @@ from mtcommission.limits.commissioning_rule import (
 )
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, StateFeedback

@@ -33,8 +33,7 @@ from mtcommission.limits.commissioning_rule import (
     apply_commissioning_rule,
     formulas_for,
 )
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant

@@ -21,7 +21,7 @@ from mtcommission.group.contours import (
 from mtcommission.group.follow import filter_response
 from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
-from mtcommission.limits.requirements.settling_time import SETTLING_TIME
+from mtcommission.limits.requirements import SETTLING_TIME
 from mtcommission.machine.moves import largest_velocity
 from mtcommission.record.moves import Check
 from mtcommission.record.shape import finite_or_none

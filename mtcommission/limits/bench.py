@@ -18,8 +18,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements.requirement import Mean, Requirement
-from mtcommission.limits.requirements.together import Asked, Swings, sort_requirements
+from mtcommission.limits.requirements import Asked, Mean, Requirement, Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, worst_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles

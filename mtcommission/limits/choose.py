@@ -18,8 +18,7 @@ from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.explore import Found
 from mtcommission.limits.judge import Candidate, MoveResult, evaluate_moves, simulate_moves
 from mtcommission.limits.landscape import Landscape, chart_landscape
-from mtcommission.limits.requirements.register import keep_reserve, requirements_of
-from mtcommission.limits.requirements.requirement import Requirement, Yields
+from mtcommission.limits.requirements import Requirement, Yields, keep_reserve, requirements_of
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling

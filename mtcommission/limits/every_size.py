@@ -23,8 +23,7 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements.requirement import Mean, Requirement
-from mtcommission.limits.requirements.together import Swings, sort_requirements
+from mtcommission.limits.requirements import Mean, Requirement, Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import (

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
 from mtcommission.limits.every_size import SizeCheck, judge_sizes
-from mtcommission.limits.requirements.register import requirements_of
-from mtcommission.limits.requirements.requirement import Requirement
+from mtcommission.limits.requirements import Requirement, requirements_of
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.limits.requirements.set_force import SET_FORCE
+from mtcommission.limits.requirements import SET_FORCE
 from mtcommission.loop.analysis import draw_bode
 from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
 from mtcommission.loop.model.assembly import INPUTS, CrossCheck

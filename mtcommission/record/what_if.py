@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mtcommission.controls.kind import MOVING_AVERAGE
-from mtcommission.limits.requirements.register import requirements_of
-from mtcommission.limits.requirements.requirement import Yields
-from mtcommission.limits.requirements.together import bounded_states
+from mtcommission.limits.requirements import Yields, bounded_states, requirements_of
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller

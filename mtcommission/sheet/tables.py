@@ -14,7 +14,7 @@ from typing import Any
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import DIGITS
-from mtcommission.limits.requirements.register import read_requirement
+from mtcommission.limits.requirements import read_requirement
 from mtcommission.machine.shapers import name_shaper
 from mtcommission.record.machine import MachineEntry
 from mtcommission.record.values import SetpointFilterEntry

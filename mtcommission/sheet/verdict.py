@@ -13,8 +13,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.control import is_neutral
-from mtcommission.limits.requirements.register import REGISTER, read_requirement
-from mtcommission.limits.requirements.requirement import Requirement
+from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
 from mtcommission.record.limits import AttainableEntry
 from mtcommission.record.machine import datum_name
 from mtcommission.record.moves import Check

@@ -22,9 +22,12 @@ from mtcommission.base.messages.message import Message
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.explore import REFINED
 from mtcommission.limits.judge import Candidate
-from mtcommission.limits.requirements.register import requirements_of
-from mtcommission.limits.requirements.requirement import Requirement, Yields
-from mtcommission.limits.requirements.residual_deviation import RESIDUAL_DEVIATION
+from mtcommission.limits.requirements import (
+    RESIDUAL_DEVIATION,
+    Requirement,
+    Yields,
+    requirements_of,
+)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirements import NO_RESERVE

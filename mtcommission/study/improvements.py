@@ -16,7 +16,7 @@ from mtcommission.base.messages.message import Message, parts_of
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.judge import Candidate, MoveResult
-from mtcommission.limits.requirements.rms_force import RMS_FORCE
+from mtcommission.limits.requirements import RMS_FORCE
 from mtcommission.loop.tuning.family import (
     LoopFamily,
     cascade_family,

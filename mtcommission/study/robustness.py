@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.judge import MoveResult
-from mtcommission.limits.requirements.register import requirements_of
-from mtcommission.limits.requirements.requirement import Requirement
+from mtcommission.limits.requirements import Requirement, requirements_of
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion

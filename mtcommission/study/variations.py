@@ -12,7 +12,7 @@ from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.explore import REFINED, Found, explore
 from mtcommission.limits.filters import neighbours
 from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
-from mtcommission.limits.requirements.register import keep_reserve
+from mtcommission.limits.requirements import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import build_plant

@@ -9,7 +9,7 @@ from enum import Enum
 from math import inf, isfinite
 
 from mtcommission.base.messages.message import Message
-from mtcommission.limits.requirements.register import read_requirement
+from mtcommission.limits.requirements import read_requirement
 
 
 class Verdict(Enum):

@@ -11,8 +11,7 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import Array
-from mtcommission.limits.requirements.settling_time import SETTLING_TIME
-from mtcommission.limits.requirements.together import bounded_states
+from mtcommission.limits.requirements import SETTLING_TIME, bounded_states
 from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside, Recorded, allowed_shift

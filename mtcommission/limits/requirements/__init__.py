@@ -1,1 +1,0 @@
-"""What is required of a move: one file for each requirement, and the register of all."""
