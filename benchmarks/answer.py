@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from benchmarks.problems import Problem
-from mtcommission.optimal.solution import Arc, Interior
+from mtcommission.optimal.control import Arc, Interior
 
 Array = NDArray[np.float64]
 

@@ -17,10 +17,10 @@ from mtcommission.base.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.exchange import first_cells
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.cells import first_cells
+from mtcommission.optimal.control import Bound
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.optimal.problem import bounded_problem
-from mtcommission.optimal.solution import Bound
 from tests.machines import paper_machine
 
 STEP = VelocityStep(velocity_step=0.1)

@@ -21,8 +21,8 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Arc, Bound, TimeOptimum
+from mtcommission.optimal.control import Arc, Bound, TimeOptimum
+from mtcommission.optimal.free import solve_time_optimal
 
 RADIANS_PER_SAMPLE = 0.02
 """Samples among which the peaks are looked for; each is then followed to its top."""

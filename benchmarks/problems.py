@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.optimal.control import Bound, terminal_target
 from mtcommission.optimal.damping import state_scales
-from mtcommission.optimal.solution import Bound, terminal_target
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS
 

@@ -25,8 +25,8 @@ from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import TimeOptimum
+from mtcommission.optimal.control import TimeOptimum
+from mtcommission.optimal.free import solve_time_optimal
 from tests.machines import paper_machine, random_modal_machine
 
 

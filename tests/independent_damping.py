@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.solution import Arc, DampingOptimum, Interior, terminal_target
+from mtcommission.optimal.control import Arc, DampingOptimum, Interior, terminal_target
 
 Array = NDArray[np.float64]
 

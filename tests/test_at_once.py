@@ -23,10 +23,10 @@ from mtcommission.machine.plant.plant import build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band import find_band_optimum
-from mtcommission.optimal.free.time_optimal import solve_forces
-from mtcommission.optimal.solution import Arc, Bound, TimeOptimum, sample_trajectory
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
+from mtcommission.optimal.control import Arc, Bound, TimeOptimum, sample_trajectory
+from mtcommission.optimal.free import solve_forces
+from mtcommission.optimal.transcription import transcribe_damping_optimal
+from mtcommission.optimal.transcription_settings import TranscriptionSettings
 from mtcommission.record.optima import optimum_entry
 from mtcommission.record.shape import to_plain
 

@@ -20,13 +20,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum
-from mtcommission.optimal.free_motion import (
-    free_gains,
-    free_moments,
-    free_peaks,
-    free_rates,
-    free_row,
-)
+from mtcommission.optimal.modes import free_gains, free_moments, free_peaks, free_rates, free_row
 from mtcommission.study.optimum import find_within_band
 from mtcommission.study.settings import BandSettings
 from tests.machines import paper_machine, random_modal_machine

@@ -25,7 +25,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.optimal.solution import Bang, constant_arc
+from mtcommission.optimal.control import Bang, constant_arc
 
 
 def solve(module: str, problem: str, cells: int) -> Answer:

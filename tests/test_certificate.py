@@ -12,18 +12,17 @@ from scipy.linalg import expm
 
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.optimal.free.bang_bang import BangBangMotion
-from mtcommission.optimal.free.mesh import build_mesh
-from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
-from mtcommission.optimal.free.switching import Control, isolate_zeros, prove_time
-from mtcommission.optimal.free.time_optimal import certify, find_bang_bang, solve_time_optimal
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.bang_bang import find_bang_bang
+from mtcommission.optimal.control import (
     Bang,
     Certificate,
     constant_arc,
     propagate,
     sample_trajectory,
 )
+from mtcommission.optimal.free import BangBangMotion, certify, solve_time_optimal
+from mtcommission.optimal.modes import MomentProblem, moment_problem, moment_rows
+from mtcommission.optimal.switching import Control, build_mesh, isolate_zeros, prove_time
 from tests.machines import paper_machine, random_modal_machine
 
 STEP = VelocityStep(velocity_step=0.1)

@@ -26,7 +26,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
+from mtcommission.optimal.control import Bang, Bound, Interior, TimeOptimum, TouchPoint
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -92,7 +92,7 @@ def test_a_command_loads_what_it_computes_with(
     heavy = {
         "casadi", "control", "highspy", "matplotlib", "polars", "scipy.integrate",
         "scipy.interpolate", "scipy.optimize", "scipy.signal", "typst",
-        "mtcommission.commission.commission", "mtcommission.optimal.solution",
+        "mtcommission.commission.commission", "mtcommission.optimal.control",
         "mtcommission.sheet.content",
     }  # fmt: skip
     assert "mtcommission.machine.machine" in loaded

@@ -10,8 +10,8 @@ from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import TimeOptimum
+from mtcommission.optimal.control import TimeOptimum
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.optimum import ComparedControl, compare_controls
 from tests.machines import paper_machine

@@ -18,15 +18,15 @@ from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.exchange import first_cells
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.polish.edits import solve_exactly
-from mtcommission.optimal.polish.newton import solve_sequence
-from mtcommission.optimal.polish.sequence import Piece, Sequence
+from mtcommission.optimal.cells import first_cells
+from mtcommission.optimal.control import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.edits import solve_exactly
+from mtcommission.optimal.free import solve_time_optimal
+from mtcommission.optimal.modes import impulse_response, step_response, transition
+from mtcommission.optimal.newton import solve_sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
 from mtcommission.optimal.proof import Measure, dual_value, lower_bound, stretches
-from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.sequence import Piece, Sequence
 from tests.machines import paper_machine, random_modal_machine
 
 PAPER_STEP = VelocityStep(velocity_step=0.1)

@@ -24,11 +24,9 @@ from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.optimal.free import newton
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.motion import follow_control
-from mtcommission.optimal.solution import joint_system
+from mtcommission.optimal import bang_bang
+from mtcommission.optimal.control import balanced_expm, follow_control, joint_system
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -59,7 +57,7 @@ def test_a_tiny_force_on_an_undamped_mode_is_refused() -> None:
 def test_many_switches_are_the_same_by_a_sparse_jacobian(monkeypatch: pytest.MonkeyPatch) -> None:
     dense = solve_time_optimal(undamped(), STEP, force_limit=20.0)
     assert len(dense.arcs) > 2
-    monkeypatch.setattr(newton, "MOST_DENSE", 2)
+    monkeypatch.setattr(bang_bang, "MOST_DENSE", 2)
     sparse = solve_time_optimal(undamped(), STEP, force_limit=20.0)
     assert sparse.switching_times == pytest.approx(dense.switching_times, rel=1e-12)
 

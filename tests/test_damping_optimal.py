@@ -14,15 +14,15 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     DampingOptimum,
     Interior,
     TimeOptimum,
     control_text,
     sample_trajectory,
 )
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
+from mtcommission.optimal.free import solve_time_optimal
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS

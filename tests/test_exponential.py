@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.control import Bound, balanced_expm
 from mtcommission.optimal.problem import bounded_problem
-from mtcommission.optimal.solution import Bound
 from tests.machines import paper_machine
 
 Array = NDArray[np.float64]

@@ -17,9 +17,9 @@ from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.jerk_limited import solve_jerk_limited
-from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.control import Bound, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.modes import impulse_response, step_response, transition
+from mtcommission.optimal.open_loop import solve_jerk_limited
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.test_at_once import axis, random_axis

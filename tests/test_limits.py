@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mtcommission.limits.condense import condense
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.optimal.solution import Trajectory
+from mtcommission.optimal.control import Trajectory
 from tests.independent_loop import profile_of
 
 

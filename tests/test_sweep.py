@@ -35,8 +35,8 @@ from mtcommission.base.messages.message import Message
 from mtcommission.cli import main
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.control import Bound
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.sweep import solve
 from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.columns import columns

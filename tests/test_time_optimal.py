@@ -18,19 +18,10 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.optimal.free.bang_bang import BangBangMotion
-from mtcommission.optimal.free.moments import MomentProblem
-from mtcommission.optimal.free.time_optimal import (
-    find_bang_bang,
-    solve_forces,
-    solve_time_optimal,
-)
-from mtcommission.optimal.solution import (
-    Bang,
-    TimeOptimum,
-    propagate,
-    sample_trajectory,
-)
+from mtcommission.optimal.bang_bang import find_bang_bang
+from mtcommission.optimal.control import Bang, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.free import BangBangMotion, solve_forces, solve_time_optimal
+from mtcommission.optimal.modes import MomentProblem
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
 from tests.references_optimal import (
     PAPER_SWITCHING_TIMES,

@@ -12,19 +12,10 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
+from mtcommission.optimal.control import Bang, Bound, DampingOptimum, Interior, TimeOptimum
 from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
-from mtcommission.optimal.solution import (
-    Bang,
-    Bound,
-    DampingOptimum,
-    Interior,
-    TimeOptimum,
-)
-from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import (
-    transcribe_damping_optimal,
-    transcribe_time_optimal,
-)
+from mtcommission.optimal.transcription import transcribe_damping_optimal, transcribe_time_optimal
+from mtcommission.optimal.transcription_settings import Scheme, TranscriptionSettings
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_WEIGHTS
 

@@ -23,9 +23,8 @@ from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.motion import follow_control
-from mtcommission.optimal.solution import Bang, constant_arc, propagate
+from mtcommission.optimal.control import Bang, constant_arc, follow_control, propagate
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
     law_residual,

@@ -8,7 +8,7 @@ from benchmarks.answer import Answer
 from benchmarks.problems import Problem
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.damping import solve_damping_optimal
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.free import solve_time_optimal
 
 
 def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:

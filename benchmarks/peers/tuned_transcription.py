@@ -10,11 +10,8 @@ from collections.abc import Callable
 
 from benchmarks.answer import Answer
 from benchmarks.problems import Problem
-from mtcommission.optimal.transcription.settings import TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import (
-    transcribe_damping_optimal,
-    transcribe_time_optimal,
-)
+from mtcommission.optimal.transcription import transcribe_damping_optimal, transcribe_time_optimal
+from mtcommission.optimal.transcription_settings import TranscriptionSettings
 
 
 def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.solution import AnyOptimum, sample_trajectory
+from mtcommission.optimal.control import AnyOptimum, sample_trajectory
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
 if TYPE_CHECKING:  # the loop and its libraries take seconds, and writing a text needs none of them

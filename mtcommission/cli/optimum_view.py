@@ -9,7 +9,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     TIGHT_GAP,
     AnyOptimum,
     ArcControl,

@@ -35,8 +35,8 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.smaller_moves import resize
 
 if TYPE_CHECKING:  # the optima load slowly, and most commands need none
-    from mtcommission.optimal.solution import AnyOptimum, Bound
-    from mtcommission.optimal.transcription.settings import TranscriptionSettings
+    from mtcommission.optimal.control import AnyOptimum, Bound
+    from mtcommission.optimal.transcription_settings import TranscriptionSettings
 
 MODAL = (MODAL_DEFLECTION, MODAL_RATE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
 BY_UNIT = {dimension.si: dimension for dimension in (*DIMENSIONS, *MODAL)}
@@ -118,7 +118,7 @@ class Options:
 
     def bound(self, plant: Plant, text: str) -> Bound:
         """Return what ``--limit NAME=VALUE`` asks for, or any bound after noting a fault."""
-        from mtcommission.optimal.solution import Bound
+        from mtcommission.optimal.control import Bound
 
         name, separator, value = text.partition("=")
         name = name.strip()
@@ -193,7 +193,7 @@ def read_optimal_request(
     jerk: str = "",
 ) -> OptimalRequest:
     """Return what ``optimal`` is asked for; raise InputError with every fault found."""
-    from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
+    from mtcommission.optimal.transcription_settings import Scheme, TranscriptionSettings
 
     schemes, axis = {item.value: item for item in Scheme}, machine.axis_units
     chosen = machine.moves[move - 1 if 1 <= move <= len(machine.moves) else 0]
@@ -243,8 +243,8 @@ def _refuse_all_but_jumps(
     machine: Machine, plant: Plant, jerk: float, bounds: Sequence[Bound], options: Options
 ) -> None:
     """Note the fault of a jerk with which the acceleration reaches its limit all but at once."""
-    from mtcommission.optimal.at_once import least_limit
     from mtcommission.optimal.bounded import SHORTEST_RAMP
+    from mtcommission.optimal.open_loop import least_limit
 
     ramp = least_limit(plant, machine.drive.motion_force, bounds) / jerk
     if ramp * plant.fastest_rate < SHORTEST_RAMP:
@@ -262,19 +262,15 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
     """
     from mtcommission.limits.optima import find_damping_optimum, find_time_optimum
     from mtcommission.machine.rigid_body import require_force
-    from mtcommission.optimal.at_once import (
-        least_limit,
-        on_states,
-        optimum_on,
-    )
-    from mtcommission.optimal.solution import Bound
+    from mtcommission.optimal.control import Bound
+    from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
 
     require_force(machine)
     force, move = machine.drive.motion_force, request.move
     limit = least_limit(plant, force, request.bounds)
     bounds, is_exact = on_states(plant, request.bounds), request.method == "exact"
     if isfinite(request.jerk):
-        from mtcommission.optimal.jerk_limited import solve_jerk_limited
+        from mtcommission.optimal.open_loop import solve_jerk_limited
 
         return solve_jerk_limited(
             plant, move, force_limit=limit, jerk_limit=request.jerk, bounds=bounds
@@ -282,7 +278,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
     if request.kind == "time" and is_exact:
         return find_time_optimum(plant, move, force_limit=force, bounds=request.bounds)
     if request.kind == "time":
-        from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
+        from mtcommission.optimal.transcription import transcribe_time_optimal
 
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             bounds += (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
@@ -299,7 +295,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
     if is_exact:
         return solution
-    from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
+    from mtcommission.optimal.transcription import transcribe_damping_optimal
 
     on_grid = transcribe_damping_optimal(
         driven_at_once(plant),

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.optimal.solution import Trajectory
+from mtcommission.optimal.control import Trajectory
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 Array = NDArray[np.float64]

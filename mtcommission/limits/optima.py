@@ -12,15 +12,8 @@ from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.plant.plant import Plant, driven_at_once
-from mtcommission.optimal.at_once import (
-    least_limit,
-    on_states,
-    optimum_on,
-)
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     TIGHT_GAP,
     Bound,
     DampingOptimum,
@@ -28,6 +21,9 @@ from mtcommission.optimal.solution import (
     excess_velocity,
     sample_trajectory,
 )
+from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
+from mtcommission.optimal.free import solve_time_optimal
+from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 DAMPING_TIME_FACTOR = 1.2

@@ -19,36 +19,16 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.optimal.closed_form import impulse_response
-from mtcommission.optimal.exchange import (
+from mtcommission.optimal.cells import (
+    MOST_RADIANS,
+    Seen,
+    cell_arcs,
+    finishes,
     first_cells,
+    refined,
     smallest_factor_by,
 )
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.polish.edits import holds_high_order, solve_exactly
-from mtcommission.optimal.polish.sequence import (
-    detect_sequence,
-)
-from mtcommission.optimal.polish.tight_force import (
-    force_sequence,
-    swift_plant,
-    tight_force_bound,
-)
-from mtcommission.optimal.problem import (
-    BoundedProblem,
-    all_bounds,
-    bounded_problem,
-    describe_bounds,
-)
-from mtcommission.optimal.proof import (
-    Found,
-    dual_value,
-    prove,
-    require_followable,
-    stretches,
-)
-from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finishes, refined
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     Bound,
     Certificate,
     Optimum,
@@ -56,6 +36,23 @@ from mtcommission.optimal.solution import (
     TouchPoint,
     terminal_target,
 )
+from mtcommission.optimal.edits import (
+    force_sequence,
+    holds_high_order,
+    solve_exactly,
+    swift_plant,
+    tight_force_bound,
+)
+from mtcommission.optimal.free import solve_time_optimal
+from mtcommission.optimal.modes import impulse_response
+from mtcommission.optimal.problem import (
+    BoundedProblem,
+    all_bounds,
+    bounded_problem,
+    describe_bounds,
+)
+from mtcommission.optimal.proof import Found, dual_value, prove, require_followable, stretches
+from mtcommission.optimal.sequence import detect_sequence
 
 Array = NDArray[np.float64]
 
@@ -97,7 +94,7 @@ def solve_bounded_time_optimal(
     Examples
     --------
     >>> from mtcommission.machine.profile.shipped import read_shipped
-    >>> from mtcommission.optimal.solution import Boundary
+    >>> from mtcommission.optimal.control import Boundary
     >>> from mtcommission.machine.plant.plant import build_plant
     >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],

@@ -29,18 +29,19 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.motion import FollowedMotion, follow_control
-from mtcommission.optimal.peaks import unit_cubics
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     Arc,
     Bang,
     DampingOptimum,
+    FollowedMotion,
     Interior,
     Law,
     Optimum,
     TimeOptimum,
     constant_arc,
+    follow_control,
     terminal_target,
+    unit_cubics,
 )
 
 Array = NDArray[np.float64]
@@ -49,32 +50,24 @@ Labels = NDArray[np.int64]
 PIECE_ANGLE, CELLS = 4.0, 16
 """Longest piece times the fastest eigenvalue [-], within which the flow grows by at most e^4, and
 its cells: cubic interpolation on a quarter radian isolates every crossing (empirical)."""
-
 TERMS = 20
 """Of the power series of a flow over one cell: 1 / 20! leaves room for a norm four times as large
 as the eigenvalues."""
-
 LAW_TOLERANCE = 1e-6
 """Largest violation of the control law that counts as solved, in units of F_max [-]. Usually it
 falls below ``LAW_GOAL``; close to t_f,min the multipliers grow and rounding stops it earlier."""
-
 LAW_GOAL = 1e-10
 """Violation at which the iteration stops, in units of F_max [-]."""
-
 DIVERGED = 1e3
 """Violation from which the iteration does not come back, in units of F_max [-] (empirical)."""
-
 NEAR_ENOUGH = 1e-2
 """Violation at which a limit on the way to F_max has done its work, to start the next one, in
 units of the limit [-] (empirical: with 0.1 some moves get stuck, with less all take longer)."""
-
 ITERATIONS = 100
 """Arc iterations for one limit before the step is halved (empirical)."""
-
 STEPS = 120
 """Limits tried on the way to F_max (empirical; a move at 1.0001 t_f,min takes about fifteen, one
 of 30 000 radians with five modes some seventy)."""
-
 SHORTEST_ARC = 1e-12
 """Arcs shorter than this share of t_f are left out: rounding of the time decides about them."""
 

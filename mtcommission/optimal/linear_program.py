@@ -21,20 +21,15 @@ WAYS: tuple[dict[str, str | int], ...] = (
 )
 """Options of HiGHS for three ways to the same vertex: tried in this order, where one loses its
 basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
-
 FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
 """Verdicts after which no other way is tried, unless the program is known to have a solution."""
-
 FORGIVING = 1e-8
 """Tolerance of the last way, if the first ones had a smaller one."""
-
 CHECKS_PER_STEP = 3
 """Times that the simplex method may ask whether it shall go on, against the steps allowed: 1.1 to
 1.3 where it ends (measured); one that turns in circles does so without counting steps."""
-
 INTERIOR_STEPS = 500
 """Steps of the interior-point method at most; some dozens are usual."""
-
 SMALLEST_COEFFICIENT = 1e-12
 """Coefficients left out: the least that HiGHS allows. Its default of 1e-9 drops what a short cell
 does to a bound far away, and with it eight digits of the bound."""

@@ -1,9 +1,4 @@
-"""The time-optimal problem under bounds, in the form that its solver needs.
-
-Each bound is a row c with |c x(t)| <= 1. Its order r is the number of differentiations after
-which the force appears, c A^(r-1) B ≠ 0; on a boundary arc c x = ±1 the force is then the
-feedback F_set = K x with K = -c A^r / (c A^(r-1) B).
-"""
+"""The matrix exponential of a plant, and of a motion that keeps a bound, to the last digit."""
 
 from __future__ import annotations
 
@@ -12,15 +7,54 @@ from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.closed_form import step_response
-from mtcommission.optimal.exponential import HeldFlow, held_flow
-from mtcommission.optimal.solution import Bound, terminal_target
+from mtcommission.optimal.control import Bound, balanced_expm, terminal_target
+from mtcommission.optimal.modes import step_response
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeldFlow:
+    """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly."""
+
+    matrix: Array  # G, shape (n, n) [1/s]
+    chart: Array  # T, shape (n, n); its first r rows are the chain
+    inverse: Array  # T^-1, shape (n, n)
+    # T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
+    generator: Array
+
+    def over(self, span: float) -> Array:
+        """Return expm(G span), shape (n, n), for a span in s that may be negative."""
+        return np.asarray(self.inverse @ balanced_expm(self.generator * span) @ self.chart)
+
+
+def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> HeldFlow:
+    """Return a motion that keeps a chain: c_j G = rate c_(j+1), and 0 for the last row.
+
+    A boundary arc is such a motion: c x is constant on it because its derivatives are 0. In the
+    states of the plant that is a difference of large numbers, and over a long arc the rounding
+    of the matrix exponential lets c x drift by more than a finished control may miss.
+    """
+    r, n = chain.shape
+    # The chain takes the place of the states that it determines best.
+    order = qr(chain * scale, mode="economic", pivoting=True)[2]
+    given, free = np.sort(order[:r]), np.sort(order[r:])
+    solved = np.linalg.inv(chain[:, given] * scale[given]) * scale[given, np.newaxis]
+    inverse = np.zeros((n, n))
+    inverse[given, :r] = solved
+    inverse[np.ix_(given, np.arange(r, n))] = -solved @ chain[:, free]
+    inverse[free, np.arange(r, n)] = 1.0
+    chart = np.vstack([chain, np.eye(n)[free]])
+    generator = chart @ matrix @ inverse
+    generator[:r] = rate * np.eye(n, k=1)[:r]
+    generator[r - 1] = 0.0
+    return HeldFlow(matrix=matrix, chart=chart, inverse=inverse, generator=generator)
+
 
 ORDER_TOLERANCE = 1e-10
 """Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""

@@ -26,11 +26,15 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.exponential import balanced_expm, powers_of
-from mtcommission.optimal.motion import FollowedMotion, follow_control
+from mtcommission.optimal.control import (
+    Arc,
+    FollowedMotion,
+    balanced_expm,
+    follow_control,
+    powers_of,
+)
+from mtcommission.optimal.modes import impulse_response, step_response, transition
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
-from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     AnyOptimum,
     Arc,
     control_text,

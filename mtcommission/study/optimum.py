@@ -27,10 +27,7 @@ from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once,
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
-from mtcommission.optimal.solution import (
-    AnyOptimum,
-    sample_trajectory,
-)
+from mtcommission.optimal.control import AnyOptimum, sample_trajectory
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.setpoint.smaller_moves import size_of

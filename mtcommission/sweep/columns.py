@@ -17,7 +17,7 @@ from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.describe import unit_of
 from mtcommission.machine.profile.lines import read_key
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
+from mtcommission.optimal.free import GAP_TOLERANCE
 from mtcommission.sweep.plan import PEAKS_KEY, Plan, Quantity, si_number
 
 if TYPE_CHECKING:

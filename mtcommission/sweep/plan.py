@@ -24,7 +24,7 @@ from mtcommission.base.version import __version__
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.lines import read_key
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.control import Bound
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."

@@ -21,8 +21,8 @@ from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.rigid_body import require_force
-from mtcommission.optimal.free.time_optimal import solve_forces
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.control import Bound
+from mtcommission.optimal.free import solve_forces
 from mtcommission.sweep.columns import Cell, Chosen, Optimum, result_columns
 from mtcommission.sweep.plan import (
     FEWEST,

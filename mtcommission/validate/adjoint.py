@@ -12,8 +12,7 @@ from scipy.signal import lsim
 
 from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.exponential import powers_of
-from mtcommission.optimal.solution import DampingOptimum, Interior, sample_trajectory
+from mtcommission.optimal.control import DampingOptimum, Interior, powers_of, sample_trajectory
 from mtcommission.validate.cases import Array
 from mtcommission.validate.printed import FORCE_LIMIT
 

@@ -9,15 +9,15 @@ from scipy.linalg import expm
 
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.damping import balanced_weights
-from mtcommission.optimal.exponential import powers_of
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     AnyOptimum,
     Boundary,
     TimeOptimum,
     control_text,
+    powers_of,
     sample_trajectory,
 )
+from mtcommission.optimal.damping import balanced_weights
 from mtcommission.validate.adjoint import law_residual
 from mtcommission.validate.cases import Array, Cases
 from mtcommission.validate.free import SURE_GAP

@@ -13,9 +13,9 @@ from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.requirements import Reserve
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
+from mtcommission.optimal.control import Bound, DampingOptimum, TimeOptimum
 from mtcommission.optimal.damping import solve_damping_optimal
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.validate.printed import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
 
 Array = NDArray[np.float64]

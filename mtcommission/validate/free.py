@@ -11,8 +11,7 @@ import numpy as np
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant, kalman_rank
-from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     Bang,
     TimeOptimum,
     constant_arc,
@@ -20,6 +19,7 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
+from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.validate.adjoint import (
     adjoint_from_switches,
     adjoint_uncertainty,

@@ -14,7 +14,7 @@ from mtcommission.limits.condense import condense
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.optimal.solution import sample_trajectory
+from mtcommission.optimal.control import sample_trajectory
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.loops import settle_on_loop
 from mtcommission.study.optimum import ComparedControl, compare_controls

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.optimal.solution import sample_trajectory
+from mtcommission.optimal.control import sample_trajectory
 from mtcommission.sheet.document import (
     Bullets,
     Column,

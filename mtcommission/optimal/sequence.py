@@ -1,4 +1,4 @@
-"""What a bounded control is made of, and how the multipliers on cells show it.
+"""What a bounded control is made of, how multipliers show it, and how a sequence is mended.
 
 Points where a bound acts and that follow each other cell by cell are a boundary arc, single
 ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
@@ -15,10 +15,10 @@ from itertools import groupby, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.closed_form import step_response, transition
+from mtcommission.optimal.control import Arc, Bang, Boundary, constant_arc
+from mtcommission.optimal.modes import step_response, transition
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Stretch, sigma_sign
-from mtcommission.optimal.solution import Arc, Bang, Boundary, constant_arc
 
 Array = NDArray[np.float64]
 

@@ -37,10 +37,7 @@ from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.bounded import explain_short_time
-from mtcommission.optimal.damping import cost_terms, state_scales
-from mtcommission.optimal.motion import follow_control
-from mtcommission.optimal.problem import all_bounds
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
     ArcControl,
     Bang,
     Bound,
@@ -52,40 +49,34 @@ from mtcommission.optimal.solution import (
     Proof,
     TimeOptimum,
     constant_arc,
+    follow_control,
     terminal_target,
 )
-from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
+from mtcommission.optimal.damping import cost_terms, state_scales
+from mtcommission.optimal.problem import all_bounds
+from mtcommission.optimal.transcription_settings import Scheme, TranscriptionSettings
 
 Array = NDArray[np.float64]
 
 LONGEST = 100.0
 """Longest final time that is searched, in units of its first guess."""
-
 COARSEST = 500
 """Intervals up to which a grid is the first; before a finer one comes one four times coarser."""
-
 STEEPEST = 4.0
 """Most that a step of Newton's method may lengthen the final time, as a factor."""
-
 MOST_TIMES = 20
 """Final times that Newton's method may try (empirical: two to six are enough)."""
-
 REACHED = 0.5
 """Distance from 1, in tolerances of all intervals added, at which the target counts as reached:
 IPOPT leaves each force a gap of up to its tolerance, and the multiple errs by their sum."""
-
 ROUGHLY = 1e-4
 """The same on coarser grids."""
-
 NO_GAIN = 1e-6
 """Growth of the multiple with the logarithm of t_f below which more time does not help."""
-
 TINY = 1e-300
-
 SATURATED = 1e-5
 """Distance from the limit, in units of F_max, below which an interval counts as saturated:
 IPOPT ends at most about its tolerance over the multiplier inside the limit."""
-
 LAW_TOLERANCE = 1e-5
 """Largest violation of the switching law, weighted with |λ_F| / max |λ_F| [-]."""
 

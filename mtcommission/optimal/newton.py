@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.closed_form import step_response, transition
-from mtcommission.optimal.polish.sequence import Sequence, Touch
+from mtcommission.optimal.modes import step_response, transition
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Measure
+from mtcommission.optimal.sequence import Sequence, Touch
 
 Array = NDArray[np.float64]
 

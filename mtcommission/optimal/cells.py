@@ -1,8 +1,9 @@
-"""Programs on finer and finer cells: where the force switches, and where a bound is held.
+"""Programs on finer and finer cells, until they prove the time that they take.
 
-The multipliers of one tell where the next has its cells: at the zeros of σ and about the ends of
-arcs and touch points; well inside a boundary arc it has none but holds the bound. So proof and
-program come together, and what is left between them is the gap.
+First cells tell about how long the move takes; wherever a motion breaks a bound between points,
+another point is put in. The multipliers of one program tell where the next has its cells: at the
+zeros of σ and about the ends of arcs and touch points; well inside a boundary arc it has none but
+holds the bound. So proof and program come together, and what is left between them is the gap.
 """
 
 from __future__ import annotations
@@ -10,28 +11,30 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.cell_peaks import excess, find_peaks
-from mtcommission.optimal.closed_form import impulse_response
-from mtcommission.optimal.exchange import (
-    MOST_ENTRIES,
-    RADIANS_PER_CELL,
-    beyond_time,
-    exchange,
-    later,
+from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages.message import Message
+from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
+from mtcommission.optimal.linear_program import Basis, Program, solve_program
+from mtcommission.optimal.modes import free_rates, impulse_response
+from mtcommission.optimal.problem import ArcInterior, BoundedProblem, describe_bounds
+from mtcommission.optimal.program import (
+    STEPS,
+    Cells,
+    Plan,
+    Points,
+    at_ends,
+    excess,
+    find_peaks,
+    may_act,
+    point_rows,
+    segments,
+    solve_cells,
 )
-from mtcommission.optimal.polish.sequence import (
-    Structure,
-    boundary_arc,
-    detect_structure,
-    local_cell,
-)
-from mtcommission.optimal.problem import ArcInterior, BoundedProblem
-from mtcommission.optimal.program import Cells, Plan, Points, solve_cells
 from mtcommission.optimal.proof import (
     Stretch,
     densities,
@@ -40,9 +43,254 @@ from mtcommission.optimal.proof import (
     require_followable,
     stretches,
 )
-from mtcommission.optimal.solution import Arc, Bang, Interior, constant_arc
+from mtcommission.optimal.sequence import Structure, boundary_arc, detect_structure, local_cell
 
 Array = NDArray[np.float64]
+
+LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
+"""Where the smallest possible bound is looked for, in multiples of the free optimum: it falls
+with t_f until more time does not help any more."""
+LEAST_CELLS = (400, 800)
+"""For the smallest bound: to search its time, and to refine it for a single bound."""
+LEAST_TOLERANCE = 2e-4
+"""Relative change of the smallest bound, over time and cells, that counts as none."""
+
+
+def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
+    """Return the factor of all bounds below which the target is out of reach at any time."""
+    least, time = inf, LEAST_TIMES[0]
+    for share in LEAST_TIMES:
+        now = _least_factor(problem, share * t_free, cells=LEAST_CELLS[0])
+        if now > least * (1.0 - LEAST_TOLERANCE):
+            break
+        least, time = now, share
+    return _finer(problem, time * t_free, least)
+
+
+def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
+    """Return the factor of all bounds below which the target is out of reach by a given time."""
+    return _finer(problem, t_f, _least_factor(problem, t_f, cells=LEAST_CELLS[0]))
+
+
+def _finer(problem: BoundedProblem, t_f: float, least: float) -> float:
+    """Return the factor on finer cells, if there is a single bound and the program ends."""
+    if len(problem.limits) > 1:
+        return least
+    now = _least_factor(problem, t_f, cells=LEAST_CELLS[1])
+    return now if isfinite(now) else least
+
+
+def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
+    """Return the least factor of all bounds with which the target is reached by t_f."""
+    edges = np.linspace(0.0, t_f, cells + 1)
+    plan = Plan(edges=edges, points=at_ends(problem, edges))
+    maps = segments(problem, plan, relaxed=True)
+    rows = point_rows(problem, plan.points, maps, plan)[:, :-3]
+    final, target = maps.last[-1, problem.fixed, :-3], problem.target[problem.fixed]
+    scale = 1.0 / np.maximum(np.abs(final).sum(axis=1), np.abs(target))
+    column = -np.ones((len(rows), 1))
+    solution = solve_program(
+        Program(
+            cost=np.append(np.zeros(cells), 1.0),
+            rows=np.block([[rows, column], [-rows, column]]),
+            rooms=np.zeros(2 * len(rows)),
+            equal=np.column_stack([final * scale[:, np.newaxis], np.zeros(target.size)]),
+            right=target * scale,
+            lower=np.append(-np.ones(cells), 0.0),
+            upper=np.append(np.ones(cells), inf),
+        ),
+        steps=STEPS * (cells + len(rows)),
+    )
+    return inf if solution is None else float(solution.unknowns[-1])
+
+
+FEWEST_CELLS, MOST_CELLS = 100, (400, 900)
+"""At first: enough to see every feature, few enough for a fraction of a second; the more without a
+cruise, of which one knows where it begins and ends (empirical)."""
+RADIANS_PER_CELL = 0.8
+"""Between the two, cells that resolve the fastest mode (empirical)."""
+GROWTH = 0.15
+"""Of cells with the distance from the ends of a long move and of its cruise (empirical)."""
+TIME_STEPS, HORIZON = 40, 60.0
+"""Programs of the first search of t_f, and its longest t_f in multiples of the free optimum."""
+FAR = 3.0
+"""The same from which on a program that rounding spoils ends the search."""
+TIME_TOLERANCE = 1e-3
+"""|α - 1| at which the first search ends, times dα/dlog t_f between the next two."""
+STEEPNESS = (0.01, 1.0)
+LONGER, STANDSTILL = 1.5, 1e-3
+"""Factor between two times over which the reach has to grow, by how much, or it never will."""
+INSIDE = (0.02, 0.98)
+"""Share of a bracket of t_f in which the next time lies."""
+LEAST_SLOPE, LARGEST_CHANGE = 0.3, 0.02
+"""Least dα/dlog t_f that is believed, and largest relative change of t_f in one step."""
+MOST_ENTRIES = 1.5e6
+"""Cells times points of a program: some seconds."""
+CONTACT_RADIANS, CONTACTS = 6.3, 12
+"""Of the slowest mode, over which the free motion is asked at first, and at how many instants."""
+EXCHANGES = 20
+"""Rounds at most in which peaks become points and t_f is corrected."""
+
+
+def later(cells: Cells, *, wanted: float = 1.0) -> float:
+    """Return the factor on t_f at which the reach should be what is wanted, within safe steps."""
+    change = (wanted - cells.reach) / max(cells.slope * cells.t_f, LEAST_SLOPE)
+    return 1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE))
+
+
+def exchange(
+    problem: BoundedProblem, plan: Plan, *, tolerance: float, start: Basis | None = None
+) -> Cells | None:
+    """Return the solution that just reaches the target and keeps the bounds to a tolerance.
+
+    What the last program has not reached or kept is less than what it was told, or told anew.
+    """
+    found: Cells | None = None
+    for _ in range(EXCHANGES):
+        following = solve_cells(problem, plan, start=start)
+        if following is None:
+            break
+        before, found = found, following
+        # Where the first cells say nothing of the slope, a chord over more and more points must do.
+        is_same = before is not None and before.weights.size == found.weights.size
+        is_flat = found.slope * found.t_f < LEAST_SLOPE
+        if before is not None and (is_same or is_flat) and found.t_f != before.t_f:
+            secant = (found.reach - before.reach) / (found.t_f - before.t_f)
+            found = replace(found, slope=secant) if secant > 0.0 else found
+        peaks = find_peaks(problem, found)
+        more = Points(remaining=peaks.remaining, limit=peaks.limit)
+        over = excess(problem, found, peaks) > tolerance
+        over &= may_act(problem, replace(found.plan, points=more))
+        is_timely = abs(found.reach - 1.0) < 0.1 * tolerance
+        if is_timely and not over.any():
+            break
+        share = 1.0 if is_timely else later(found)
+        every = found.plan.points.joined(peaks.remaining[over], peaks.limit[over])
+        plan, start = replace(found.plan, points=every).scaled(share), found.basis
+        if plan.edges.size * every.limit.size > MOST_ENTRIES:
+            break
+    return found
+
+
+def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
+    """Return even edges; of a long move close together at its ends and those of its cruise."""
+    cell = radians / problem.vibration_rate
+    if t_f / cell < MOST_CELLS[bool(problem.ramp == inf)]:
+        return np.linspace(0.0, t_f, max(int(t_f / cell), FEWEST_CELLS) + 1)
+    ramp = min(problem.ramp, 0.5 * t_f)
+    places = np.unique([0.0, ramp, t_f - ramp, t_f])
+    edges = [0.0]
+    while edges[-1] < t_f:
+        ahead = places[np.searchsorted(places, edges[-1], side="right") :]
+        far = min(float(np.abs(places - edges[-1]).min()), float(ahead[0]) - edges[-1])
+        edges.append(edges[-1] + max(cell, GROWTH * far))
+    return np.array(edges) * (t_f / edges[-1])
+
+
+def first_cells(problem: BoundedProblem, *, t_free: float) -> Cells:
+    """Return the solution on first cells that reaches the target, all bounds at all their ends.
+
+    Raises
+    ------
+    ComputationError
+        BOUND_CANNOT_HOLD if the reach does not grow any more; BEYOND_HORIZON if it still grows
+        at the end of the search.
+    """
+    t_f = 1.05 * t_free
+    found = earlier = _evenly(problem, t_f)
+    faster: Cells | None = None
+    slower: Cells | None = None
+    missing, spare, was_slow = 1.0, 1.0, False
+    for _ in range(TIME_STEPS):
+        # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
+        steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
+        if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
+            return found
+        if found.reach < 1.0:
+            if found.t_f > HORIZON * t_free or _is_still(earlier, found):
+                raise _out_of_reach(problem, found, t_free)
+            earlier = found if found.t_f > LONGER * earlier.t_f else earlier
+            faster, missing = found, 1.0 - found.reach
+            # Illinois' rule: the chord moves on from an end that stays twice.
+            spare, was_slow = spare * (1.0 if was_slow else 0.5), False
+        else:
+            slower, spare = found, found.reach - 1.0
+            missing, was_slow = missing * (0.5 if was_slow else 1.0), True
+        if slower is None or faster is None:
+            step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
+            low, high = (1.02, 2.0) if slower is None else (0.5, 0.98)
+            t_f = float(np.clip(t_f + step, low * t_f, high * t_f))
+        elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
+            return found
+        else:
+            share = float(np.clip(missing / (missing + spare), *INSIDE))
+            t_f = faster.t_f + share * (slower.t_f - faster.t_f)
+        try:
+            found = _evenly(problem, t_f, near=found)
+        except ComputationError as error:
+            if slower is not None or found.t_f < FAR * t_free:
+                raise
+            raise beyond_time(problem, found) from error
+    raise ComputationError(Outcome.NO_CONVERGENCE, Message("grid-search-stopped", t_f=t_f))
+
+
+def _is_still(earlier: Cells, found: Cells) -> bool:
+    """Return whether the reach does not grow any more, over times some way apart."""
+    is_long = found.t_f > LONGER * earlier.t_f
+    return is_long and found.reach - earlier.reach < STANDSTILL * found.reach
+
+
+def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
+    edges = first_edges(problem, t_f, radians=RADIANS_PER_CELL)
+    start = near.basis if near is not None and near.force.size == edges.size - 1 else None
+    points = at_ends(problem, edges)
+    if near is not None:  # what the free motions of another time have asked for
+        after = near.plan.points.chosen(near.plan.points.limit >= near.limits)
+        points = points.joined(after.remaining, after.limit)
+    elif len(problem.tails):
+        points = points.joined(*_first_contacts(problem))
+    found = solve_cells(problem, Plan(edges=edges, points=points), start=start)
+    if found is None:
+        detail = Message("grid-program-unfinished", cells=edges.size - 1, t_f=t_f)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    return found
+
+
+def _first_contacts(problem: BoundedProblem) -> tuple[Array, NDArray[np.intp]]:
+    """Return instants after the end, as remaining times [s], at which each tail keeps the band."""
+    rates = np.abs(free_rates(problem.plant))
+    s = np.linspace(0.0, CONTACT_RADIANS / float(rates.min()), CONTACTS)
+    machines = len(problem.tails)
+    tails = len(problem.limits) + np.arange(machines)
+    return np.tile(-s, machines), np.repeat(tails, CONTACTS)
+
+
+def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> ComputationError:
+    named = describe_bounds(problem.plant, problem.bounds)
+    if longest.t_f > HORIZON * t_free:
+        return beyond_time(problem, longest)
+    least = smallest_factor(problem, t_free=t_free)
+    if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
+        detail = Message("grid-search-stopped", t_f=longest.t_f)
+        return ComputationError(Outcome.NO_CONVERGENCE, detail)
+    if least < 1.0:
+        detail = Message("bounds-near-least", bounds=named, above=1.0 / least - 1.0)
+        return ComputationError(Outcome.BEYOND_HORIZON, detail)
+    least *= 1.0 + LEAST_TOLERANCE
+    smallest = tuple(
+        Message("value-about", value=least * bound.value, unit=problem.plant.unit(bound.name))
+        for bound in problem.bounds
+    )
+    detail = Message("bounds-below-least", bounds=named, least=smallest)
+    return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+
+
+def beyond_time(problem: BoundedProblem, longest: Cells) -> ComputationError:
+    """Return the refusal of bounds that no program of acceptable size keeps."""
+    bounds = describe_bounds(problem.plant, problem.bounds)
+    detail = Message("bounds-beyond-time", bounds=bounds, t_f=longest.t_f)
+    return ComputationError(Outcome.BEYOND_HORIZON, detail)
+
 
 ROUNDS = 10
 """Programs on finer and finer cells."""

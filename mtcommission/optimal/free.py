@@ -7,7 +7,8 @@ the method.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import inf, nan
 
@@ -19,34 +20,43 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.closed_form import impulse_response
-from mtcommission.optimal.free.bang_bang import BangBangMotion
-from mtcommission.optimal.free.mesh import Mesh, build_mesh
-from mtcommission.optimal.free.moments import (
-    TINY,
-    MomentProblem,
-    independence,
-    moment_problem,
-    moment_rows,
-)
-from mtcommission.optimal.free.newton import refine_control
-from mtcommission.optimal.free.start import (
+from mtcommission.optimal.bang_bang import (
+    AGREEMENT,
     LEAST_SHARE,
     MARGIN,
-    PARTS,
+    Attempt,
+    exchange_zeros,
+    find_bang_bang,
     guess_horizon,
-    improve,
-    refine_cells,
-    start_force,
 )
-from mtcommission.optimal.free.switching import ROUNDOFF, Control, prove_time
-from mtcommission.optimal.solution import (
+from mtcommission.optimal.control import (
+    ONE,
+    STILL,
     Arc,
     Bang,
     Certificate,
     Optimum,
     TimeOptimum,
+    hermite_peaks,
+    signal_rows,
     terminal_target,
+)
+from mtcommission.optimal.modes import (
+    PLANTS,
+    TINY,
+    MomentProblem,
+    all_moment_rows,
+    impulse_response,
+    independence,
+    moment_problem,
+    moment_rows,
+    step_response,
+)
+from mtcommission.optimal.switching import (
+    ROUNDOFF,
+    Control,
+    build_mesh,
+    graded_nodes,
 )
 
 Array = NDArray[np.float64]
@@ -59,27 +69,12 @@ SAME_INSTANT = 1e-13
 """Distance of two switches against t_f below which there are none: Newton's method has closed the
 arc between them, or left it as short as rounding allows (empirical: no arc of 1480 optima was
 between that and 1e-8)."""
-AGREEMENT = 1e-12
-"""Relative distance of time and bound at which the search ends at once."""
-SUFFICIENT = 1e-10
-"""Distance that no finer start is tried for: rounding, not the start, is what is left."""
-ROUNDING = 1e-9
-"""Doubt about t_f that rounding alone may leave for a refinement to be tried."""
-EXCHANGES = 4
-"""Changes of structure in a row; one is usual next to the birth of an arc."""
-TOLERANCES = (5e-3, 1e-4, 1e-6)
-"""Gaps of the starts on the first cells: with two modes five of six attempts succeed from the
-first, the next one gives the structure where pairs of zeros are close (empirical)."""
-REFINEMENTS = 8
-"""Divisions; the last has cells of 1e-5 of the fastest period where σ is near zero."""
 SIGN_TOLERANCE = 1e-9
 """|λ B| against its largest value below which a sign is not judged: there the control switches."""
 SIGN_ROUNDING = 1e3 * ROUNDOFF
 """The same against the sum of the magnitudes that λ B is composed of (empirical)."""
 RANK_TOLERANCE = 1e-12
 """Singular value against the largest below which the terminal Jacobian counts as singular."""
-NO_CHANGE, ONE = np.zeros((1, 1)), np.ones(1)
-"""Generator and initial value of a constant force; all bang arcs share them."""
 
 
 def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
@@ -130,83 +125,6 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         raise ComputationError(Outcome.MODES_NOT_TOLD_APART, detail) from error
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Attempt:
-    """A feasible control, and the sign of its σ up to the time that this proves."""
-
-    control: Control
-    proved: Control
-    mesh: Mesh  # That σ was looked at on
-
-    @property
-    def gap(self) -> float:
-        """Relative distance of both times."""
-        return abs(1.0 - self.proved.horizon / self.control.horizon)
-
-
-def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
-    """Return the time-optimal control as signs over the remaining time.
-
-    Starts of rising accuracy are refined, the last ones on finer cells. An attempt is accepted when
-    the bound that its multipliers prove equals the time that it takes.
-
-    Raises
-    ------
-    ComputationError
-        NO_CONVERGENCE if no attempt is feasible; how far the bound stays behind is left to the
-        certificate.
-    """
-    cells = start_force(problem, span=span, tolerance=TOLERANCES[0])
-    best = _exchange(cells.mesh, cells.control, span)
-    for tolerance in TOLERANCES[1:]:
-        if best and best.gap <= AGREEMENT:
-            return best
-        cells = improve(cells, span=span, tolerance=tolerance)
-        best = _better(best, _exchange(cells.mesh, cells.control, span))
-    # Finer starts help the structure, not the digits that nearly dependent functions cost.
-    is_worth = ROUNDING * independence(problem, cells.horizon) > ROUNDOFF
-    for refinement in range(REFINEMENTS if is_worth else 0):
-        if best and best.gap <= SUFFICIENT:
-            break
-        for start in (cells.control, prove_time(cells.mesh, cells.control, span=span)):
-            best = _better(best, _exchange(cells.mesh, start, span))
-        tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
-        cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
-    if best is None:
-        detail = Message("no-control-reaches-rest", span=span, t_f=cells.horizon)
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-    return best
-
-
-def _better(one: Attempt | None, other: Attempt | None) -> Attempt | None:
-    if one is None or other is None:
-        return one or other
-    return one if one.gap <= other.gap else other
-
-
-def _exchange(mesh: Mesh, start: Control, span: float) -> Attempt | None:
-    """Refine; where the multipliers then show other zeros than the control has, do so with those.
-
-    Next to the birth of an arc this is what adds two zeros; where no control has the zeros of the
-    start, the two that are closest are dropped.
-    """
-    best = None
-    for _ in range(EXCHANGES):
-        control = refine_control(mesh, start, span=span)
-        if control is None:
-            if best or start.zeros.size < 2:
-                break
-            closest = int(np.diff(start.zeros).argmin())
-            start = replace(start, zeros=np.delete(start.zeros, (closest, closest + 1)))
-            continue
-        start = prove_time(mesh, control, span=span)
-        attempt = Attempt(control=control, proved=start, mesh=mesh)
-        best = _better(best, attempt)
-        if attempt.gap <= AGREEMENT or start.zeros.size == control.zeros.size:
-            break
-    return best
-
-
 def solve_forces(
     plant: Plant, move: Move, force_limits: Array
 ) -> Iterator[tuple[BangBangMotion, float] | None]:
@@ -222,7 +140,7 @@ def solve_forces(
             mesh, horizon = near.mesh, near.control.horizon
             if horizon < LEAST_SHARE * mesh.horizon:
                 mesh = build_mesh(problem, MARGIN * horizon)
-            found = _exchange(mesh, near.control, span)
+            found = exchange_zeros(mesh, near.control, span)
         if found is None or found.gap > AGREEMENT:
             try:
                 found = find_bang_bang(problem, span=span)
@@ -292,7 +210,7 @@ def _arcs(motion: BangBangMotion) -> tuple[Arc, ...]:
             t_start=start,
             t_end=end,
             control=controls[i % 2],
-            generator=NO_CHANGE,
+            generator=STILL,
             initial=ONE,
             output=outputs[i % 2],
         )
@@ -387,3 +305,150 @@ def _check(optimum: TimeOptimum, plant: Plant, reached: Array) -> None:
         allowed_error=ERROR_TOLERANCE,
     )
     raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+
+
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+
+PEAK_RADIANS = 0.5
+"""Mesh for peaks against the fastest pole: cubics through it err by 2e-4 of an oscillation."""
+PEAK_PARTS = 20
+"""Of a cell that may hold a peak: cubics then err by 1e-9 of an oscillation."""
+SELECTION_MARGIN = 1e-3
+"""Relative reserve for the error of the coarse cubics."""
+ROUNDOFF_MARGIN = 1e-13
+"""Rise within a cell, against the peak, that is not worth a closer look."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BangBangMotion:
+    """The motion from rest under a force that changes sign at given times."""
+
+    plant: Plant  # The plant
+    problem: MomentProblem  # A moment problem of it
+    switching_times: Array  # Ascending, shape (n_switches,) [s]
+    t_f: float  # End [s]
+    first_force: float  # F_set on the first arc [N]
+
+    def states_at(self, instants: Array) -> Array:
+        """Return the states at some times, as sums of step responses: without the moments."""
+        starts = np.concatenate(((0.0,), self.switching_times))
+        steps = np.full(starts.size, -2.0 * self.first_force)
+        steps[0], steps[2::2] = self.first_force, 2.0 * self.first_force
+        # A step that is still to come has no response.
+        responses = step_response(self.plant, instants[:, np.newaxis] - starts)
+        return np.asarray(steps @ responses)
+
+    @property
+    def force_peak(self) -> float:
+        """Largest magnitude of what is set [N]."""
+        return abs(self.first_force)
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals`` on [0, t_f].
+
+        Cubics show in which cells a peak is possible; there finer ones find it.
+        """
+        arcs = _starts(self)
+        nodes = graded_nodes(self.problem, float(arcs.lengths.max()), radians=PEAK_RADIANS)
+        # A fast pole matters only for a while after each switch, for all arcs alike.
+        counts = np.maximum(nodes.searchsorted(arcs.lengths), 1) + 1
+        arc = np.arange(counts.size).repeat(counts)
+        index = np.arange(arc.size) - (counts.cumsum() - counts).repeat(counts)
+        since = np.minimum(nodes[index], arcs.lengths[arc])
+        value, rate = _signals(arcs, arc, since)
+        # From the end of an arc to the start of the next is a cell of no length.
+        step = (since[1:] - since[:-1]) * (index[1:] > 0)
+        size, third = np.abs(value), step[:, np.newaxis] / 3.0
+        outer = np.maximum(size[:-1], size[1:])
+        inner = np.maximum(
+            np.abs(value[:-1] + third * rate[:-1]), np.abs(value[1:] - third * rate[1:])
+        )
+        largest = outer.max(axis=0)
+        # A plateau is nearly largest everywhere, but its control points do not rise above its ends.
+        rises = inner > outer + ROUNDOFF_MARGIN * largest
+        chosen = ((inner >= (1.0 - SELECTION_MARGIN) * largest) & rises).any(axis=1)
+        cell = chosen.nonzero()[0]
+        if not cell.size:
+            return np.asarray(largest)
+        finer = step[cell] / PEAK_PARTS
+        at = since[cell, np.newaxis] + finer[:, np.newaxis] * np.arange(PEAK_PARTS + 1)
+        value, rate = _signals(arcs, arc[cell].repeat(PEAK_PARTS + 1), at.ravel())
+        start = np.arange(at.size).reshape(at.shape)[:, :-1].ravel()
+        inside = hermite_peaks(
+            finer.repeat(PEAK_PARTS),
+            value[start],
+            value[start + 1],
+            start_rate=rate[start],
+            end_rate=rate[start + 1],
+        )
+        return np.asarray(np.maximum(largest, inside))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Starts:
+    """A bang-bang motion by its arcs, with the moments of the force up to each switch."""
+
+    motion: BangBangMotion
+    lengths: Array  # Shape (n_arcs,) [s]
+    forces: Array  # F_set on each, shape (n_arcs,) [N]
+    modal: Complex  # ∫_0^start e^{p(start - s)} F_set ds at the start of each, (n_arcs, n_rates)
+    # impulse, double: The same of 1 and τ, shape (n_arcs,) [N s], [N s²].
+    impulse: Array
+    double: Array
+
+
+def _starts(motion: BangBangMotion) -> _Starts:
+    """Return the arcs of a motion.
+
+    Source: variation of constants in modal coordinates.
+    """
+    rates = motion.problem.rates
+    edges = np.concatenate(([0.0], motion.switching_times, [motion.t_f]))
+    lengths = np.diff(edges)
+    forces = np.full(lengths.size, motion.first_force)
+    forces[1::2] *= -1.0
+    less_one = np.expm1(np.multiply.outer(lengths, rates))
+    gains = less_one * forces[:, np.newaxis] / rates
+    modal = np.zeros_like(less_one)
+    for i in range(lengths.size - 1):
+        modal[i + 1] = modal[i] + less_one[i] * modal[i] + gains[i]
+    pushes = lengths * forces
+    impulse = pushes.cumsum() - pushes
+    doubled = lengths * (impulse + 0.5 * pushes)
+    return _Starts(
+        motion=motion,
+        lengths=lengths,
+        forces=forces,
+        modal=modal,
+        impulse=impulse,
+        double=doubled.cumsum() - doubled,
+    )
+
+
+def _signals(arcs: _Starts, arc: Index, since: Array) -> tuple[Array, Array]:
+    """Return signals and their rates at times since the start of an arc, (n_times, n_signals)."""
+    plant, rates = arcs.motion.plant, arcs.motion.problem.rates
+    force, impulse = arcs.forces[arc], arcs.impulse[arc]
+    less_one = np.expm1(np.multiply.outer(since, rates))
+    modal = arcs.modal[arc] + less_one * (arcs.modal[arc] + force[:, np.newaxis] / rates)
+    moments = np.empty((since.size, plant.order))
+    # Of a real rate the imaginary part is void.
+    moments[:, :-2] = modal.view(np.float64)[:, : plant.order - 2]
+    moments[:, -2] = impulse + since * force
+    moments[:, -1] = arcs.double[arc] + since * (impulse + 0.5 * since * force)
+    of_moments, of_force = _rows_of_moments(plant)
+    both = moments @ of_moments
+    count = of_force.size
+    rate = np.asarray(both[:, count:] + np.multiply.outer(force, of_force))
+    return both[:, :count], rate
+
+
+@lru_cache(maxsize=PLANTS)
+def _rows_of_moments(plant: Plant) -> tuple[Array, Array]:
+    """Return what takes moments to signals and their rates, (n, 2 n_signals), and F_set's share."""
+    rows = signal_rows(plant)
+    both = np.vstack([rows, rows @ plant.A])
+    of_moments = np.linalg.solve(all_moment_rows(plant).T, both.T)
+    return np.asarray(of_moments, dtype=np.float64), np.asarray(rows @ plant.B)

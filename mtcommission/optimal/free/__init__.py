@@ -1,1 +1,0 @@
-"""Time-optimal control without limits on states: exact, and proved."""

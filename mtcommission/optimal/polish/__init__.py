@@ -1,1 +1,0 @@
-"""Newton's method on a recognised sequence of bang arcs, boundary arcs and touch points."""

@@ -1,1 +1,0 @@
-"""Optimal control on a grid by direct transcription: the cross-check; only door to CasADi."""
