@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mtcommission.base.version import __version__
+from mtcommission.base import __version__
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,7 +58,7 @@ def make_record(found: Commissioning) -> Record:
     """
     from threadpoolctl import threadpool_limits
 
-    from mtcommission.base.clock import now
+    from mtcommission.base.process import now
     from mtcommission.record.record import record_run
 
     with threadpool_limits(limits=1, user_api="blas"):

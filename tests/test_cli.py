@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -613,3 +616,29 @@ def test_ctrl_c_while_the_program_loads_is_no_traceback(
         start()
     assert stopped.value.code == 130
     assert capsys.readouterr().err == "interrupted before anything began\n"
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_library_that_loads_is_waited_for_before_the_program_stops(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Interrupted half-way it took Ctrl-C for a fault of its own, and the command went on."""
+    code = f"import os, signal\nos.kill(os.getpid(), signal.{name})\nloaded = True\n"
+    (tmp_path / f"fragile_{name}.py").write_text(code)
+    monkeypatch.syspath_prepend(tmp_path)
+    found = []
+
+    def load_and_wait(*_: object) -> None:
+        found.append(importlib.import_module(f"fragile_{name}"))
+        time.sleep(30.0)
+
+    monkeypatch.setattr("mtcommission.machine.plant.plant.build_plant", load_and_wait)
+    number = getattr(signal, name)
+    before = signal.signal(number, signal.default_int_handler)  # a shell's "&" has it ignored
+    try:
+        ended, _, err = run("check", PAPER)
+    finally:
+        signal.signal(number, before)
+    assert ended == 130
+    assert err.startswith("interrupted; every file is whole")
+    assert found[0].loaded

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import importlib
 import json
 import multiprocessing
 import os
@@ -41,7 +40,7 @@ from mtcommission.sweep import solve
 from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.columns import columns
 from mtcommission.sweep.engine import run_sweep
-from mtcommission.sweep.lanes import Engine, end_as_if_by_keyboard, open_lane
+from mtcommission.sweep.lanes import Engine, open_lane
 from mtcommission.sweep.library import sweep
 from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.plan import (
@@ -372,31 +371,6 @@ def stop_while_a_case_is_under_way() -> None:
         lane.executor.submit(time.sleep, 0.0).result()
         lane.executor.submit(time.sleep, 200.0)
         raise KeyboardInterrupt
-
-
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
-def test_a_library_is_loaded_before_a_sweep_stops(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
-    """Interrupted half-way it never loads again: every further case was stored as our fault."""
-    code = f"import os, signal\nos.kill(os.getpid(), signal.{name})\nloaded = True\n"
-    (tmp_path / f"fragile_{name}.py").write_text(code)
-    monkeypatch.syspath_prepend(tmp_path)
-    number = getattr(signal, name)
-    before = signal.signal(number, signal.default_int_handler)  # a shell's "&" has it ignored
-    found = []
-
-    def load_and_wait() -> None:
-        with end_as_if_by_keyboard():
-            found.append(importlib.import_module(f"fragile_{name}"))
-            time.sleep(30.0)
-
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            load_and_wait()
-    finally:
-        signal.signal(number, before)
-    assert found[0].loaded
 
 
 def test_stopping_does_not_wait_for_cases_under_way() -> None:

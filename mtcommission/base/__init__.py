@@ -1,1 +1,3 @@
-"""What everything stands on: errors, messages, units, files, pages."""
+"""What everything stands on: errors, messages, units, files, pages; and the version."""
+
+__version__ = "0.1.0"

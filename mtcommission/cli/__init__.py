@@ -14,9 +14,9 @@ from typing import NoReturn
 
 import typer
 
-from mtcommission.base.clock import now
+from mtcommission.base import __version__
 from mtcommission.base.errors import INTERRUPTED, MtcommissionError
-from mtcommission.base.version import __version__
+from mtcommission.base.process import end_as_if_by_keyboard, now
 from mtcommission.cli.arguments import LANGUAGE, flag
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
@@ -97,7 +97,8 @@ def main() -> NoReturn:
     choose(find_language(sys.argv[1:], os.environ))
     try:
         now()  # numpy reads a wrong SOURCE_DATE_EPOCH, too, but does not say what is wrong
-        code = app(standalone_mode=False, prog_name="mtcommission")
+        with end_as_if_by_keyboard():
+            code = app(standalone_mode=False, prog_name="mtcommission")
     except MtcommissionError as error:
         _fail(error.text(words()), error.exit_code)
     except UsageError as error:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import typer
 
-from mtcommission.base.clock import now
+from mtcommission.base.process import now
 from mtcommission.cli.arguments import FOLDER, JSON, LANGUAGE, PROFILE, flag, option
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import print_note, print_written, show, show_bar, show_stage

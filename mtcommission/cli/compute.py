@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from mtcommission.base.clock import now
 from mtcommission.base.messages.message import Message
+from mtcommission.base.process import now
 from mtcommission.cli.arguments import (
     APPENDIX,
     CSV,

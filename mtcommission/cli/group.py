@@ -7,8 +7,8 @@ from pathlib import Path
 
 import typer
 
-from mtcommission.base.clock import now
 from mtcommission.base.messages.message import Message
+from mtcommission.base.process import now
 from mtcommission.cli.arguments import JSON, LANGUAGE, argument, option, read_machine
 from mtcommission.cli.language import say, words
 from mtcommission.cli.terminal import print_said, show, show_stage

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import typer
 
-from mtcommission.base.clock import now
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.base.process import now
 from mtcommission.base.units.quantities import FREQUENCY, parse_quantity
 from mtcommission.cli.arguments import (
     COLUMNS,

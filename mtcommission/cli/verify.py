@@ -9,9 +9,9 @@ from typing import NoReturn
 
 import typer
 
-from mtcommission.base.clock import now
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.base.process import now
 from mtcommission.cli.arguments import COLUMNS, CONSTANT, JSON, LANGUAGE, RECORD, argument, option
 from mtcommission.cli.language import speak_of, words
 from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number

@@ -11,10 +11,10 @@ from typing import Any
 
 import tomlkit
 
+from mtcommission.base import __version__
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.base.version import __version__
 from mtcommission.identify.identified import Identified
 from mtcommission.identify.states import FARTHEST, states_differ
 from mtcommission.machine.identified import (

@@ -14,9 +14,9 @@ from math import isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from mtcommission.base import __version__
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import STEERING, Message
-from mtcommission.base.version import __version__
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence

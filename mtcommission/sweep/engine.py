@@ -16,13 +16,8 @@ from typing import Any
 from mtcommission.base.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.base.files import replace_file
 from mtcommission.base.messages.message import Message
-from mtcommission.sweep.lanes import (
-    Engine,
-    Lane,
-    NoSchedulerError,
-    end_as_if_by_keyboard,
-    open_lane,
-)
+from mtcommission.base.process import end_as_if_by_keyboard
+from mtcommission.sweep.lanes import Engine, Lane, NoSchedulerError, open_lane
 from mtcommission.sweep.plan import Plan, piece_size
 from mtcommission.sweep.solve import DONE, Answer, Work, cut_work, place_of_record, solve_piece
 from mtcommission.sweep.store import Store, disk_full, hold_folder, open_store

@@ -16,7 +16,6 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExec
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
-from types import FrameType
 from typing import Any
 
 from mtcommission.base.errors import Fault, InputError
@@ -24,12 +23,6 @@ from mtcommission.base.messages.message import Message
 
 PATIENCE = 30.0
 """Seconds that a cluster is waited for."""
-ASKED = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-)
-"""How a process is asked to end; Windows knows no SIGHUP."""
-LOADING = 0.05
-"""Seconds after which it is looked again whether a library has loaded."""
 QUIET = {
     # Matrices have some ten rows: threads inside a worker cost more than they give, and the order
     # of summation would change with their number.
@@ -143,38 +136,6 @@ def _shield_tracker() -> None:
             resource_tracker.ensure_running()
         finally:
             signal.signal(signal.SIGHUP, before)
-
-
-@contextmanager
-def end_as_if_by_keyboard() -> Iterator[None]:
-    """Raise KeyboardInterrupt in the block where the process is asked to end.
-
-    What is ignored stays so (``nohup``); outside of the main thread, which alone gets signals,
-    nothing changes. A library that is interrupted while it loads never loads again, and takes the
-    interruption for a fault of its own: it is waited for.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.getsignal(number) for number in ASKED}
-    usual = (signal.SIG_DFL, signal.default_int_handler)
-    replaced = [number for number, handler in before.items() if handler in usual]
-    for number in replaced:
-        signal.signal(number, _interrupt)
-    try:
-        yield
-    finally:
-        for number in replaced:
-            signal.signal(number, before[number])
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            threading.Timer(LOADING, os.kill, (os.getpid(), number)).start()
-            return
-        frame = frame.f_back
-    raise KeyboardInterrupt
 
 
 @contextmanager

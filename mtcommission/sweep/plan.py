@@ -16,11 +16,11 @@ from typing import Any, NoReturn
 import numpy as np
 import tomlkit
 
+from mtcommission.base import __version__
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
-from mtcommission.base.version import __version__
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.lines import read_key
 from mtcommission.machine.profile.read import parse_profile
