@@ -159,13 +159,27 @@ Finding = FrequencyResponse | Spectrum | FreeVibration
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channel:
-    """One column of a time record."""
+    """One column of a time record, evenly sampled."""
 
     name: str  # In the file
     signal: Signal  # What it is
     sensor: Sensor | None  # Where it was seen; None for what no sensor shows (force, reference)
     rotary: bool | None  # Whether lengths are angles; None where the unit does not tell
+    start: float  # Time of the first sample [s]
+    step: float  # Of the clock [s]
     values: Array  # Shape (n_samples,) [SI]
+    error: float = 0.0  # What interpolation to an even clock may have added [SI]
+
+    @property
+    def t(self) -> Array:
+        """Times of the samples, shape (n_samples,) [s]."""
+        return self.start + self.step * np.arange(self.values.size, dtype=np.float64)
+
+    def between(self, begin: float, end: float) -> tuple[Array, Array]:
+        """Return times and values from a time up to another one."""
+        t, slack = self.t, 1e-6 * self.step
+        inside = slice(*np.searchsorted(t, [begin - slack, end + slack]).tolist())
+        return t[inside], self.values[inside]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -173,9 +187,13 @@ class TimeRecord:
     """Signals over time, evenly sampled."""
 
     source: Source  # File and label
-    sample_time: float  # Step of the clock [s]
-    channels: tuple[Channel, ...]  # Of equal length
+    channels: tuple[Channel, ...]  # Of one clock and equal length
     remarks: tuple[Message, ...] = ()  # What was done to it (resampled) and what is doubtful
+
+    @property
+    def sample_time(self) -> float:
+        """Step of the clock [s]."""
+        return self.channels[0].step
 
     @property
     def size(self) -> int:

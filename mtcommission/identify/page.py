@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.record.identified import IdentifiedPart
-from mtcommission.sheet.document import BigValue, Block, Headline, Preformatted, Section, document
-from mtcommission.sheet.html import set_html
+from mtcommission.sheet.document import BigValue, Block, Headline, Preformatted
+from mtcommission.sheet.html import set_parts
 from mtcommission.sheet.identified import (
     check_table,
     file_table,
@@ -19,8 +21,8 @@ from mtcommission.sheet.identified import (
 def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> str:
     """Return the page, which works offline."""
     words = Catalogue(language, rotary=part.rotary)
-    say, created = words.text, part.created
-    sections: dict[str, tuple[Block, ...]] = {
+    say = words.text
+    parts: dict[str, Sequence[Block]] = {
         "result": (_headline(part, words), result_table(part, words)),
         "modes": mode_tables(part, words, inside={}),
         "fits": plots(part, words),
@@ -29,22 +31,16 @@ def print_identified(part: IdentifiedPart, *, profile: str, language: str) -> st
         "sources": (file_table(part, words),),
         "profile": (Preformatted(caption=say("identify-part-profile"), text=profile),),
     }
-    page = document(
+    return set_parts(
         words,
-        script_note="identify-script-note",
-        title=say("identify-title"),
+        "identify",
+        parts,
         machine=say("identify-document-name"),
-        axis=created[:10],
+        axis=part.created[:10],
         identity=", ".join(state.name for state in part.states),
-        created=created,
+        created=part.created,
         disclaimer=say("identify-page-note"),
-        sections=tuple(
-            Section(key=key, heading=say(f"identify-part-{key}"), blocks=blocks)
-            for key, blocks in sections.items()
-            if blocks
-        ),
     )
-    return set_html(page)
 
 
 def _headline(part: IdentifiedPart, words: Catalogue) -> Headline:

@@ -64,7 +64,7 @@ def read_record(
     if ignored := tuple(c.name for c, m in zip(columns, meanings, strict=True) if m is None):
         said.insert(0, Message("identify-ignored", names=ignored))
     remarks = (*remarks, *clock.remarks, *said)
-    return TimeRecord(source=source, sample_time=clock.step, channels=channels, remarks=remarks)
+    return TimeRecord(source=source, channels=channels, remarks=remarks)
 
 
 def _require_known(
@@ -124,15 +124,9 @@ def _channels(
                 sensor = Sensor.ENCODER
                 remarks.append(Message("identify-sensor-assumed", name=column.name))
         sign = -1.0 if meaning.course is Course.ERROR else 1.0
-        values, _ = clock.sample(column.values)
+        scale, rotary = sign * meaning.scale, meaning.rotary
         channels.append(
-            Channel(
-                name=column.name,
-                signal=meaning.seen,
-                sensor=sensor,
-                rotary=meaning.rotary,
-                values=sign * meaning.scale * values,
-            )
+            clock.channel(column, meaning.seen, scale=scale, sensor=sensor, rotary=rotary)
         )
     channels.sort(key=lambda channel: channel.signal not in FORCES)
     return tuple(channels), remarks
@@ -193,8 +187,8 @@ class Clock:
         spread = float(np.abs(np.diff(self.times) / self.step - 1.0).max())
         return [Message("identify-resampled", spread=spread, step=self.step)]
 
-    def sample(self, values: Array) -> tuple[Array, float]:
-        """Return a signal at the even times, and the standard error of its interpolation."""
+    def _sample(self, values: Array) -> tuple[Array, float]:
+        """A signal at the even times, and the standard error of its interpolation."""
         if self.is_even:
             return values, 0.0
         from scipy.interpolate import CubicSpline  # slow to load, and most clocks are even
@@ -203,6 +197,28 @@ class Clock:
         half = CubicSpline(self.times[::2], values[::2])(self.times[1:-1:2])
         error = float(np.abs(values[1:-1:2] - half).max()) / SIGMAS
         return np.asarray(CubicSpline(self.times, values)(self.even)), error
+
+    def channel(
+        self,
+        column: Column,
+        signal: Signal,
+        *,
+        scale: float,
+        sensor: Sensor | None,
+        rotary: bool | None,
+    ) -> Channel:
+        """Return a column at the even times; ``scale``: SI value of one unit of the file."""
+        values, error = self._sample(column.values)
+        return Channel(
+            name=column.name,
+            signal=signal,
+            sensor=sensor,
+            rotary=rotary,
+            start=float(self.times[0]),
+            step=self.step,
+            values=scale * values,
+            error=abs(scale) * error,
+        )
 
     def require_even(self, *, where: str) -> None:
         """Raise InputError where samples are missing."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -12,9 +12,9 @@ from typing import Any, Protocol
 import numpy as np
 from markupsafe import Markup, escape
 
-from mtcommission.base.messages.catalogue import decimal_mark_of
+from mtcommission.base.messages.catalogue import Catalogue, decimal_mark_of
 from mtcommission.base.web import fill_template, json_for_script, render_page
-from mtcommission.sheet.document import Document, Formula, LinePlot
+from mtcommission.sheet.document import Block, Document, Formula, LinePlot, Section, document
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
@@ -59,6 +59,20 @@ def set_html(document: Document, *, panel: Interactive | None = None) -> str:
         interactive=Markup(fill_template(panel.template, FOLDER, panel=panel)) if panel else "",
         answers=json_for_script(panel.data) if panel else "",
     )
+
+
+def set_parts(words: Catalogue, kind: str, parts: Mapping[str, Sequence[Block]], **own: str) -> str:
+    """Return the page of a command: what is in it, by key of the headings ``KIND-part-KEY``.
+
+    ``own``: machine, axis, identity, created and disclaimer of its head.
+    """
+    sections = tuple(
+        Section(key=key, heading=words.text(f"{kind}-part-{key}"), blocks=tuple(blocks))
+        for key, blocks in parts.items()
+        if blocks
+    )
+    title, note = words.text(f"{kind}-title"), "identify-script-note"
+    return set_html(document(words, script_note=note, title=title, sections=sections, **own))
 
 
 def _read(path: Path) -> str:

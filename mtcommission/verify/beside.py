@@ -14,14 +14,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from mtcommission.identify.damped import regress
-from mtcommission.identify.measurement import Array, FreeMode
+from mtcommission.identify.measurement import Array, Channel, FreeMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
 from mtcommission.verify.planner import number_of, planned
 from mtcommission.verify.prediction import ENCODER, FORCE, TOOL, Prediction, Rebuilt, predict
 from mtcommission.verify.ringing import find_modes
 from mtcommission.verify.setpoint import Motion
-from mtcommission.verify.trace import Channel, Role, Trace, resolution
+from mtcommission.verify.trace import Role, Trace, resolution
 
 REST = 0.1
 """Of the rest before a move, what offset and noise are taken from [s]."""
@@ -162,16 +162,17 @@ def _lay_beside(
 ) -> Iterator[Beside]:
     """Every recorded signal of a move beside its prediction."""
     for role in (Role.TOOL, Role.ENCODER, Role.FOLLOWING_ERROR, Role.ACCELERATION, Role.FORCE):
-        channel = trace.find(role)
-        if channel is None or (role is Role.FOLLOWING_ERROR and trace.find(Role.ENCODER)):
+        channel = trace.channels.get(role)
+        if channel is None or (role is Role.FOLLOWING_ERROR and Role.ENCODER in trace.channels):
             continue
         t, values = channel.between(motion.begin - REST, motion.until)
         if t.size >= 4 * FEWEST:
-            yield _lay(rebuilt, channel, motion, prediction, t, values, shift)
+            yield _lay(rebuilt, role, channel, motion, prediction, t, values, shift)
 
 
 def _lay(
     rebuilt: Rebuilt,
+    role: Role,
     channel: Channel,
     motion: Motion,
     prediction: Prediction,
@@ -179,7 +180,7 @@ def _lay(
     values: Array,
     shift: float,
 ) -> Beside:
-    role, step = channel.role, channel.step
+    step = channel.step
     is_force, is_position = role is Role.FORCE, role not in (Role.FORCE, Role.ACCELERATION)
     late = motion.sample(t - rebuilt.controller.reference_delay - shift)[:, 0]
     column = {Role.FORCE: FORCE, Role.TOOL: TOOL, Role.ACCELERATION: TOOL}.get(role, ENCODER)

@@ -18,12 +18,10 @@ from mtcommission.sheet.document import (
     Bullets,
     Headline,
     LinePlot,
-    Section,
     Table,
     Tone,
-    document,
 )
-from mtcommission.sheet.html import set_html
+from mtcommission.sheet.html import set_parts
 from mtcommission.sheet.plots import FOURTH, MAIN, OTHER, THIRD, Curve, Signals, line_plot
 from mtcommission.sheet.tables import Quantity, table, words_for
 from mtcommission.verify.beside import Recorded
@@ -101,22 +99,16 @@ def set_verification(
     """Return the page of parts, by key of their heading."""
     say = words.text
     hashes = (say("identity", name=one.name, hash=one.sha256[:12]) for one in profiles)
-    page = document(
+    return set_parts(
         words,
-        script_note="identify-script-note",
-        title=say("verify-title"),
+        "verify",
+        parts,
         machine=machine,
         axis=f"{say('axis')} {', '.join(axes)}",
         identity=", ".join(hashes),
         created=created,
         disclaimer=say("verify-disclaimer"),
-        sections=tuple(
-            Section(key=key, heading=say(f"verify-part-{key}"), blocks=tuple(blocks))
-            for key, blocks in parts.items()
-            if blocks
-        ),
     )
-    return set_html(page)
 
 
 def verdict_blocks(
@@ -170,7 +162,7 @@ def source_table(traces: Sequence[T], roles: Callable[[T], str], words: Catalogu
 
 
 def _roles(trace: Trace) -> str:
-    return ", ".join(f"{one.name} = {one.role.value}" for one in trace.channels)
+    return ", ".join(f"{one.name} = {role.value}" for role, one in trace.channels.items())
 
 
 def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> LinePlot:

@@ -90,15 +90,15 @@ def _solve(rows: Sequence[Equations]) -> Regression:
 
 def _rows(trace: Trace, plant: Plant) -> list[Equations]:
     """The equations of each stretch that moves one way."""
-    force = trace.find(Role.FORCE)
-    place = trace.find(Role.ENCODER) or trace.find(Role.TOOL)
+    force = trace.channels.get(Role.FORCE)
+    place = trace.channels.get(Role.ENCODER) or trace.channels.get(Role.TOOL)
     if force is None or place is None or trace.gaps:
         return []
     h = max(force.step, place.step)
     t = np.arange(max(force.t[0], place.t[0]), min(force.t[-1], place.t[-1]), h)
     F, x = np.interp(t, force.t, force.values), np.interp(t, place.t, place.values)
     for number, mode in enumerate(plant.modes):
-        gain = mode.measured_gain if place.role is Role.ENCODER else mode.tcp_gain
+        gain = mode.measured_gain if Role.ENCODER in trace.channels else mode.tcp_gain
         x = x - gain * _mode_motion(plant, number, F - F[0], h)
     slowest = min((mode.frequency_hz for mode in plant.modes), default=100.0)
     weights = _weights(max(1.0 / (2.0 * pi * slowest), 3.0 * h), h)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline, make_lsq_spline
 
-from mtcommission.identify.measurement import Array
-from mtcommission.verify.trace import Channel, resolution
+from mtcommission.identify.measurement import Array, Channel
+from mtcommission.verify.trace import resolution
 
 NOISE_GAIN = (sqrt(2.0), sqrt(6.0), sqrt(20.0))
 """Standard deviation of a first, second, third difference of unit noise."""

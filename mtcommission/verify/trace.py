@@ -14,7 +14,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.identify.columns import Course, Meaning, read_columns
 from mtcommission.identify.formats.contents import Column, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.measurement import FORCES, Array, Given, Sensor, Signal
+from mtcommission.identify.measurement import FORCES, Array, Channel, Given, Sensor, Signal
 from mtcommission.identify.record import read_clock
 
 SAME_TRAVEL = 0.5
@@ -61,55 +61,28 @@ _ROLES = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Channel:
-    """One column, evenly sampled."""
-
-    role: Role
-    name: str  # what the file calls it
-    start: float  # time of the first sample [s]
-    step: float  # of the clock [s]
-    values: Array  # shape (n,) [SI]
-    error: float = 0.0  # what interpolation to an even clock may have added [SI]
-
-    @property
-    def t(self) -> Array:
-        """Times of the samples, shape (n,) [s]."""
-        return self.start + self.step * np.arange(self.values.size, dtype=np.float64)
-
-    def between(self, begin: float, end: float) -> tuple[Array, Array]:
-        """Return times and values from a time up to another one."""
-        t, slack = self.t, 1e-6 * self.step
-        inside = slice(*np.searchsorted(t, [begin - slack, end + slack]).tolist())
-        return t[inside], self.values[inside]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
     """A recorded file: of each role at most one channel, a setpoint and something measured."""
 
     file: str  # name as it was given
     sha256: str  # of its bytes
-    channels: tuple[Channel, ...]
+    channels: Mapping[Role, Channel]
     gaps: tuple[tuple[float, float], ...] = ()  # begin and end of stretches without samples [s]
     is_delayed: bool = False  # whether the setpoint was recorded behind τ, as the loop compares it
     remarks: tuple[Message, ...] = ()  # what was done to it, assumed, and what is doubtful
 
-    def find(self, role: Role) -> Channel | None:
-        """Return the channel of a role; None if it was not recorded."""
-        return next((one for one in self.channels if one.role is role), None)
-
     def before(self, instant: float) -> Trace:
         """Return the trace up to an instant."""
-        channels = tuple(
-            replace(one, values=one.values[: max(ceil((instant - one.start) / one.step), 1)])
-            for one in self.channels
-        )
+        channels = {
+            role: replace(one, values=one.values[: max(ceil((instant - one.start) / one.step), 1)])
+            for role, one in self.channels.items()
+        }
         return replace(self, channels=channels)
 
     @property
     def setpoint(self) -> Channel:
         """The setpoint's position."""
-        return next(one for one in self.channels if one.role is Role.SETPOINT)
+        return self.channels[Role.SETPOINT]
 
 
 def read_trace(name: str, given: Given) -> Trace:
@@ -129,7 +102,7 @@ def read_trace(name: str, given: Given) -> Trace:
     columns = [column for item in items for column in item.columns]
     used, assumed = _roles(columns, given, where=name)
     remarks = [*contents.remarks, *assumed]
-    channels: list[Channel] = []
+    channels: dict[Role, Channel] = {}
     gaps: list[tuple[float, float]] = []
     for item in items:
         own = [column for column in item.columns if id(column) in used]
@@ -140,34 +113,26 @@ def read_trace(name: str, given: Given) -> Trace:
         remarks += clock.remarks
         gaps += clock.gaps
         for column in own:
-            role, scale = used[id(column)]
-            values, error = clock.sample(column.values)
-            if not np.all(np.abs(values) < ABSURD):
+            role, scale, one = used[id(column)]
+            if not np.all(np.abs(column.values) < ABSURD):
                 raise refuse(name, "identify-series-not-finite", name=column.name)
-            channels.append(
-                Channel(
-                    role=role,
-                    name=column.name,
-                    start=float(clock.times[0]),
-                    step=clock.step,
-                    values=scale * values,
-                    error=abs(scale) * error,
-                )
+            channels[role] = clock.channel(
+                column, one.signal, scale=scale, sensor=one.sensor, rotary=given.rotary
             )
     names = tuple(column.name for column in columns)
-    if unused := tuple(one for one in names if one not in [own.name for own in channels]):
+    if unused := tuple(one for one in names if one not in [own.name for own in channels.values()]):
         remarks.append(Message("identify-ignored", names=unused))
-    if all(one.role is not Role.SETPOINT for one in channels):
-        setpoint, remark = _other_setpoint({one.role: one for one in channels}, names, where=name)
-        channels.insert(0, setpoint)
+    if Role.SETPOINT not in channels:
+        setpoint, remark = _other_setpoint(channels, names, where=name)
+        channels = {Role.SETPOINT: setpoint, **channels}
         remarks.append(remark)
-    if not any(one.role in _MEASURED for one in channels):
+    if not channels.keys() & set(_MEASURED):
         raise refuse(name, "verify-missing-measured", found=names)
     channels, turned = _check_travel(channels, where=name)
     return Trace(
         file=name,
         sha256=sha256(data).hexdigest(),
-        channels=tuple(channels),
+        channels=channels,
         gaps=tuple(gaps),
         is_delayed=any(one.kind == "verify-setpoint-from-error" for one in remarks),
         remarks=tuple(dict.fromkeys([*remarks, *turned])),
@@ -176,8 +141,8 @@ def read_trace(name: str, given: Given) -> Trace:
 
 def _roles(
     columns: Sequence[Column], given: Given, *, where: str
-) -> tuple[dict[int, tuple[Role, float]], list[Message]]:
-    """Role and SI value per unit of the columns that are of use, and what was assumed of them."""
+) -> tuple[dict[int, tuple[Role, float, Meaning]], list[Message]]:
+    """Role, SI value per unit and meaning of the columns of use, and what was assumed of them."""
     found = []
     for column, one in zip(columns, read_columns(columns, given.columns, where=where), strict=True):
         if one and (role := _ROLES.get((one.signal, one.course))):
@@ -188,7 +153,7 @@ def _roles(
     used, remarks = {}, []
     for column, role, one in found:
         scale, remark = _at_axis(column, role, one, given, where=where)
-        used[id(column)] = role, scale
+        used[id(column)] = role, scale, one
         remarks += [remark] if remark else []
     for role in Role:
         same = tuple(column.name for column, own, _ in found if own is role)
@@ -224,25 +189,25 @@ def _other_setpoint(
     """A setpoint's position from its velocity, or from position and following error."""
     if rate := by_role.get(Role.SETPOINT_VELOCITY):
         sums = np.concatenate([[0.0], np.cumsum(rate.values[1:] + rate.values[:-1])])
-        position = replace(rate, role=Role.SETPOINT, values=0.5 * rate.step * sums)
+        position = replace(rate, values=0.5 * rate.step * sums)
         return position, Message("verify-setpoint-from-velocity", name=rate.name)
     place, error = by_role.get(Role.ENCODER), by_role.get(Role.FOLLOWING_ERROR)
     if place and error and place.values.size == error.values.size:
-        position = replace(place, role=Role.SETPOINT, values=place.values + error.values)
+        position = replace(place, values=place.values + error.values)
         return position, Message("verify-setpoint-from-error", name=place.name, error=error.name)
     raise refuse(where, "verify-missing-setpoint", found=names)
 
 
 def _check_travel(
-    channels: Sequence[Channel], *, where: str
-) -> tuple[list[Channel], list[Message]]:
+    channels: Mapping[Role, Channel], *, where: str
+) -> tuple[dict[Role, Channel], list[Message]]:
     """Positions that travel as far as the setpoint; a reversed sensor is turned, and said."""
-    setpoint = next(one for one in channels if one.role is Role.SETPOINT)
+    setpoint = channels[Role.SETPOINT]
     if float(np.ptp(setpoint.values)) == 0.0:
         raise refuse(where, "verify-no-motion", name=setpoint.name)
-    found, remarks = [], []
-    for one in channels:
-        if one.role in (Role.ENCODER, Role.TOOL):
+    found, remarks = {}, []
+    for role, one in channels.items():
+        if role in (Role.ENCODER, Role.TOOL):
             at = np.interp(one.t, setpoint.t, setpoint.values)
             slope = float(np.polyfit(at - at.mean(), one.values, 1)[0]) if np.ptp(at) else 1.0
             if abs(abs(slope) - 1.0) > SAME_TRAVEL:
@@ -251,7 +216,7 @@ def _check_travel(
             if slope < 0.0:
                 remarks.append(Message("verify-reversed", name=one.name))
                 one = replace(one, values=-one.values)
-        found.append(one)
+        found[role] = one
     return found, remarks
 
 

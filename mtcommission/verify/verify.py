@@ -168,7 +168,7 @@ def _lay_out_all(
     own, warnings = _moves_of(rebuilt, entered, trace)
     if trace.is_delayed or tau <= 0.0:
         return own, warnings
-    has_error_alone = trace.find(Role.ENCODER) is None and trace.find(Role.TOOL) is None
+    has_error_alone = not trace.channels.keys() & {Role.ENCODER, Role.TOOL}
     shift = _middle_shift(own)
     is_late = shift is not None and abs(shift + tau) < SAME_DELAY * tau
     if not is_late and not has_error_alone:
