@@ -14,7 +14,7 @@ from mtcommission.machine.profile.read import (
     profile_text_hash,
     read_source,
 )
-from mtcommission.record.files import dump_json
+from mtcommission.record.shape import dump_json
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 

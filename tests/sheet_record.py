@@ -34,13 +34,12 @@ from mtcommission.machine.machine import Motion
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.record.files import dump_json, find_checksum
 from mtcommission.record.loop import ClosedLoop
 from mtcommission.record.machine import list_data
+from mtcommission.record.moves import describe_move
 from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record
-from mtcommission.record.shape import entry_of, to_entry, to_plain
-from mtcommission.record.values import describe_move
+from mtcommission.record.shape import dump_json, entry_of, find_checksum, to_entry, to_plain
 from mtcommission.study.attainable import NO_LIMITS
 
 Json = dict[str, Any]

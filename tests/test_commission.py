@@ -19,10 +19,10 @@ from mtcommission.cli.terminal import fold
 from mtcommission.commission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.profile.read import parse_profile, read_profile
-from mtcommission.record.files import dump_json
 from mtcommission.record.limits import limits_answer
 from mtcommission.record.machine import Profile
 from mtcommission.record.record import Record, build_record, load_record
+from mtcommission.record.shape import dump_json
 from tests.recorded_loop import judge_record, setpoint_of, simulate_record
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

@@ -35,10 +35,9 @@ from mtcommission.export.subject import build_subject
 from mtcommission.export.write import Export, export_record, read_text, write_body
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
-from mtcommission.record.files import dump_json
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
-from mtcommission.record.shape import to_entry
+from mtcommission.record.shape import dump_json, to_entry
 
 from .second_reader import ini_file, lines, simulate_file
 from .sheet_record import Json, on_json

@@ -34,7 +34,7 @@ from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
-from mtcommission.record.files import dump_json, find_checksum
+from mtcommission.record.shape import dump_json, find_checksum
 from mtcommission.study.variations import Row, choose
 from tests.group_record import PROFILES, mill
 from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off

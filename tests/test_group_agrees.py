@@ -26,7 +26,7 @@ from mtcommission.group.sheet import compose_group, words_of
 from mtcommission.group.task import read_task
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash, read_source
 from mtcommission.machine.variations import vary
-from mtcommission.record.files import dump_json
+from mtcommission.record.shape import dump_json
 from mtcommission.sheet.document import Table
 from tests.independent_circle import line_off
 

@@ -22,7 +22,7 @@ from mtcommission.identify.measurement import (
     Signal,
     Spectrum,
 )
-from mtcommission.record.files import dump_json
+from mtcommission.record.shape import dump_json
 from mtcommission.verify.report import report, verification_entry
 from mtcommission.verify.trace import read_trace
 from mtcommission.verify.verify import verify

@@ -16,6 +16,7 @@ from mtcommission.limits.requirements import keep_reserve
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.basis import say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant
@@ -27,7 +28,6 @@ from mtcommission.record.loop import loop_part
 from mtcommission.record.machine import list_data
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.sheet.limits import shown_jerk
 from tests.independent_loop import shaper
 
 PRINTER = """
@@ -309,7 +309,7 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     machine = printer()
     listed = replace(machine, requirements=replace(machine.requirements, every_size=False))
     found = commission(listed)
-    part = loop_part(machine, found.plant, found.loop, found.tuned, found.disturbed)
+    part = loop_part(machine, found.plant, found.loop, found.disturbed)
     assert (part.Kv, part.Kp, part.Tn, part.worst_corner) == (None, None, None, None)
     assert (part.poles, part.corners, part.bode.t) == ([], [], [])
     assert part.closed_loop.states[0] == "plant.x"
@@ -332,11 +332,13 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     # A rule tried with ramps of many cycles is not "no limit": its times come from that jerk.
     rules = limits_part(found).rules
     words, cycle = Catalogue(follows=True), part.position_cycle
-    tried = {shown_jerk(r.acceleration, r.jerk, part, words) == "no limit" for r in rules
-             if r.acceleration > 1.5 * cycle * r.jerk}  # fmt: skip
-    stepped = {shown_jerk(r.acceleration, r.jerk, part, words) == "no limit" for r in rules
-               if r.acceleration <= 1.0001 * cycle * r.jerk}  # fmt: skip
-    assert (tried, stepped) == ({False}, {True})
+    said = {
+        say_jerk(r.acceleration, r.jerk, part.shortest_ramp, words) == "no limit":
+            r.acceleration / r.jerk / cycle
+        for r in rules
+    }  # fmt: skip
+    assert said[False] > 1.5
+    assert said[True] <= 1.0001
 
 
 def test_the_model_for_python_control_moves_as_the_setpoint_says() -> None:

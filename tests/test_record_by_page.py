@@ -15,9 +15,9 @@ from mtcommission.machine.control import FilterKind, ForceFilter, TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import read_profile
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.record.files import dump_json
 from mtcommission.record.machine import Profile
 from mtcommission.record.record import build_record
+from mtcommission.record.shape import dump_json
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 from tests.recorded_loop import judge_record, simulate_record

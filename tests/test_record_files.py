@@ -11,8 +11,8 @@ from benchmarks.fuzz import call
 from benchmarks.mutations import dice_of, mutated_text
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.record.files import find_checksum
 from mtcommission.record.record import SCHEMA, load_record
+from mtcommission.record.shape import find_checksum
 from mtcommission.sheet import remark_on_print
 from tests.sheet_record import example_record, on_json
 

@@ -18,10 +18,10 @@ from mtcommission.commission.commission import commission
 from mtcommission.identify.measurement import Given
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.record.files import dump_json
 from mtcommission.record.machine import Profile
-from mtcommission.record.read_back import read_filter
+from mtcommission.record.read_back import read_limits
 from mtcommission.record.record import Record, build_record
+from mtcommission.record.shape import dump_json
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.feedforward import suggest_feedforward
@@ -57,13 +57,7 @@ def rebuilt_of(name: str) -> Rebuilt:
 
 
 def limits_of(record: Record) -> MotionLimits:
-    best = record.limits.recommended
-    chosen = best.setpoint_filter
-    return MotionLimits(
-        acceleration=best.acceleration,
-        jerk=best.jerk,
-        setpoint_filter=read_filter(chosen) if chosen else None,
-    )
+    return read_limits(record.limits.recommended)
 
 
 def axis_of(rebuilt: Rebuilt) -> Given:

@@ -31,7 +31,7 @@ from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
-from mtcommission.record.what_if import WhatIfPart, what_if_part
+from mtcommission.record.loop import WhatIfPart, what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of

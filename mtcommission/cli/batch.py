@@ -86,7 +86,7 @@ def validate(
     """
     from mtcommission.base.files import require_folder, require_writable, write_files, write_text
     from mtcommission.cli.validation_view import describe_validation
-    from mtcommission.record.files import dump_json
+    from mtcommission.record.shape import dump_json
     from mtcommission.validate import page
 
     require_writable(json_file)

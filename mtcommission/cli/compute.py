@@ -34,7 +34,7 @@ from mtcommission.cli.terminal import print_said, show, show_stage
 if TYPE_CHECKING:
     from mtcommission.commission.recommend import Recommendation
     from mtcommission.machine.profile.read import ProfileSource
-    from mtcommission.record.values import Words
+    from mtcommission.record.shape import Words
 
 ROWS_BELOW = 4
 """Lines that ``run`` says below its answer: what was written, and what to do next."""
@@ -64,10 +64,10 @@ def run(
     from mtcommission.commission.commission import commission
     from mtcommission.controls.kinds import GENERIC
     from mtcommission.export.catalogue import CONTROL_KEYS
-    from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
     from mtcommission.record.machine import list_assumed
     from mtcommission.record.record import record_run
+    from mtcommission.record.shape import dump_json
     from mtcommission.sheet import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import (
         assumed_and_binding,
@@ -159,9 +159,8 @@ def optimal(
     from mtcommission.cli.optimum_view import describe_optimum
     from mtcommission.commission.options import final_time_origin, read_optimal_request, solve
     from mtcommission.machine.plant.plant import build_plant
-    from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
-    from mtcommission.record.shape import to_plain
+    from mtcommission.record.shape import dump_json, to_plain
 
     require_writable(json_file, csv_file, inputs=[profile])
     machine, _ = read_machine(profile, f_max=f_max)
@@ -228,9 +227,9 @@ def limits(
         raise typer.Exit(0 if found.choice.meets_requirements else 1)
 
     from mtcommission.cli.limits_view import ROWS, describe_limits
-    from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_answer
     from mtcommission.record.machine import list_assumed
+    from mtcommission.record.shape import dump_json
 
     answer = limits_answer(found)
     if json_file:
@@ -243,9 +242,9 @@ def limits(
 
 
 def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> str:
+    from mtcommission.record.loop import what_if_part
     from mtcommission.record.machine import MachineEntry, Profile
     from mtcommission.record.shape import entry_of
-    from mtcommission.record.what_if import what_if_part
     from mtcommission.sheet import print_answers
 
     machine, limits = found.machine, found.choice.limits
@@ -298,9 +297,9 @@ def simulate(
     from mtcommission.limits.judge import simulate_moves
     from mtcommission.loop.tuning.tuned import close_beside
     from mtcommission.machine.plant.plant import build_plant
-    from mtcommission.record.files import dump_json
     from mtcommission.record.machine import list_assumed
     from mtcommission.record.moves import simulation_part
+    from mtcommission.record.shape import dump_json
     from mtcommission.setpoint.motion_limits import without_jerk_limit
     from mtcommission.study.loops import describe_loop, settle_on_loop
 

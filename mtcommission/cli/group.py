@@ -42,7 +42,7 @@ def group(
     from mtcommission.group.record import build_group_record
     from mtcommission.group.sheet import print_group
     from mtcommission.group.task import read_task
-    from mtcommission.record.files import dump_json
+    from mtcommission.record.shape import dump_json
 
     task = read_task(
         [machine for machine, _ in read],

@@ -10,7 +10,8 @@ from mtcommission.cli.verified_view import STYLES
 from mtcommission.group.record import AngleEntry, GroupRecord
 from mtcommission.group.verified import say_found
 from mtcommission.group.verify import CircleVerification
-from mtcommission.sheet.tables import say_filter, show
+from mtcommission.machine.basis import say_filter
+from mtcommission.sheet.tables import show
 from mtcommission.verify.report import check_row, say_reasons
 
 

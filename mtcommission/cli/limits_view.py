@@ -8,17 +8,16 @@ from math import inf
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
+from mtcommission.machine.basis import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.record.limits import LimitsAnswer, RecommendedEntry, RuleResult, TodayEntry
 from mtcommission.record.moves import AssessmentPart, SimulationPart
-from mtcommission.sheet.limits import ROUNDED
 from mtcommission.sheet.tables import (
     CORNER,
     PEAK,
     RESIDUAL,
     SETTLING,
     STATE,
-    say_filter,
     say_requirement,
     show,
 )
@@ -135,7 +134,9 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     every = machine.requirements.every_size
     first = text("terminal-limits-listed" if every else "limits-name")
     names = [first, "a", "j", *of_answer]
-    cells = ([name, *_row(machine, one, met, spoken)] for name, one, met in rows)
+    cells = (
+        [name, *_row(one, met, machine.control.shortest_ramp, spoken)] for name, one, met in rows
+    )
     shown = table(names, cells, ["bold" if one is answer.recommended else "" for _, one, _ in rows])
     if more := rules[len(others) :]:
         missed = sum(not one.meets_requirements for one in rules if one not in others)
@@ -143,23 +144,13 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     return shown
 
 
-def _row(machine: Machine, entry: Entry, is_met: bool, spoken: Catalogue) -> list[str]:
-    no_limit = spoken.text("no-jerk-limit")
-    is_step = _is_step(machine, entry.acceleration, entry.jerk)
-    jerk = show(None if is_step else entry.jerk, spoken, "m/s^3")
+def _row(entry: Entry, is_met: bool, shortest: float, spoken: Catalogue) -> list[str]:
     return [
         show(entry.acceleration, spoken, "m/s^2"),
-        no_limit if is_step or (entry.jerk is None and isinstance(entry, TodayEntry)) else jerk,
+        say_jerk(entry.acceleration, entry.jerk, shortest, spoken),
         *(one.show(entry, spoken) for one in (SETTLING, RESIDUAL, PEAK)),
         spoken.text("yes" if is_met else "no"),
     ]
-
-
-def _is_step(machine: Machine, acceleration: float | None, jerk: float | None) -> bool:
-    """Whether a jerk limits nothing: the control has none, and the ramp takes one cycle."""
-    if acceleration is None or jerk is None or machine.control.kind.has_jerk_limit:
-        return False
-    return acceleration < ROUNDED * machine.control.position_cycle * jerk
 
 
 def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:

@@ -39,9 +39,9 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.base.files import require_folder, write_files
-    from mtcommission.record.files import names_group
+    from mtcommission.record.read_back import load_verdict
     from mtcommission.record.record import load_record
-    from mtcommission.record.verified import load_verdict
+    from mtcommission.record.shape import names_group
     from mtcommission.sheet import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import type_in
 
@@ -112,7 +112,7 @@ def export(
     key = find_control_key(control)
     require_writable(output, inputs=[record])
 
-    from mtcommission.record.files import names_group
+    from mtcommission.record.shape import names_group
 
     with show_stage() as progress:
         progress(Message("stage-responses"))

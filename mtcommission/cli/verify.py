@@ -43,7 +43,7 @@ def verify(
     said = read_columns(columns or [])
     force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
 
-    from mtcommission.record.files import names_group
+    from mtcommission.record.shape import names_group
 
     if names_group(record):
         for name, given in (("--constant", constant), ("--refine", renewed)):
@@ -54,8 +54,8 @@ def verify(
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.identify.measurement import Given
     from mtcommission.machine.profile.read import parse_profile
-    from mtcommission.record.files import dump_json
     from mtcommission.record.record import load_record
+    from mtcommission.record.shape import dump_json
     from mtcommission.verify.renew import find_new_limits, renew_profile
     from mtcommission.verify.report import report, verification_entry
     from mtcommission.verify.trace import read_trace
@@ -108,7 +108,7 @@ def _verify_circles(
     from mtcommission.group.traces import read_circular
     from mtcommission.group.verified import circles_entry, print_circles
     from mtcommission.group.verify import verify_circles
-    from mtcommission.record.files import dump_json
+    from mtcommission.record.shape import dump_json
 
     loaded = load_group(record)
     traces = [read_circular(name, said, loaded.plane) for name in names]

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.kind import Jerk
 from mtcommission.limits.judge import Candidate, MoveResult
+from mtcommission.machine.basis import say_filter, say_jerk
 from mtcommission.machine.machine import Machine, Motion
-from mtcommission.machine.shapers import name_shaper
 from mtcommission.machine.variations import NOMINAL, Corner
 
 if TYPE_CHECKING:
@@ -154,25 +153,12 @@ def _acceleration(item: Candidate, spoken: Catalogue) -> str:
 
 
 def _jerk(machine: Machine, item: Candidate, spoken: Catalogue) -> str:
-    if machine.control.kind.jerk is Jerk.NONE:
-        return spoken.text("no-jerk-limit")
-    return spoken.format.axis(item.limits.jerk, "m/s^3")
+    limits, shortest = item.limits, machine.control.shortest_ramp
+    return say_jerk(limits.acceleration, limits.jerk, shortest, spoken)
 
 
 def _filter(machine: Machine, item: Candidate, spoken: Catalogue) -> str:
-    used = item.limits.setpoint_filter or machine.control.setpoint_filter
-    if used is None:
-        return spoken.text("no-setpoint-filter")
-    name = spoken.text(
-        "filter-name", kind=used.kind, shaper=name_shaper(used.kind), count=len(used.taps)
-    )
-    f, times = spoken.format, used.averages or (used.duration,)
-    numbers = (
-        [f.quantity(used.frequency_hz, "Hz"), f"ζ {f.number(used.damping_ratio)}"]
-        if used.frequency_hz
-        else [f.quantity(time, "s") for time in times]
-    )
-    return f"{name} {', '.join(numbers)}"
+    return say_filter(item.limits.setpoint_filter or machine.control.setpoint_filter, spoken)
 
 
 def _settling(value: float, spoken: Catalogue, unit: str = "s") -> str:

@@ -21,7 +21,7 @@ from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.read_back import AxisRecord
 from mtcommission.record.record import Record, Tool
-from mtcommission.record.values import Words
+from mtcommission.record.shape import Words
 
 WIDTH = 96
 """Columns of the header's sentences."""

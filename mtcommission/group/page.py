@@ -22,8 +22,8 @@ from mtcommission.group.ballbar import SINCE, reverses
 from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
 from mtcommission.group.follow import AFTER, Follower
 from mtcommission.group.record import GroupRecord
+from mtcommission.record.moves import rounded
 from mtcommission.record.shape import finite_or_none, to_plain
-from mtcommission.record.values import rounded
 from mtcommission.sheet.what_if import Field
 
 FOLDER = Path(__file__).parent

@@ -21,7 +21,7 @@ from mtcommission.group.judged import (
     feeds_over_radius,
     judge_group,
 )
-from mtcommission.record.files import find_checksum
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.limits import (
     ModeLimitsEntry,
     RecommendedEntry,
@@ -39,10 +39,9 @@ from mtcommission.record.machine import (
     list_data,
 )
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.read_back import close_as_held, read_filter, read_held
+from mtcommission.record.read_back import close_as_held, read_held
 from mtcommission.record.record import Tool, load_sealed, this_tool
-from mtcommission.record.shape import entry_of, finite_or_none, of, to_plain
-from mtcommission.record.values import SetpointFilterEntry, Words
+from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, of, to_plain
 from mtcommission.study.loops import disturb
 
 SCHEMA = 2
@@ -128,7 +127,7 @@ class RuleEntry:
 class TrialEntry:
     """A setpoint filter that was looked at."""
 
-    filter: SetpointFilterEntry | None = of("setpoint_filter")
+    filter: SetpointFilter | None = of("setpoint_filter")
     settling_time: float | None
     axes_acceleration: float
     path_acceleration: float
@@ -152,7 +151,7 @@ class GroupRecord:
     created: str
     axes: list[AxisEntry]
     plane: list[str]
-    filter: SetpointFilterEntry | None
+    filter: SetpointFilter | None
     delay: float  # of every axis, from setpoint to tool, filter apart [s]
     feedforward: dict[str, FeedforwardTogether]
     path: PathEntry
@@ -201,7 +200,6 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         tolerance=task.tolerance,
         accelerations=path.accelerations,
     )
-    item = group.setpoint_filter
     record = GroupRecord(
         schema=SCHEMA,
         checksum="",
@@ -212,7 +210,7 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
             for axis, source in zip(group.axes, task.sources, strict=True)
         ],
         plane=[axis.name for axis in group.drawn],
-        filter=entry_of(SetpointFilterEntry, item) if item else None,
+        filter=group.setpoint_filter,
         delay=max(delays.values()),
         feedforward={
             axis.name: FeedforwardTogether(
@@ -255,7 +253,7 @@ def _axis_entry(axis: GroupAxis, profile: Profile) -> AxisEntry:
             recommended=recommended_entry(RecommendedEntry, machine, axis.choice),
             today=today_entry(machine, found.today) if found.today else None,
         ),
-        loop=loop_part(machine, found.plant, found.loop, found.tuned, disturb(found.loop)),
+        loop=loop_part(machine, found.plant, found.loop, disturb(found.loop)),
         assessment=entry_of(AssessmentPart, axis.choice.candidate.assessment),
         settling_time=finite_or_none(axis.in_effect.settling_time),
         wait=axis.follower.wait,
@@ -300,9 +298,8 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
 
 def read_pair(record: GroupRecord) -> Pair:
     """Return how the two axes that draw circles follow contours, as the record was made."""
-    item = read_filter(record.filter) if record.filter else None
     first, second = (
-        follow(machine, close_as_held(machine), item, axis.wait)
+        follow(machine, close_as_held(machine), record.filter, axis.wait)
         for axis, machine in ((one, read_held(one)) for one in record.drawn)
     )
     return first, second

@@ -25,6 +25,7 @@ from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel
 from mtcommission.group.record import GroupRecord, read_pair
+from mtcommission.machine.basis import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed
 from mtcommission.sheet.document import (
     HASH_DIGITS,
@@ -44,17 +45,7 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.pdf import set_pdf
-from mtcommission.sheet.tables import (
-    DASH,
-    Quantity,
-    capitalised,
-    filter_rows,
-    pairs,
-    say_filter,
-    show,
-    table,
-    words_for,
-)
+from mtcommission.sheet.tables import DASH, Quantity, capitalised, pairs, show, table, words_for
 from mtcommission.sheet.verdict import entry_name, show_typed
 
 JUST_BELOW = 0.999

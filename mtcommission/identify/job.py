@@ -12,9 +12,8 @@ from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import Identified, identify
 from mtcommission.identify.measurement import Given
 from mtcommission.identify.profile import Writing, kind_replaced, merge_profile, write_profile
-from mtcommission.record.files import dump_json
 from mtcommission.record.identified import IdentifiedPart
-from mtcommission.record.shape import to_plain
+from mtcommission.record.shape import dump_json, to_plain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

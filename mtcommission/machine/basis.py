@@ -1,4 +1,4 @@
-"""Machine -> on what its results rest: what the control has, and what is neglected."""
+"""Machine in words: control, filter and jerk as they are set, and on what results rest."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import ControlKind
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.shapers import name_shaper
 
 OF_LOOP = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
 
@@ -69,6 +71,44 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
 def name_control(kind: str, words: Catalogue) -> str:
     """Return the name of a kind of control."""
     return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
+
+
+def filter_rows(item: SetpointFilter | None, words: Catalogue) -> list[tuple[str, str]]:
+    """Return a setpoint filter as it is entered: its kind, then each of its numbers."""
+    text, f = words.text, words.format
+    if item is None:
+        return [(text("setpoint-filter"), text("no-setpoint-filter"))]
+    shaper, count = name_shaper(item.kind), len(item.taps)
+    name = text("filter-name", kind=item.kind, shaper=shaper, count=count)
+    rows = [(text("setpoint-filter"), name)]
+    if item.frequency_hz:
+        return [
+            *rows,
+            (text("filter-of-frequency"), f.quantity(item.frequency_hz, "Hz")),
+            (text("filter-of-damping"), f"ζ {f.number(item.damping_ratio)}"),
+        ]
+    times = (item.time or item.duration, item.second_time)
+    labels = ("filter-of-length", "filter-of-second-length")
+    named = zip(labels, times, strict=True)
+    return [*rows, *((text(label), f.quantity(time, "s")) for label, time in named if time)]
+
+
+def say_filter(item: SetpointFilter | None, words: Catalogue) -> str:
+    """Return a setpoint filter with its numbers; None is "none"."""
+    (_, kind), *numbers = filter_rows(item, words)
+    return " ".join([kind, *([", ".join(value for _, value in numbers)] if numbers else [])])
+
+
+def say_jerk(
+    acceleration: float | None, jerk: float | None, shortest: float, words: Catalogue
+) -> str:
+    """Return a jerk limit; in words where its ramp is shorter than the shortest [s].
+
+    Shapers and steps of acceleration have a jerk that limits nothing.
+    """
+    if jerk is None or (acceleration is not None and acceleration < shortest * jerk):
+        return words.text("no-jerk-limit")
+    return words.format.axis(jerk, "m/s^3")
 
 
 def say_loop(place: str, position_cycle: float, velocity_cycle: float, words: Catalogue) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.axis_units import AxisUnits
-from mtcommission.controls.kind import ControlKind, PositionLoop
+from mtcommission.controls.kind import ControlKind, Jerk, PositionLoop
 from mtcommission.controls.kinds import GENERIC, KINDS
 from mtcommission.machine.keys import Misfit, Table, keyed
 from mtcommission.machine.ranges import (
@@ -53,6 +53,12 @@ WHOLE_MULTIPLE = 1e-9
 """Relative distance from a whole number of velocity cycles."""
 
 MOST_FORCE_FILTERS = 8
+
+ROUNDED = 1.001
+"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
+
+UNSEEN = 0.1
+"""Share of a velocity cycle below which a ramp is a step to the drive."""
 
 
 class TcpSensor(Enum):
@@ -121,6 +127,15 @@ class Today:
     setpoint_filter: SetpointFilter | None = keyed(
         HELD_FILTER, 'Filter behind the setpoint generator, or "none".', "none", default=None
     )
+
+
+def shortest_ramp(jerk: str, position_cycle: float, velocity_cycle: float) -> float:
+    """Return below which length a ramp of acceleration is a step to the drive [s].
+
+    ``jerk``: how the control takes a limit of it. Where it takes none, limits have a ramp of a
+    position cycle, and a rule that was tried with a longer one shows the jerk that it has.
+    """
+    return ROUNDED * position_cycle if jerk == Jerk.NONE.value else UNSEEN * velocity_cycle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,6 +265,11 @@ class Control:
         """Whether nothing of the loop is given or demanded, so nothing can be poor about it."""
         given = self.has_given_gains or self.force_filters or self.state_gains
         return not given and self.minimum_bandwidth_hz == 0.0
+
+    @property
+    def shortest_ramp(self) -> float:
+        """Below which length a ramp of acceleration is a step to the drive [s]."""
+        return shortest_ramp(self.kind.jerk.value, self.position_cycle, self.velocity_cycle)
 
     @classmethod
     def complete(

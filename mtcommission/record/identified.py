@@ -17,8 +17,13 @@ from mtcommission.machine.identified import (
     ShaperProposal,
 )
 from mtcommission.machine.machine import Machine, Motion
-from mtcommission.record.files import LARGEST_FILE, find_checksum, load_json
-from mtcommission.record.shape import WrongFormError, entry_of, to_entry
+from mtcommission.record.shape import (
+    WrongFormError,
+    entry_of,
+    find_checksum,
+    load_json,
+    to_entry,
+)
 
 APART = ("files", "sensor", "profile")
 """Keys of the file beside a profile that say the same once more; the profile names its checksum."""
@@ -127,7 +132,7 @@ def read_evidence(machine: Machine, folder: Path | None) -> IdentifiedPart | Non
         return _from_profile(machine, said, Message("identified-without-evidence"))
     missing = Message("identified-evidence-missing", file=said.evidence)
     try:
-        data = load_json(folder / said.evidence, most=LARGEST_FILE)
+        data = load_json(folder / said.evidence)
     except InputError:
         return _from_profile(machine, said, missing)
     if not isinstance(data, dict) or evidence_checksum(data) != said.checksum:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -17,20 +18,14 @@ from mtcommission.limits.commissioning_rule import (
     RuleStep,
 )
 from mtcommission.machine.machine import Machine
-from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.shape import entry_of, of
-from mtcommission.record.values import (
-    Array,
-    SetpointFilterEntry,
-    Words,
-    describe_move,
-    rounded,
-)
-from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.record.moves import Array, AssessmentPart, describe_move, rounded
+from mtcommission.record.shape import Words, entry_of, of
+from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import NO_LIMITS, ModeLimits
 from mtcommission.study.loops import describe_loop
-from mtcommission.study.robustness import KeptRange
+from mtcommission.study.robustness import KeptRange, MoveSizes
 from mtcommission.study.rules import TodaysValues
 
 if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
@@ -41,11 +36,13 @@ REACHED = ("settling_time", "residual_deviation", "peak_deviation")
 """What is None where nothing was judged."""
 
 
-def _plotted(values: Array) -> Array:
-    return rounded(values, 5)
+def _plotted(name: str) -> Callable[[Any], Array]:
+    """Finds values for a plot, by the name of a result's attribute."""
+    return lambda result: rounded(getattr(result, name), 5)
 
 
-def _jerk_if_limited(limits: MotionLimits) -> float | None:
+def _jerk_if_limited(sizes: MoveSizes) -> float | None:
+    limits = sizes.limits
     return limits.jerk if limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
 
 
@@ -81,7 +78,7 @@ class JudgedLimits:
     acceleration: float = of("limits.acceleration")
     jerk: float = of("limits.jerk")
     jerk_time: float = of("limits.jerk_time")
-    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
+    setpoint_filter: SetpointFilter | None = of("limits.setpoint_filter")
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
@@ -137,7 +134,7 @@ class TodayEntry:
     acceleration: float = of("today.acceleration")
     jerk: float | None = of("today.jerk")  # None: the control has no limit of the jerk
     jerk_time: float = of("limits.jerk_time")  # then the ramp that was simulated
-    setpoint_filter: SetpointFilterEntry | None = of("today.setpoint_filter")
+    setpoint_filter: SetpointFilter | None = of("today.setpoint_filter")
     Kv: float = of("controller.position_gain")
     Kp: float = of("controller.velocity_gain")
     Tn: float = of("controller.integral_time")
@@ -150,7 +147,7 @@ class TodayEntry:
     peak_deviation: float | None
     meets_requirements: bool
     keeps_reserve: bool
-    frequency_range: list[float] | None = of("frequency_error", by=_ends)
+    frequency_range: list[float] | None = of(lambda today: _ends(today.frequency_error))
     valid_for: list[SizesEntry]
 
 
@@ -180,10 +177,10 @@ class Landscape:
 
     acceleration: list[float]
     jerk_time: list[float]
-    settling_time: list[list[float | None]] = of("settling_time", by=_plotted)
-    residual_deviation: list[list[float | None]] = of("residual_deviation", by=_plotted)
+    settling_time: list[list[float | None]] = of(_plotted("settling_time"))
+    residual_deviation: list[list[float | None]] = of(_plotted("residual_deviation"))
     # Share of the limits of force and bounded peaks [-].
-    usage: list[list[float | None]] = of("usage", by=_plotted)
+    usage: list[list[float | None]] = of(_plotted("usage"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,13 +223,13 @@ class MoveSizesEntry:
 
     way: Words = of("name")  # recommended, by the commissioning rule, or by a moving average alone
     acceleration: float = of("limits.acceleration")
-    jerk: float | None = of("limits", by=_jerk_if_limited)
-    setpoint_filter: SetpointFilterEntry | None = of("limits.setpoint_filter")
-    move: dict[str, float] = of("move", by=describe_move)
-    own: float = of("move", by=size_of)  # size of the profile's move
-    size: list[float] = of("size", by=_plotted)  # velocity steps or distances
-    settling_time: list[float | None] = of("settling_time", by=_plotted)
-    residual_deviation: list[float | None] = of("residual_deviation", by=_plotted)
+    jerk: float | None = of(_jerk_if_limited)
+    setpoint_filter: SetpointFilter | None = of("limits.setpoint_filter")
+    move: dict[str, float] = of(lambda sizes: describe_move(sizes.move))
+    own: float = of(lambda sizes: size_of(sizes.move))  # size of the profile's move
+    size: list[float] = of(_plotted("size"))  # velocity steps or distances
+    settling_time: list[float | None] = of(_plotted("settling_time"))
+    residual_deviation: list[float | None] = of(_plotted("residual_deviation"))
     full_from: float | None  # from here on the acceleration is reached; None: never
     kept_from: float | None  # the band is kept about ``own`` from here; None: not even there
     kept_to: float | None
@@ -242,13 +239,13 @@ class MoveSizesEntry:
 class ImprovementEntry:
     """What a single change would bring; ``outcome`` says why it has no number, or is not judged."""
 
-    name: str = of("change", by=lambda change: change.kind.removeprefix("change-"))
+    name: str = of(lambda one: one.change.kind.removeprefix("change-"))
     change: Words
     settling_time: float | None
     saved: float | None  # of the settling time
     share: float | None  # the same relative to that of the recommendation [-]
     meets_requirements: bool
-    outcome: Words = of("outcome", by=lambda outcome: outcome or "")
+    outcome: Words = of(lambda one: one.outcome or "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,32 +1,44 @@
-"""The feedback loop of a record."""
+"""The feedback loop of a record, and all that a page needs to run it again with other values."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.limits.requirements import SET_FORCE
+from mtcommission.controls.kind import MOVING_AVERAGE
+from mtcommission.limits.requirements import SET_FORCE, Yields, bounded_states, requirements_of
 from mtcommission.loop.analysis import draw_bode
-from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, worst_noise
-from mtcommission.loop.model.assembly import INPUTS, CrossCheck
-from mtcommission.loop.model.controller import PathDelay, list_delays
+from mtcommission.loop.disturbance import DisturbanceStep, EncoderNoise, encoder_noise, worst_noise
+from mtcommission.loop.model.assembly import INPUTS, CrossCheck, SampledLoop, build_loop
+from mtcommission.loop.model.controller import Controller, PathDelay, list_delays
+from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.control import ForceFilter
+from mtcommission.machine.control import ForceFilter, shortest_ramp
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import Plant
-from mtcommission.record.shape import entry_of, of
-from mtcommission.record.values import (
-    Matrix,
-    Series,
-    Words,
-    by_mode,
-)
+from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.variations import Corner, vary
+from mtcommission.record.moves import InCorner, Series, by_mode, describe_move
+from mtcommission.record.shape import Matrix, Words, entry_of, of
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.loops import LoopChoice, LoopTrial
+from mtcommission.study.rules import TodaysValues
+
+PUSH_STEP = 0.5e-3
+"""Spacing of the samples of a disturbance response for its plot [s]."""
+
+NOT_WITHOUT_LOOP = (
+    *("Kv", "Kp", "Tn", "gain_margin_db", "gain_margin_up_db", "gain_margin_down_db"),
+    *("phase_margin_deg", "sensitivity_peak", "bandwidth_hz", "dynamic_stiffness"),
+    *("weakest_frequency_hz", "worst_corner", "cross_check"),
+)
+"""What is None where the motor follows its setpoint."""
+
+NO_SERIES = Series(t=[], signals={})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,28 +166,20 @@ class LoopPart:
     remarks: list[Words]  # which rule chose what
     warnings: list[Words]  # what is poor about the loop; part of the record's warnings, too
 
-
-PUSH_STEP = 0.5e-3
-"""Spacing of the samples of a disturbance response for its plot [s]."""
-
-NOT_WITHOUT_LOOP = (
-    *("Kv", "Kp", "Tn", "gain_margin_db", "gain_margin_up_db", "gain_margin_down_db"),
-    *("phase_margin_deg", "sensitivity_peak", "bandwidth_hz", "dynamic_stiffness"),
-    *("weakest_frequency_hz", "worst_corner", "cross_check"),
-)
-"""What is None where the motor follows its setpoint."""
-
-NO_SERIES = Series(t=[], signals={})
+    @property
+    def shortest_ramp(self) -> float:
+        """Below which length a ramp of acceleration is a step to the drive [s]."""
+        return shortest_ramp(self.jerk, self.position_cycle, self.velocity_cycle)
 
 
 def loop_part(
     machine: Machine,
     plant: Plant,
     loop: LoopChoice,
-    tuned: TunedLoop,
     disturbed: Mapping[str, DisturbanceStep],
 ) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
+    tuned = loop.tuned
     controller, control, outputs = tuned.controller, machine.control, tuned.loops[0].outputs
     resolution = machine.drive.encoder_resolution
     gains = zip(plant.states, controller.state_gains.tolist(), strict=True)
@@ -230,7 +234,7 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
         "worst_corner": _worst_corner(tuned),
         "cross_check": check_by_blocks(tuned.loops[0], response.frequency_hz),
         "worst_mode_damping": by_mode(plant, tuned.least_damping),
-        "bode": entry_of(Series, t=response.frequency_hz, signals=_lists(drawn, drawn.values())),
+        "bode": entry_of(Series, t=response.frequency_hz, signals=drawn),
     }
 
 
@@ -261,9 +265,255 @@ def _disturbance(disturbed: Mapping[str, DisturbanceStep]) -> Series:
         return NO_SERIES
     t = next(iter(disturbed.values())).t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
-    steps = [step.deflection[::every] for step in disturbed.values()]
-    return entry_of(Series, t=t[::every], signals=_lists(disturbed, steps))
+    steps = {name: step.deflection[::every] for name, step in disturbed.items()}
+    return entry_of(Series, t=t[::every], signals=steps)
 
 
-def _lists(names: Iterable[str], columns: Iterable[NDArray[np.float64]]) -> dict[str, list[float]]:
-    return {name: column.tolist() for name, column in zip(names, columns, strict=True)}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampledEntry:
+    """The nominal loop at the velocity cycle, for whoever closes it on other machines.
+
+    X over ``states``: the plant's first, F_set at ``pending``, what the position cycle hands down
+    from ``held`` on. X⁺ = ``cycle`` X in a velocity cycle; after ``cycles`` of these the states
+    from ``held`` on become ``by_state`` X, X from before them, plus ``by_setpoint`` times (x_ref,
+    v_ref, a_ref, j_ref) at that time, then one position cycle earlier, and so on. Where the motor
+    follows, what is handed down are its position, velocity, acceleration and jerk.
+    """
+
+    follows: bool
+    velocity_cycle: float
+    cycles: int
+    reference_delay: float
+    states: list[str]
+    pending: int
+    held: int
+    cycle: Matrix
+    by_state: Matrix
+    by_setpoint: Matrix
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariedModeEntry:
+    """Where a mode stands in the plant; payload p divides its terms by 1 + p ``payload_share``."""
+
+    deflection: int
+    rate: int
+    payload_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalEntry:
+    """A row over the plant's states whose largest magnitude counts, from t_e + τ on or always."""
+
+    name: str
+    unit: str
+    row: list[float]
+    less: int | None  # less that derivative of the delayed setpoint, 0: position; None: as it is
+    is_after: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariedPlantEntry:
+    """The nominal plant, and what payload, frequency and damping change in it.
+
+    The force moves the state ``velocity`` by 1/(``moving_mass`` + payload); where the motor
+    follows, the last state is its acceleration and B the jerk's. ``signals``: the motor's force,
+    then each that a check of the same name bounds.
+    """
+
+    A: Matrix
+    B: list[float]
+    tcp: list[float]
+    signals: list[SignalEntry]
+    position: int
+    velocity: int
+    moving_mass: float
+    modes: list[VariedModeEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoisyCornerEntry(InCorner):
+    """A corner, and what the steps of the encoder add there either way."""
+
+    tool_noise: float = of("tool")
+    force_noise: float = of("force")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateEntry:
+    """The plant in a state in which it was measured, and the loop around it."""
+
+    name: str
+    plant: VariedPlantEntry
+    loop: SampledEntry
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitEntry:
+    """A requirement; ``of_listed``: smaller moves than the listed ones need not keep it."""
+
+    name: str
+    unit: str
+    limit: float
+    of_listed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NeedsEntry:
+    """What moves are judged by; None: not stated. ``every_size``: smaller moves count, too."""
+
+    checks: list[LimitEntry]
+    tcp_deviation: float
+    contour_feed: float | None
+    motion_force: float
+    static_load: float
+    every_size: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownLimitsEntry:
+    """Limits to begin with; ``loop`` where it is another one, ``states``: in each state."""
+
+    name: str
+    acceleration: float
+    jerk: float
+    setpoint_filter: SetpointFilter | None
+    loop: SampledEntry | None
+    states: list[StateEntry] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WhatIfPart:
+    """All that it takes to run other limits, moves and machines through the loop again."""
+
+    jerk: str
+    loop: SampledEntry
+    plant: VariedPlantEntry
+    corners: list[NoisyCornerEntry]
+    moves: list[dict[str, float]]
+    requirements: NeedsEntry
+    limits: list[KnownLimitsEntry]
+    force_filters: list[ForceFilter]
+    states: list[StateEntry] = field(default_factory=list)
+    averages: list[float] | None  # least and longest moving average; None: the control has none
+
+
+def what_if_part(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    today: TodaysValues | None,
+) -> WhatIfPart:
+    """Return what a page needs to answer for other limits, moves and machines.
+
+    The values now in the control first, where they are stated and their loop is stable.
+    """
+    controller, control = tuned.controller, machine.control
+    given = limits.setpoint_filter or control.setpoint_filter
+    recommended = entry_of(
+        KnownLimitsEntry, limits, name="recommended", setpoint_filter=given, loop=None, states=[]
+    )
+    known = [recommended]
+    if today is not None and today.judged is not None:
+        in_own = bool(today.stated)
+        own = build_loop(plant, today.controller, model=plant) if in_own else None
+        now = entry_of(
+            KnownLimitsEntry,
+            today.limits,
+            name="today",
+            setpoint_filter=today.today.setpoint_filter,
+            loop=_sampled_entry(own) if own else None,
+            states=list(_states(machine, plant, today.controller)) if in_own else [],
+        )
+        known.insert(0, now)
+    average = control.kind.find_filter(MOVING_AVERAGE)
+    return WhatIfPart(
+        jerk=control.kind.jerk.value,
+        loop=_sampled_entry(tuned.loops[0]),
+        plant=_plant_entry(machine, plant),
+        states=list(_states(machine, plant, controller)),
+        corners=[
+            entry_of(
+                NoisyCornerEntry,
+                corner,
+                encoder_noise(loop, resolution=machine.drive.encoder_resolution),
+            )
+            for corner, loop in zip(tuned.corners, tuned.loops, strict=True)
+        ],
+        moves=[describe_move(move) for move in machine.moves],
+        requirements=entry_of(
+            NeedsEntry,
+            machine.requirements,
+            machine.drive,
+            checks=[
+                LimitEntry(
+                    name=item.key,
+                    unit=item.unit(machine, plant),
+                    limit=item.bound(machine),
+                    of_listed=item.yields is Yields.MINIMISED,
+                )
+                for item in requirements_of(machine)
+            ],
+        ),
+        limits=known,
+        force_filters=list(controller.force_filters),
+        averages=list(average.times(controller.position_cycle)) if average else None,
+    )
+
+
+def _sampled_entry(loop: SampledLoop) -> SampledEntry:
+    """A loop without the kept setpoint samples, which follow from the setpoint alone."""
+    size, rows = loop.own_size, loop.handed_down
+    # Kept samples stand before the current one in ``handed_down``: newest first from here on.
+    return entry_of(
+        SampledEntry,
+        loop.controller,
+        loop,
+        states=loop.states[:size],
+        pending=loop.integrator + 1,
+        cycle=loop.cycle[:size, :size],
+        by_state=rows[:, :size],
+        by_setpoint=np.hstack([rows[:, -4:], rows[:, size:-4]]),
+    )
+
+
+def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
+    inertia, radius = machine.mechanics.inertia_ratio, machine.requirements.payload_radius
+    one_more = np.array([1.0])  # kg: the share is linear in the payload
+    return entry_of(
+        VariedPlantEntry,
+        plant,
+        tcp=plant.row("tcp"),
+        signals=list(_signals(machine, plant)),
+        modes=[
+            VariedModeEntry(
+                deflection=mode.deflection,
+                rate=mode.rate,
+                payload_share=1.0 / inertia(mode.name, one_more, radius)[0] - 1.0,
+            )
+            for mode in plant.modes
+        ],
+    )
+
+
+def _states(machine: Machine, model: Plant, controller: Controller) -> Iterator[StateEntry]:
+    for state in machine.states:
+        own = vary(machine, Corner(state=state.name))
+        plant = build_plant(own)
+        loop = _sampled_entry(build_loop(plant, controller, model=model))
+        yield StateEntry(name=state.name, plant=_plant_entry(own, plant), loop=loop)
+
+
+def _signals(machine: Machine, plant: Plant) -> Iterator[SignalEntry]:
+    force = plant.states[plant.force]
+    row = plant.row(force).tolist()
+    yield SignalEntry(name=force, unit=plant.unit(force), row=row, less=None, is_after=False)
+    for requirement, swing in bounded_states(machine, plant):
+        yield SignalEntry(
+            name=requirement.key,
+            unit=requirement.unit(machine, plant),
+            row=swing.signal.row[OUTPUTS:].tolist(),
+            less=swing.signal.less,
+            is_after=swing.is_after,
+        )

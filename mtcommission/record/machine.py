@@ -14,8 +14,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, kalman_rank
 from mtcommission.machine.profile.lines import find_key_lines, show_key
 from mtcommission.machine.readers import KeyPath
-from mtcommission.record.shape import of
-from mtcommission.record.values import Matrix, Words
+from mtcommission.record.shape import Matrix, Words, of
 
 ILLUSTRATIVE = Message("source-illustrative")
 ACCEPTED_DEFAULT = Message("source-accepted-default")
@@ -29,7 +28,7 @@ NOT_STATED = {"source-default", ILLUSTRATIVE.kind, ACCEPTED_DEFAULT.kind}
 class Profile:
     """The machine profile as read."""
 
-    name: str = of("path.name", by=printable)
+    name: str = of(lambda source: printable(source.path.name))
     sha256: str
     text: str
 
@@ -85,13 +84,11 @@ class PlantEntry:
     """
 
     states: list[str]
-    units: dict[str, str] = of(
-        lambda plant: dict(zip(plant.signals, plant.signal_units, strict=True))
-    )
+    units: dict[str, str] = of(lambda plant: _units(plant))
     A: Matrix
     B: list[float]
     outputs: dict[str, list[float]] = of(
-        lambda plant: dict(zip(plant.outputs, plant.C.tolist(), strict=True))
+        lambda plant: dict(zip(plant.outputs, plant.C, strict=True))
     )
     modes: list[ModeEntry]
     controllability_rank: int = of(kalman_rank)
@@ -151,7 +148,7 @@ def _rows(
                 yield key, value, unit
     yield "requirements.payload (least)", needs.payload[0], axis.mass.si
     yield "requirements.payload (largest)", needs.payload[1], axis.mass.si
-    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    units = _units(plant)
     yield from ((f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks)
 
 
@@ -191,7 +188,6 @@ def list_assumed(machine: Machine, plant: Plant, profile_text: str, words: Catal
     That a machine is an example is said once, not of each value that its profile states; whose
     control it has is said.
     """
-    units = dict(zip(plant.signals, plant.signal_units, strict=True))
     data = list_data(machine, plant, profile_text)
     ordered = sorted(
         (
@@ -206,7 +202,11 @@ def list_assumed(machine: Machine, plant: Plant, profile_text: str, words: Catal
     if machine.drive.force_velocity is not None:
         both = {"acceleration": machine.drive.max_force, "velocity": machine.drive.force_velocity}
         model.append(Message("assumed-acceleration-at", **both))
-    return [*say_assumed(ordered, units, words), *map(words.say, model)]
+    return [*say_assumed(ordered, _units(plant), words), *map(words.say, model)]
+
+
+def _units(plant: Plant) -> dict[str, str]:
+    return dict(zip(plant.signals, plant.signal_units, strict=True))
 
 
 def say_assumed(data: Iterable[Datum], units: dict[str, str], words: Catalogue) -> list[str]:

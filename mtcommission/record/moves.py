@@ -1,29 +1,24 @@
-"""The simulated moves of a record, and the verdict on them."""
+"""The moves of a record in the loop, and on machines that differ."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, isfinite
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from mtcommission.limits.judge import MoveResult, evaluate_moves
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant, longest_period
-from mtcommission.record.shape import entry_of, of
-from mtcommission.record.values import (
-    InCorner,
-    Series,
-    SetpointFilterEntry,
-    Words,
-    by_mode,
-    by_name,
-    describe_move,
-    series_of,
-)
-from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.record.shape import Words, entry_of, of
+from mtcommission.setpoint.setpoint import sample_setpoint
+
+Array = NDArray[np.float64]
 
 REFERENCES = ("x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation", "F_set")
 """Signals of a simulated move beside those of the plant."""
@@ -41,9 +36,35 @@ LEAST_TAIL = 0.4
 """The least of it, as a share of the move [-]; and two periods of the slowest mode."""
 
 
-def _segments(setpoint: Setpoint) -> list[Segment]:
-    pairs = zip(setpoint.segment_durations.tolist(), setpoint.segment_jerks.tolist(), strict=True)
-    return [Segment(duration=duration, jerk=jerk) for duration, jerk in pairs]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
+    """A sampled motion for the plots; ``signals`` by name (F_set, then every state and output)."""
+
+    t: list[float]
+    signals: dict[str, list[float]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InCorner:
+    """A machine of the corners: payload, and factors of all frequencies and damping ratios."""
+
+    payload: float = of("corner.payload")
+    frequency_factor: float = of("corner.frequency_factor")
+    damping_factor: float = of("corner.damping_factor")
+    state: str = of("corner.state", default="")  # as the profile names it
+
+
+def describe_move(move: Move) -> dict[str, float]:
+    """Return a move with the profile's keys; limits that were not set are left out."""
+    if isinstance(move, VelocityStep):
+        entry = {"velocity_step": move.velocity_step}
+    else:
+        entry = {"distance": move.distance}
+        if isfinite(move.max_velocity):
+            entry["max_velocity"] = move.max_velocity
+    if move.dwell:
+        entry["dwell"] = move.dwell
+    return entry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,8 +80,8 @@ class SetpointEntry:
     """The setpoint of a move with the recommended limits."""
 
     duration: float
-    setpoint_filter: SetpointFilterEntry | None
-    segments: list[Segment] = of(_segments)
+    setpoint_filter: SetpointFilter | None
+    segments: list[Segment]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +102,7 @@ class ResponseEntry(InCorner):
 class MoveEntry:
     """One move with the recommended limits: nominal response, corners, motion for the plots."""
 
-    move: dict[str, float] = of("setpoint.move", by=describe_move)
+    move: dict[str, float]
     setpoint: SetpointEntry
     response: ResponseEntry
     corners: list[ResponseEntry]
@@ -107,7 +128,7 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: str = of("limiting_requirement", by=lambda one: one.key if one else "")  # "": none
+    obstacle: str = of(lambda one: getattr(one.limiting_requirement, "key", ""))  # "": none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,11 +150,7 @@ def simulation_part(
     entries = [move_entry(plant, tuned, result) for result in results]
     verdict = evaluate_moves(machine, plant, tuned, results).assessment
     return entry_of(
-        SimulationPart,
-        entries[0],
-        moves=entries,
-        warnings=tuned.warnings,
-        assessment=verdict,
+        SimulationPart, entries[0], moves=entries, warnings=tuned.warnings, assessment=verdict
     )
 
 
@@ -149,6 +166,8 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)
     now = sample_setpoint(setpoint, t)
     columns = (delayed[:, 0], *now[:, 1:4].T, nominal.deviation[shown], nominal.force[shown])
+    pairs = zip(setpoint.segment_durations, setpoint.segment_jerks, strict=True)
+    segments = [Segment(duration=float(duration), jerk=float(jerk)) for duration, jerk in pairs]
     responses = [
         entry_of(
             ResponseEntry,
@@ -159,11 +178,67 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
         )
         for corner, response in zip(tuned.corners, result.responses, strict=True)
     ]
-    references = dict(zip(REFERENCES, columns, strict=True))
-    return entry_of(
-        MoveEntry,
-        result,
+    return MoveEntry(
+        move=describe_move(setpoint.move),
+        setpoint=entry_of(SetpointEntry, setpoint, segments=segments),
         response=responses[0],
         corners=responses,
-        series=series_of(plant, t, nominal.states[shown], references),
+        series=series_of(
+            plant, t, nominal.states[shown], dict(zip(REFERENCES, columns, strict=True))
+        ),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampingErrorEntry:
+    """The limits where all damping ratios are off by a factor, worst over moves and corners.
+
+    An end of the kept range that is the first or last ``factor`` may lie further out.
+    """
+
+    factor: list[float]
+    kept_from: float | None  # every requirement is kept from here; None: not even at 1
+    kept_to: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrequencyErrorEntry(DampingErrorEntry):
+    """The same where all eigenfrequencies are off by a factor."""
+
+    settling_time: list[float | None]
+    residual_deviation: list[float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustnessPart:
+    """How the recommended limits fare where machine or limits differ a little."""
+
+    frequency_error: FrequencyErrorEntry
+    damping_error: DampingErrorEntry = of("damping_range")
+    warnings: list[Words]  # on what unstated knowledge the verdict hangs
+
+
+def by_name(names: Sequence[str], values: Array) -> dict[str, float]:
+    """Return values by the names of signals or states."""
+    return dict(zip(names, values.tolist(), strict=True))
+
+
+def by_mode(plant: Plant, values: ArrayLike) -> dict[str, float]:
+    """Return values by the names of the plant's modes."""
+    return by_name([mode.name for mode in plant.modes], np.asarray(values, dtype=np.float64))
+
+
+def rounded(values: Array, digits: int) -> Array:
+    """Return values for plots, short to write; of the same shape."""
+    return np.array([float(f"{value:.{digits}g}") for value in values.flat]).reshape(values.shape)
+
+
+def series_of(plant: Plant, t: Array, states: Array, extra: Mapping[str, Array]) -> Series:
+    """Return ``extra`` signals, states and outputs, rounded to seven digits: for plots only."""
+    columns = {
+        **extra,
+        **dict(zip(plant.states, states.T, strict=True)),
+        **dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True)),
+    }
+    signals = {name: rounded(column, 7).tolist() for name, column in columns.items()}
+    return Series(t=rounded(t, 7).tolist(), signals=signals)

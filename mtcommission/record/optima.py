@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import (
     AnyOptimum,
-    Arc,
     control_text,
     join_arcs,
     sample_trajectory,
     side_text,
 )
-from mtcommission.record.shape import entry_of, of
-from mtcommission.record.values import (
-    Array,
-    Series,
-    Words,
-    by_name,
-    describe_move,
-    series_of,
-)
+from mtcommission.record.moves import Series, by_name, describe_move, series_of
+from mtcommission.record.shape import Words, entry_of, of
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
     from mtcommission.limits.optima import Optima
@@ -34,13 +25,17 @@ PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
 
 
+def _move_of(result: Any) -> dict[str, float]:
+    return describe_move(result.move)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArcEntry:
     """An arc of an optimal control."""
 
     t_start: float
     t_end: float
-    control: str = of("control", by=control_text)
+    control: str = of(lambda arc: control_text(arc.control))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +56,7 @@ class ProofEntry:
     switching_slopes: list[float]
     switching_law_holds: bool
     terminal_jacobian_rank: int | None = of(
-        "terminal_jacobian_rank", by=lambda rank: rank if rank >= 0 else None
+        lambda proof: None if proof.terminal_jacobian_rank < 0 else proof.terminal_jacobian_rank
     )
     terminal_jacobian_condition: float | None
 
@@ -81,13 +76,11 @@ class OptimumEntry:
     kind: str
     method: str
     f_max: float = of("force_limit")
-    move: dict[str, float] = of("move", by=describe_move)
+    move: dict[str, float] = of(_move_of)
     limits: dict[str, float]
     t_f: float
-    arcs: list[ArcEntry] = of("arcs", by=join_arcs)
-    switching_times: list[float] = of(
-        "arcs", by=lambda arcs: [arc.t_end for arc in join_arcs(arcs)[:-1]]
-    )
+    arcs: list[ArcEntry]
+    switching_times: list[float]
     touch_points: list[TouchPointEntry]
     peaks: dict[str, float]
     terminal_error: dict[str, float]
@@ -98,18 +91,12 @@ class OptimumEntry:
     series: Series
 
 
-def _force_segments(arcs: Sequence[Arc]) -> list[ForceSegment]:
-    return [
-        ForceSegment(duration=arc.length, force=float(arc.output @ arc.initial)) for arc in arcs
-    ]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceSegment:
     """A set force and how long it acts."""
 
-    duration: float
-    force: float
+    duration: float = of("length")
+    force: float = of(lambda arc: arc.output @ arc.initial)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +106,7 @@ class WithinBandEntry:
     t_f: float
     band: float
     offset: float  # from where the tool comes to rest to the reference
-    segments: list[ForceSegment] = of("arcs", by=_force_segments)
+    segments: list[ForceSegment] = of("arcs")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +129,7 @@ class RobustEntry(WithinBandEntry):
 class OptimaEntry:
     """The optima of one move; ``remarks`` say why one was not found."""
 
-    move: dict[str, float] = of("move", by=describe_move)
+    move: dict[str, float] = of(_move_of)
     time: OptimumEntry
     constrained: OptimumEntry | None  # None: the profile bounds no peaks
     damping: OptimumEntry | None
@@ -191,38 +178,32 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
     if isfinite(solution.jerk_limit):
         limits["jerk"] = solution.jerk_limit
     weights = {item.state: item.value for item in solution.weights}
-    proof, is_timed = solution.certificate, solution.kind == "time"
-    certificate = entry_of(
-        ProofEntry if is_timed else LawEntry,
-        proof,
-        adjoint_initial=_known(plant, proof.adjoint_initial),
-    )
+    proof, is_timed, arcs = solution.certificate, solution.kind == "time", join_arcs(solution.arcs)
+    adjoint = by_name(plant.states, proof.adjoint_initial)
     return entry_of(
         OptimumEntry,
         solution,
         limits=limits,
+        arcs=arcs,
+        switching_times=[arc.t_end for arc in arcs[:-1]],
         peaks=by_name(plant.signals, solution.peaks),
         terminal_error=by_name(plant.states, solution.terminal_error),
-        certificate=certificate,
+        certificate=entry_of(
+            ProofEntry if is_timed else LawEntry,
+            proof,
+            adjoint_initial={state: one for state, one in adjoint.items() if isfinite(one)},
+        ),
         series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
         weights=weights,
         cost_terms={} if is_timed else by_name(("F_set", *weights), solution.cost_terms),
     )
 
 
-def _known(plant: Plant, values: Array) -> dict[str, float]:
-    """What is known of an adjoint, by state."""
-    adjoint = by_name(plant.states, values)
-    return {state: value for state, value in adjoint.items() if isfinite(value)}
-
-
 def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntry:
     """Return the loop beside the optima of one move."""
-    return entry_of(
-        ComparisonEntry,
-        comparison,
+    return ComparisonEntry(
         controls=[
             entry_of(ComparedEntry, control, peaks=by_name(plant.signals, control.peaks))
             for control in comparison.controls
-        ],
+        ]
     )

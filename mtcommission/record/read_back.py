@@ -1,11 +1,13 @@
-"""Entries of a record -> the machine, limits and filters that they were made from."""
+"""Entries of a record -> the machine and limits that they were made from; ``verify``'s verdict."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
-from mtcommission.controls.kind import FIR
+from mtcommission.base.messages.message import Message
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import build_cascade, given_state_feedback
 from mtcommission.loop.tuning.tuned import (
@@ -20,14 +22,15 @@ from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.limits import JudgedLimits, ModeLimitsEntry, RecommendedEntry
 from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import Datum, MachineEntry, PlantEntry, Profile
 from mtcommission.record.moves import AssessmentPart
-from mtcommission.record.record import FORCE_LIMITS
-from mtcommission.record.values import SetpointFilterEntry
+from mtcommission.record.record import FORCE_LIMITS, Record
+from mtcommission.record.shape import WrongFormError, fault, load_json, to_entry
 from mtcommission.setpoint.motion_limits import MotionLimits
+
+VERDICTS = ("holds", "does not hold", "cannot tell")
 
 
 class AxisLimits(Protocol):
@@ -116,23 +119,70 @@ def close_as_held(machine: Machine) -> TunedLoop:
 
 def read_limits(entry: JudgedLimits) -> MotionLimits:
     """Return recommended limits with their setpoint filter."""
-    item = entry.setpoint_filter
     return MotionLimits(
-        acceleration=entry.acceleration,
-        jerk=entry.jerk,
-        setpoint_filter=read_filter(item) if item else None,
+        acceleration=entry.acceleration, jerk=entry.jerk, setpoint_filter=entry.setpoint_filter
     )
 
 
-def read_filter(entry: SetpointFilterEntry) -> SetpointFilter:
-    """Return the setpoint filter of a record's entry."""
-    is_fir = entry.kind == FIR
-    return SetpointFilter(
-        kind=entry.kind,
-        time=entry.time,
-        second_time=entry.second_time,
-        frequency_hz=entry.frequency_hz,
-        damping_ratio=entry.damping_ratio,
-        taps=tuple(entry.shares) if is_fir else (),
-        spacing=entry.delays[1] if is_fir else 0.0,
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """A measured value beside the calculated one; ``verdict`` "" where none is given [SI]."""
+
+    name: str  # in the JSON of ``verify``
+    measured: float | None
+    uncertainty: float | None
+    verdict: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verified:
+    """The verdict over all, and each measured value by its name."""
+
+    verdict: str
+    values: Mapping[str, Measured]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Refined:
+    new: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Verdict:
+    """What is read of ``verdict.json``."""
+
+    verdict: str
+    record: str
+    checks: list[Measured]
+    refined: dict[str, _Refined]
+
+
+def load_verdict(path: Path, record: Record) -> Verified:
+    """Return a verdict from the ``verdict.json`` of ``verify``.
+
+    Raises
+    ------
+    InputError
+        It is no such file, or it is about another record.
+    """
+    try:
+        found = to_entry(load_json(path), _Verdict)
+    except WrongFormError as error:
+        raise fault(path, Message("verdict-of-other-form")) from error
+    if not {found.verdict, *(check.verdict for check in found.checks)} <= set(VERDICTS):
+        raise fault(path, Message("verdict-of-other-form"))
+    if found.record != record.checksum:
+        raise fault(path, Message("verdict-of-other-record"))
+    values = {check.name: check for check in found.checks}
+    for name, one in found.refined.items():
+        # base.damping_ratio is judged by the check "base: damping ratio".
+        mode, _, key = name.rpartition(".")
+        check = values.get(f"{mode}: {key.replace('_', ' ')}")
+        values[name] = Measured(
+            name=name,
+            measured=one.new,
+            uncertainty=2.0 * one.sigma,
+            verdict=check.verdict if check else "",
+        )
+    return Verified(verdict=found.verdict, values=values)

@@ -18,10 +18,9 @@ from mtcommission.base import __version__
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import STEERING, Message
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.record.files import LARGEST_FILE, fault, find_checksum, load_json
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.limits import LimitsPart, limits_part
-from mtcommission.record.loop import LoopPart, loop_part
+from mtcommission.record.loop import LoopPart, WhatIfPart, loop_part, what_if_part
 from mtcommission.record.machine import (
     Datum,
     MachineEntry,
@@ -30,22 +29,18 @@ from mtcommission.record.machine import (
     list_assumptions,
     list_data,
 )
-from mtcommission.record.moves import AssessmentPart, MoveEntry, move_entry
-from mtcommission.record.optima import (
-    ComparisonEntry,
-    OptimaEntry,
-    comparison_entry,
-    optima_entry,
-)
-from mtcommission.record.robustness import RobustnessPart
+from mtcommission.record.moves import AssessmentPart, MoveEntry, RobustnessPart, move_entry
+from mtcommission.record.optima import ComparisonEntry, OptimaEntry, comparison_entry, optima_entry
 from mtcommission.record.shape import (
+    Words,
     WrongFormError,
     entry_of,
+    fault,
+    find_checksum,
+    load_json,
     to_entry,
     to_plain,
 )
-from mtcommission.record.values import Words
-from mtcommission.record.what_if import WhatIfPart, what_if_part
 
 if TYPE_CHECKING:
     from mtcommission.commission.commission import Commissioning
@@ -165,7 +160,7 @@ def build_record(
             for item, within in zip(found.optima, found.within_band, strict=True)
         ],
         limits=limits,
-        loop=loop_part(machine, plant, found.loop, tuned, found.disturbed),
+        loop=loop_part(machine, plant, found.loop, found.disturbed),
         moves=[move_entry(plant, tuned, result) for result in moves],
         comparisons=[comparison_entry(plant, item) for item in found.comparisons],
         robustness=entry_of(RobustnessPart, robustness),
@@ -223,7 +218,7 @@ def load_sealed(path: Path, form: type[Sealed], *, schema: int) -> Sealed:
     InputError
         If the file is of another form or schema, or not as it was written; says what is wrong.
     """
-    data = load_json(path, most=LARGEST_FILE)
+    data = load_json(path)
     if any(STEERING.search(text.translate(LAYOUT)) for text in _texts(data)):
         raise fault(path, Message("record-steers"))
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))

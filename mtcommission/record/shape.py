@@ -1,4 +1,4 @@
-"""Entries of the record <-> JSON, by cattrs.
+"""Results <-> entries of a record <-> JSON, in files that are sealed by a checksum.
 
 JSON knows no infinity: a number that is not finite is written as null, which is read as nan in an
 array of numbers (a gap in a curve) and refused elsewhere, unless the entry may be null.
@@ -6,22 +6,37 @@ array of numbers (a gap in a curve) and refused elsewhere, unless the entry may 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, field, fields, is_dataclass
+from dataclasses import MISSING, asdict, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
+from hashlib import sha256
 from math import isfinite, nan
 from operator import attrgetter
-from types import NoneType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from pathlib import Path
+from types import UnionType
+from typing import Any, NoReturn, TypeAlias, TypeVar, get_type_hints
 
-import numpy as np
 from cattrs import BaseValidationError, Converter
+from cattrs.gen import make_dict_structure_fn
 
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, from_json, to_json
+from mtcommission.controls.kind import FIR
+from mtcommission.machine.setpoint_filter import SetpointFilter
 
 Entry = TypeVar("Entry")
+
+Words: TypeAlias = Message | str
+"""What the catalogue says, or the user's own words."""
+
+Matrix: TypeAlias = list[list[float]]
+
+LARGEST_FILE = 50_000_000
+"""Bytes; a record of many moves has a few million."""
 
 
 class WrongFormError(ValueError):
@@ -64,18 +79,13 @@ def to_entry(value: object, form: type[Entry]) -> Entry:
         raise WrongFormError(str(error)) from error
 
 
-def of(
-    path: str | Callable[[Any], object],
-    *,
-    by: Callable[[Any], object] | None = None,
-    default: object = MISSING,
-) -> Any:
+def of(path: str | Callable[[Any], object], *, default: object = MISSING) -> Any:
     """Return the field of an entry that is found elsewhere in the result than at its own name.
 
-    ``path``: attributes with dots between them, or a function of the result; ``by``: what is made
-    of the value; ``default``: what a record means that does not have it.
+    ``path``: attributes with dots between them, or a function of the result; ``default``: what a
+    record means that does not have it.
     """
-    return field(default=default, metadata={"of": path, "by": by})
+    return field(default=default, metadata={"of": path})
 
 
 def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
@@ -88,18 +98,15 @@ def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
     Examples
     --------
     >>> from mtcommission.record.moves import Segment
-    >>> entry_of(Segment, Segment(duration=0.1, jerk=2.0), jerk=float("inf"))
-    Segment(duration=0.1, jerk=None)
+    >>> entry_of(Segment, Segment(duration=0.1, jerk=2.0), jerk=3)
+    Segment(duration=0.1, jerk=3.0)
     """
-    hints = _hints(form)  # type: ignore[arg-type]
-    return form(
-        **{
-            one.name: _held(
-                given[one.name] if one.name in given else _find(one, sources), hints[one.name]
-            )
-            for one in fields(form)  # type: ignore[arg-type]
-        }
-    )
+    found = {}
+    for name, (hint, path) in _fields(form).items():  # type: ignore[arg-type]
+        value = given[name] if name in given else _find(name, path, sources)
+        is_entry = is_dataclass(value) and isinstance(hint, UnionType) and isinstance(value, hint)
+        found[name] = value if is_entry else _CONVERTER.structure(value, hint)
+    return form(**found)
 
 
 def finite_or_none(value: float) -> float | None:
@@ -107,51 +114,95 @@ def finite_or_none(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def _find(one: Field[Any], sources: tuple[object, ...]) -> object:
-    path, by = (one.metadata.get(key) for key in ("of", "by"))
-    if callable(path):
-        return path(sources[0])
-    for source in sources:
-        for attribute in filter(None, (path, one.name, f"is_{one.name}")):
-            try:
-                value = attrgetter(attribute)(source)
-            except AttributeError:
-                continue
-            return by(value) if by else value
-    raise AttributeError(f"{one.name} of {', '.join(type(source).__name__ for source in sources)}")
+def dump_json(value: object) -> str:
+    """Return JSON text without infinities (they are null), ready to be written."""
+    return json.dumps(to_plain(value), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 
-def _held(value: Any, hint: Any) -> object:
-    """A value of a result as an entry holds it."""
-    form = _without_none(hint)
-    if isinstance(value, float):
-        return finite_or_none(value)
-    if form is str and not isinstance(value, str):
-        return value.value if isinstance(value, Enum) else value.key
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, tuple | list):
-        inner = get_args(form)[0] if get_origin(form) is list else form
-        return [_held(item, inner) for item in value]
-    if isinstance(form, type) and is_dataclass(form) and value is not None:
-        return value if isinstance(value, form) else entry_of(form, value)
-    return value
+def find_checksum(record: Mapping[str, object]) -> str:
+    """Return the SHA-256 of everything in a record but its checksum, in hexadecimal digits.
+
+    Whoever exports a record or prints it again must know that nobody edited it since the run.
+
+    Examples
+    --------
+    >>> find_checksum({"a": 1, "b": 2}) == find_checksum({"b": 2, "checksum": "", "a": 1})
+    True
+    """
+    rest = {key: value for key, value in record.items() if key != "checksum"}
+    return sha256(json.dumps(rest, sort_keys=True, allow_nan=False).encode()).hexdigest()
+
+
+def load_json(path: Path) -> Any:
+    """Return what a file of JSON holds; JSON's own numbers alone.
+
+    Raises
+    ------
+    InputError
+        If it is too large or no JSON.
+    """
+    most = LARGEST_FILE
+    content = read_bytes(path, folder=Message("record-is-directory"), most=most + 1)
+    if len(content) > most:
+        raise fault(path, Message("record-too-large", most=most))
+    try:
+        return json.loads(
+            content.decode("utf-8-sig"), parse_constant=_refuse, parse_float=_read_float
+        )
+    except _NoNumberError as error:
+        why = Message("json-no-number", constant=str(error))
+        raise fault(path, Message("record-not-readable", why=why)) from error
+    except (ValueError, RecursionError) as error:
+        raise fault(path, Message("record-not-json")) from error
+
+
+def names_group(path: Path) -> bool:
+    """Return whether a file is the record of a group, not of one axis."""
+    data = load_json(path)
+    return isinstance(data, dict) and {"axes", "path"} <= data.keys()
+
+
+def fault(path: Path, message: Message, key: str = "") -> InputError:
+    """Return the error that something is wrong in a file."""
+    return InputError([Fault(where=str(path), key=key, message=message)])
+
+
+class _NoNumberError(ValueError):
+    """What Python writes for a number that JSON does not know."""
+
+
+def _read_float(text: str) -> float:
+    value = float(text)
+    return value if isfinite(value) else _refuse(text)
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise _NoNumberError(constant)
 
 
 @cache
-def _hints(form: Any) -> Mapping[str, Any]:
-    """The type of each field."""
+def _fields(form: Any) -> Mapping[str, tuple[Any, Any]]:
+    """The type of each field, and where its value is found."""
     hints = get_type_hints(form)
-    return {field.name: hints[field.name] for field in fields(form)}
+    return {one.name: (hints[one.name], one.metadata.get("of")) for one in fields(form)}
 
 
-def _without_none(hint: Any) -> Any:
-    parts = [part for part in get_args(hint) if part is not NoneType]
-    return parts[0] if len(parts) == 1 < len(get_args(hint)) else hint
+def _find(name: str, path: Any, sources: tuple[object, ...]) -> object:
+    if callable(path):
+        return path(sources[0])
+    for source in sources:
+        for attribute in filter(None, (path, name, f"is_{name}")):
+            try:
+                return attrgetter(attribute)(source)
+            except AttributeError:
+                continue
+    raise AttributeError(f"{name} of {', '.join(type(source).__name__ for source in sources)}")
 
 
 def _message(value: object, _: Any) -> Message:
     """A message that can be said: of a known kind, with all that its text speaks of."""
+    if isinstance(value, Message):
+        return value
     found = from_json(value)
     if not isinstance(found, Message):
         raise WrongFormError(value)
@@ -164,20 +215,64 @@ def _english() -> Catalogue:
     return Catalogue()
 
 
+def _write_filter(item: SetpointFilter) -> dict[str, Any]:
+    """A setpoint filter with the copies that it sends, in place of taps."""
+    plain = asdict(item)
+    del plain["taps"], plain["spacing"]
+    delays, shares = map(list, item.impulses)
+    return plain | {"delays": delays, "shares": shares, "duration": item.duration}
+
+
+def _read_filter(value: Any, _: Any) -> SetpointFilter:
+    if isinstance(value, SetpointFilter):
+        return value
+    delays, shares = (_CONVERTER.structure(value[key], list[float]) for key in ("delays", "shares"))
+    plain = {key: one for key, one in value.items() if key not in ("delays", "shares", "duration")}
+    if value["kind"] == FIR:
+        plain |= {"taps": tuple(shares), "spacing": delays[1]}
+    return SetpointFilter(**plain)
+
+
 def _converter() -> Converter:
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
+    made.register_unstructure_hook(SetpointFilter, _write_filter)
+
+    def reader(form: Any) -> Callable[[Any, Any], Any]:
+        """From JSON, or from a result."""
+        from_plain = make_dict_structure_fn(form, made)
+
+        def read(value: Any, _: Any) -> Any:
+            if isinstance(value, Mapping):
+                return from_plain(value, form)
+            return value if isinstance(value, form) else entry_of(form, value)
+
+        return read
+
+    made.register_structure_hook_factory(is_dataclass, reader)
+    made.register_structure_hook(SetpointFilter, _read_filter)
     made.register_structure_hook(Message, _message)
     made.register_structure_hook(
-        Message | str, lambda value, _: value if isinstance(value, str) else _message(value, _)
+        Words, lambda value, _: value if isinstance(value, str) else _message(value, _)
     )
     made.register_structure_hook(float | str, lambda value, _: value)
+    made.register_structure_hook(
+        float | None, lambda value, _: None if value is None else finite_or_none(float(value))
+    )
+    made.register_structure_hook(
+        str, lambda value, _: value if isinstance(value, str) else _word(value)
+    )
     made.register_structure_hook_func(
         lambda form: form == list[float],
         lambda values, _: [nan if value is None else float(value) for value in values],
     )
     return made
+
+
+def _word(value: Any) -> str:
+    """The word or key of what has one."""
+    return str(value.value if isinstance(value, Enum) else value.key)
 
 
 _CONVERTER = _converter()

@@ -23,10 +23,10 @@ from mtcommission.base.messages.message import Message
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
+    from mtcommission.record.loop import WhatIfPart
     from mtcommission.record.machine import MachineEntry, Profile
+    from mtcommission.record.read_back import Verified
     from mtcommission.record.record import Record
-    from mtcommission.record.verified import Verified
-    from mtcommission.record.what_if import WhatIfPart
 
 __all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print"]
 

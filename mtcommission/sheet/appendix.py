@@ -14,7 +14,7 @@ from mtcommission.base.messages.quantities import symbol
 from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.optima import ComparedEntry, OptimumEntry
 from mtcommission.record.record import Record
-from mtcommission.record.values import Words
+from mtcommission.record.shape import Words
 from mtcommission.sheet.basis import find_band, kept_sentence
 from mtcommission.sheet.document import (
     Block,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.machine.basis import OF_LOOP, mark_assumed, name_control, say_loop
 from mtcommission.record.machine import say_assumed
-from mtcommission.record.robustness import DampingErrorEntry, FrequencyErrorEntry
+from mtcommission.record.moves import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.tables import show
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.record.read_back import Verified
 from mtcommission.record.record import Record
-from mtcommission.record.verified import Verified
 from mtcommission.sheet.appendix import (
     certificates,
     comparisons,

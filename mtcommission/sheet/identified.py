@@ -10,6 +10,7 @@ import numpy as np
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.machine.basis import say_filter
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.record.identified import (
     IdentifiedPart,
@@ -34,7 +35,6 @@ from mtcommission.sheet.tables import (
     SETTLING,
     Quantity,
     name_and_numbers,
-    say_filter,
     show,
     table,
     wide,

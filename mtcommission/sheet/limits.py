@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.machine.basis import say_jerk
 from mtcommission.record.limits import Alternative, ModeLimitsEntry
-from mtcommission.record.loop import LoopPart
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.moves import MoveEntry
-from mtcommission.record.values import Words
+from mtcommission.record.shape import Words
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
@@ -36,9 +36,6 @@ from mtcommission.sheet.tables import (
 if TYPE_CHECKING:
     from mtcommission.record.record import Record
 
-ROUNDED = 1.001
-"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
-
 MEETS = Quantity(
     "meets",
     lambda item: Message(
@@ -51,31 +48,14 @@ MEETS = Quantity(
 )
 """Whether limits meet all requirements, and whether that takes the reserve."""
 
-UNSEEN = 0.1
-"""Share of a velocity cycle below which a ramp is a step to the drive."""
-
-
-def shown_jerk(
-    acceleration: float | None, jerk: float | None, loop: LoopPart, words: Catalogue
-) -> str:
-    """Return a jerk limit; in words where its ramp is far shorter than a velocity cycle.
-
-    Shapers and steps of acceleration stand in the record with a jerk that limits nothing. Where
-    the control has no jerk limit, that is a ramp of a position cycle; a rule that was tried with a
-    longer one shows the jerk that it was tried with.
-    """
-    shortest = UNSEEN * loop.velocity_cycle
-    if loop.jerk == "none":
-        shortest = ROUNDED * loop.position_cycle
-    if jerk is None or (acceleration is not None and acceleration < shortest * jerk):
-        return words.text("no-jerk-limit")
-    return show(jerk, words, "m/s^3")
-
 
 def jerk_column(record: Record, words: Catalogue, *, width: float = 1.5) -> Quantity:
     """Return the column of jerk limits; a jerk in degrees needs the most room."""
     return Quantity(
-        "jerk", lambda it: shown_jerk(it.acceleration, it.jerk, record.loop, words), "", width=width
+        "jerk",
+        lambda it: say_jerk(it.acceleration, it.jerk, record.loop.shortest_ramp, words),
+        "",
+        width=width,
     )
 
 
@@ -142,7 +122,7 @@ def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
     def jerk(mode: ModeLimitsEntry) -> str | None:
         if mode.acceleration is None:
             return None
-        return shown_jerk(mode.acceleration, mode.jerk, record.loop, words)
+        return say_jerk(mode.acceleration, mode.jerk, record.loop.shortest_ramp, words)
 
     columns = (
         Quantity("machining-mode", name, width=1.7),

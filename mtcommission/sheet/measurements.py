@@ -11,8 +11,8 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.record.moves import MoveEntry
+from mtcommission.record.read_back import Verified
 from mtcommission.record.record import Record
-from mtcommission.record.verified import Verified
 from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,

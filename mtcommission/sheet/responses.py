@@ -12,10 +12,10 @@ import numpy as np
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.record.limits import ImprovementEntry, MoveSizesEntry
-from mtcommission.record.moves import MoveEntry
+from mtcommission.record.moves import MoveEntry, Series
 from mtcommission.record.optima import OptimaEntry, OptimumEntry
 from mtcommission.record.record import Record
-from mtcommission.record.values import Series, Words
+from mtcommission.record.shape import Words
 from mtcommission.sheet.basis import find_band
 from mtcommission.sheet.document import Block, LinePlot, Paragraph, Subheading, Table, note
 from mtcommission.sheet.limits import jerk_column, other_limits

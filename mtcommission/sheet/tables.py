@@ -15,9 +15,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import DIGITS
 from mtcommission.limits.requirements import read_requirement
-from mtcommission.machine.shapers import name_shaper
 from mtcommission.record.machine import MachineEntry
-from mtcommission.record.values import SetpointFilterEntry
 from mtcommission.sheet.document import Cell, Column, Formula, Table
 
 DASH = "–"
@@ -189,29 +187,3 @@ def say_requirement(name: str, words: Catalogue) -> str:
         return words.say(read_requirement(name).message)
     except ValueError:
         return name
-
-
-def say_filter(item: SetpointFilterEntry | None, words: Catalogue) -> str:
-    """Return a setpoint filter with its numbers; None is "none"."""
-    (_, kind), *numbers = filter_rows(item, words)
-    return " ".join([kind, *([", ".join(value for _, value in numbers)] if numbers else [])])
-
-
-def filter_rows(item: SetpointFilterEntry | None, words: Catalogue) -> list[tuple[str, str]]:
-    """Return a setpoint filter as it is entered: its kind, then each of its numbers."""
-    text, f = words.text, words.format
-    if item is None:
-        return [(text("setpoint-filter"), text("no-setpoint-filter"))]
-    shaper, count = name_shaper(item.kind), len(item.shares)
-    name = text("filter-name", kind=item.kind, shaper=shaper, count=count)
-    rows = [(text("setpoint-filter"), name)]
-    if item.frequency_hz:
-        return [
-            *rows,
-            (text("filter-of-frequency"), f.quantity(item.frequency_hz, "Hz")),
-            (text("filter-of-damping"), f"ζ {f.number(item.damping_ratio)}"),
-        ]
-    times = (item.time or item.duration, item.second_time)
-    labels = ("filter-of-length", "filter-of-second-length")
-    named = zip(labels, times, strict=True)
-    return [*rows, *((text(label), f.quantity(time, "s")) for label, time in named if time)]

@@ -17,10 +17,11 @@ from typing import Any
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.controls.kind import FIR, MOVING_AVERAGE
+from mtcommission.machine.basis import say_filter
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.record.loop import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain
-from mtcommission.record.values import SetpointFilterEntry
-from mtcommission.record.what_if import KnownLimitsEntry, WhatIfPart
-from mtcommission.sheet.tables import say_filter, say_requirement, show
+from mtcommission.sheet.tables import say_requirement, show
 
 FOLDER = Path(__file__).parent
 
@@ -178,13 +179,13 @@ def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
     return found
 
 
-def _filter_key(item: SetpointFilterEntry | None) -> str:
+def _filter_key(item: SetpointFilter | None) -> str:
     if item is None:
         return "none"
     return item.kind if item.kind == MOVING_AVERAGE else _typed(item)
 
 
-def _typed(item: SetpointFilterEntry) -> str:
+def _typed(item: SetpointFilter) -> str:
     """A filter as ``simulate --filter`` takes it."""
     if item.frequency_hz:
         return f"{item.kind}:{item.frequency_hz:.6g}Hz:{item.damping_ratio:.4g}"

@@ -168,10 +168,10 @@ def _run(machine: Machine, text: str, base: Plan, place: str) -> tuple[Chosen, s
     """A whole commissioning, and its ``record.json`` as text."""
     from mtcommission.commission.commission import commission
     from mtcommission.machine.plausibility import check_plausibility
-    from mtcommission.record.files import dump_json
     from mtcommission.record.identified import read_evidence
     from mtcommission.record.machine import Profile
     from mtcommission.record.record import build_record
+    from mtcommission.record.shape import dump_json
 
     found = commission(machine)
     record = build_record(
