@@ -20,7 +20,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum
-from mtcommission.optimal.modes import free_gains, free_moments, free_peaks, free_rates, free_row
+from mtcommission.optimal.modes import free_peaks, free_row, free_waves, in_moments
 from mtcommission.study.optimum import find_within_band
 from mtcommission.study.settings import BandSettings
 from tests.machines import paper_machine, random_modal_machine
@@ -172,8 +172,8 @@ def test_peaks_of_the_free_motion_are_seen_between_all_samples() -> None:
         seen[i] = abs(float(row @ x) - 1e-9)
         x = flow @ x
     level = 0.3 * float(seen.max())
-    weights = free_gains(plant, row[np.newaxis]) * free_moments(plant, state) / level
-    rates = free_rates(plant)[np.newaxis]
+    weights = free_waves(plant, row[np.newaxis], state) / level
+    rates = in_moments(plant).functions.rates[np.newaxis]
     _, s, heights = free_peaks(rates, weights, offset=1e-9 / level)
     assert heights.max() * level == pytest.approx(float(seen.max()), rel=1e-7)
     assert s[heights.argmax()] == pytest.approx(dt * float(seen.argmax()), abs=dt)

@@ -29,7 +29,7 @@ from mtcommission.optimal.cells import (
     refined,
 )
 from mtcommission.optimal.control import Arc, Boundary, Interior, constant_arc
-from mtcommission.optimal.modes import all_moment_rows, free_gains, free_peaks, free_rates, free_row
+from mtcommission.optimal.modes import free_peaks, free_row, in_moments
 from mtcommission.optimal.problem import BoundedProblem, all_bounds, bounded_problem
 from mtcommission.optimal.program import Cells
 from mtcommission.optimal.proof import require_followable
@@ -161,9 +161,10 @@ class _Tools:
 
 
 def _every_tool(plants: Sequence[Plant], band: float) -> _Tools:
-    rows = [free_row(plant, plant.row("tcp") / band)[np.newaxis] for plant in plants]
-    gains = [free_gains(plant, row)[0] for plant, row in zip(plants, rows, strict=True)]
-    return _Tools(rates=np.array([free_rates(plant) for plant in plants]), gains=np.array(gains))
+    every = [in_moments(plant) for plant in plants]
+    rows = [plant.row("tcp") @ one.back / band for plant, one in zip(plants, every, strict=True)]
+    gains = [one.functions.modal(row) for one, row in zip(every, rows, strict=True)]
+    return _Tools(rates=np.array([one.functions.rates for one in every]), gains=np.array(gains))
 
 
 def band_problem(
@@ -174,7 +175,7 @@ def band_problem(
     bounds = all_bounds(plant, move, ())
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=bounds, horizon=horizon)
     # Momentum is what is wanted; the reference of positioning lies beside the place of rest.
-    ends, offsets = all_moment_rows(plant)[-2:], np.array([0.0, plant.moving_mass * band])
+    ends, offsets = in_moments(plant).rows[-2:], np.array([0.0, plant.moving_mass * band])
     count = 1 if isinstance(move, VelocityStep) else 2
     return replace(
         problem,

@@ -20,7 +20,7 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
 from mtcommission.optimal.linear_program import Basis, Program, solve_program
-from mtcommission.optimal.modes import free_rates, impulse_response
+from mtcommission.optimal.modes import impulse_response, in_moments
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem, describe_bounds
 from mtcommission.optimal.program import (
     STEPS,
@@ -258,7 +258,7 @@ def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -
 
 def _first_contacts(problem: BoundedProblem) -> tuple[Array, NDArray[np.intp]]:
     """Return instants after the end, as remaining times [s], at which each tail keeps the band."""
-    rates = np.abs(free_rates(problem.plant))
+    rates = in_moments(problem.plant).functions.magnitudes
     s = np.linspace(0.0, CONTACT_RADIANS / float(rates.min()), CONTACTS)
     machines = len(problem.tails)
     tails = len(problem.limits) + np.arange(machines)

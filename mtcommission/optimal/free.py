@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 from math import inf, nan
 
@@ -42,15 +41,15 @@ from mtcommission.optimal.control import (
     terminal_target,
 )
 from mtcommission.optimal.modes import (
-    PLANTS,
     TINY,
     MomentProblem,
-    all_moment_rows,
+    driven,
     impulse_response,
     independence,
     moment_problem,
     moment_rows,
     step_response,
+    transition,
 )
 from mtcommission.optimal.switching import (
     ROUNDOFF,
@@ -336,7 +335,8 @@ class BangBangMotion:
         steps = np.full(starts.size, -2.0 * self.first_force)
         steps[0], steps[2::2] = self.first_force, 2.0 * self.first_force
         # A step that is still to come has no response.
-        responses = step_response(self.plant, instants[:, np.newaxis] - starts)
+        since = np.maximum(instants[:, np.newaxis] - starts, 0.0)
+        responses = step_response(self.plant, since)
         return np.asarray(steps @ responses)
 
     @property
@@ -350,14 +350,28 @@ class BangBangMotion:
 
         Cubics show in which cells a peak is possible; there finer ones find it.
         """
-        arcs = _starts(self)
-        nodes = graded_nodes(self.problem, float(arcs.lengths.max()), radians=PEAK_RADIANS)
+        plant, rows = self.plant, signal_rows(self.plant)
+        lengths = np.diff(np.concatenate(([0.0], self.switching_times, [self.t_f])))
+        forces = np.full(lengths.size, self.first_force)
+        forces[1::2] *= -1.0
+        starts = np.zeros((lengths.size, plant.order))
+        flows = transition(plant, lengths)
+        pushes = step_response(plant, lengths) * forces[:, np.newaxis]
+        for i in range(lengths.size - 1):
+            starts[i + 1] = flows[i] @ starts[i] + pushes[i]
+
+        def signals(arc: Index, since: Array) -> tuple[Array, Array]:
+            states = driven(plant, starts[arc], forces[arc], since)
+            rates = states @ plant.A.T + np.multiply.outer(forces[arc], plant.B)
+            return states @ rows.T, rates @ rows.T
+
+        nodes = graded_nodes(self.problem, float(lengths.max()), radians=PEAK_RADIANS)
         # A fast pole matters only for a while after each switch, for all arcs alike.
-        counts = np.maximum(nodes.searchsorted(arcs.lengths), 1) + 1
+        counts = np.maximum(nodes.searchsorted(lengths), 1) + 1
         arc = np.arange(counts.size).repeat(counts)
         index = np.arange(arc.size) - (counts.cumsum() - counts).repeat(counts)
-        since = np.minimum(nodes[index], arcs.lengths[arc])
-        value, rate = _signals(arcs, arc, since)
+        since = np.minimum(nodes[index], lengths[arc])
+        value, rate = signals(arc, since)
         # From the end of an arc to the start of the next is a cell of no length.
         step = (since[1:] - since[:-1]) * (index[1:] > 0)
         size, third = np.abs(value), step[:, np.newaxis] / 3.0
@@ -374,7 +388,7 @@ class BangBangMotion:
             return np.asarray(largest)
         finer = step[cell] / PEAK_PARTS
         at = since[cell, np.newaxis] + finer[:, np.newaxis] * np.arange(PEAK_PARTS + 1)
-        value, rate = _signals(arcs, arc[cell].repeat(PEAK_PARTS + 1), at.ravel())
+        value, rate = signals(arc[cell].repeat(PEAK_PARTS + 1), at.ravel())
         start = np.arange(at.size).reshape(at.shape)[:, :-1].ravel()
         inside = hermite_peaks(
             finer.repeat(PEAK_PARTS),
@@ -384,71 +398,3 @@ class BangBangMotion:
             end_rate=rate[start + 1],
         )
         return np.asarray(np.maximum(largest, inside))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Starts:
-    """A bang-bang motion by its arcs, with the moments of the force up to each switch."""
-
-    motion: BangBangMotion
-    lengths: Array  # Shape (n_arcs,) [s]
-    forces: Array  # F_set on each, shape (n_arcs,) [N]
-    modal: Complex  # ∫_0^start e^{p(start - s)} F_set ds at the start of each, (n_arcs, n_rates)
-    # impulse, double: The same of 1 and τ, shape (n_arcs,) [N s], [N s²].
-    impulse: Array
-    double: Array
-
-
-def _starts(motion: BangBangMotion) -> _Starts:
-    """Return the arcs of a motion.
-
-    Source: variation of constants in modal coordinates.
-    """
-    rates = motion.problem.rates
-    edges = np.concatenate(([0.0], motion.switching_times, [motion.t_f]))
-    lengths = np.diff(edges)
-    forces = np.full(lengths.size, motion.first_force)
-    forces[1::2] *= -1.0
-    less_one = np.expm1(np.multiply.outer(lengths, rates))
-    gains = less_one * forces[:, np.newaxis] / rates
-    modal = np.zeros_like(less_one)
-    for i in range(lengths.size - 1):
-        modal[i + 1] = modal[i] + less_one[i] * modal[i] + gains[i]
-    pushes = lengths * forces
-    impulse = pushes.cumsum() - pushes
-    doubled = lengths * (impulse + 0.5 * pushes)
-    return _Starts(
-        motion=motion,
-        lengths=lengths,
-        forces=forces,
-        modal=modal,
-        impulse=impulse,
-        double=doubled.cumsum() - doubled,
-    )
-
-
-def _signals(arcs: _Starts, arc: Index, since: Array) -> tuple[Array, Array]:
-    """Return signals and their rates at times since the start of an arc, (n_times, n_signals)."""
-    plant, rates = arcs.motion.plant, arcs.motion.problem.rates
-    force, impulse = arcs.forces[arc], arcs.impulse[arc]
-    less_one = np.expm1(np.multiply.outer(since, rates))
-    modal = arcs.modal[arc] + less_one * (arcs.modal[arc] + force[:, np.newaxis] / rates)
-    moments = np.empty((since.size, plant.order))
-    # Of a real rate the imaginary part is void.
-    moments[:, :-2] = modal.view(np.float64)[:, : plant.order - 2]
-    moments[:, -2] = impulse + since * force
-    moments[:, -1] = arcs.double[arc] + since * (impulse + 0.5 * since * force)
-    of_moments, of_force = _rows_of_moments(plant)
-    both = moments @ of_moments
-    count = of_force.size
-    rate = np.asarray(both[:, count:] + np.multiply.outer(force, of_force))
-    return both[:, :count], rate
-
-
-@lru_cache(maxsize=PLANTS)
-def _rows_of_moments(plant: Plant) -> tuple[Array, Array]:
-    """Return what takes moments to signals and their rates, (n, 2 n_signals), and F_set's share."""
-    rows = signal_rows(plant)
-    both = np.vstack([rows, rows @ plant.A])
-    of_moments = np.linalg.solve(all_moment_rows(plant).T, both.T)
-    return np.asarray(of_moments, dtype=np.float64), np.asarray(rows @ plant.B)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,121 +24,9 @@ from numpy.typing import NDArray
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, VelocityStep
-from mtcommission.machine.plant.plant import Plant, PlantMode, driven_at_once
+from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-
-def step_response(plant: Plant, tau: Array) -> Array:
-    """Return the states a time τ after a unit step of the input from rest; 0 for τ <= 0.
-
-    The input is the set force, or the jerk of a motor that follows.
-
-    Source: partial fractions of the transfer functions.
-    """
-    if plant.follows:
-        return _ramp_response(plant, np.maximum(np.asarray(tau, dtype=np.float64), 0.0))
-    T, after = plant.force_lag, np.maximum(np.asarray(tau, dtype=np.float64), 0.0)
-    rise, fall = _rise(plant, after), _fall(plant, after)
-    out = np.zeros((*after.shape, plant.order))
-    out[..., plant.lagged] = rise[..., np.newaxis]
-    out[..., plant.velocity] = (after - T * rise) / plant.moving_mass
-    out[..., plant.position] = (after**2 / 2 - T * after + T**2 * rise) / plant.moving_mass
-    for mode in plant.modes:
-        p = mode.pole
-        left = _left(plant, mode, fall)
-        turn = 2.0 / ((p - p.conjugate()) * (T * p + 1.0) * p) * np.exp(p * after)
-        started = np.asarray(after > 0.0)
-        deflection = mode.natural_frequency**-2.0 - T**2 * left + turn.real
-        out[..., mode.deflection] = mode.scale * deflection * started
-        out[..., mode.rate] = mode.scale * (T * left + (p * turn).real) * started
-    return out
-
-
-def _ramp_response(plant: Plant, tau: Array) -> Array:
-    """Return the states a time τ after the jerk of a motor that follows has become 1."""
-    moved = step_response(driven_at_once(plant), tau)
-    out = np.empty((*tau.shape, plant.order))
-    out[..., plant.force] = tau
-    out[..., plant.velocity] = tau**2 / 2.0
-    out[..., plant.position] = tau**3 / 6.0
-    for mode in plant.modes:
-        p = mode.pole
-        turn = 2.0 / ((p - p.conjugate()) * p**2) * np.expm1(p * tau)
-        out[..., mode.deflection] = mode.scale * (tau / mode.natural_frequency**2 + turn.real)
-        out[..., mode.rate] = moved[..., mode.deflection]
-    return out
-
-
-def _rise(plant: Plant, tau: Array) -> Array:
-    """Return the share 1 - e^{-τ/T} of a set force that acts after τ; 1 without a lag."""
-    return -np.expm1(-tau / plant.force_lag) if plant.force_lag else np.ones_like(tau)
-
-
-def _fall(plant: Plant, tau: Array) -> Array:
-    """Return the rest e^{-τ/T}; 0 without a lag."""
-    return np.exp(-tau / plant.force_lag) if plant.force_lag else np.zeros_like(tau)
-
-
-def _left(plant: Plant, mode: PlantMode, fall: Array) -> Array:
-    """Return e^{-τ/T} / (1 - 2 ζ ω T + (ω T)²), the lag's share in a mode's answer."""
-    bend = mode.natural_frequency * plant.force_lag
-    return fall / (1.0 - 2.0 * mode.damping_ratio * bend + bend**2)
-
-
-def impulse_response(plant: Plant, tau: Array) -> Array:
-    """Return expm(A τ) B in closed form.
-
-    Source: derivative of the step response.
-    """
-    T, tau = plant.force_lag, np.asarray(tau, dtype=np.float64)
-    if plant.follows:
-        moved = step_response(driven_at_once(plant), tau)
-        return np.concatenate([moved, np.ones((*tau.shape, 1))], axis=-1)
-    rise, fall = _rise(plant, tau), _fall(plant, tau)
-    out = np.empty((*tau.shape, plant.order))
-    out[..., plant.lagged] = fall[..., np.newaxis] / (T or 1.0)
-    out[..., plant.velocity] = rise / plant.moving_mass
-    out[..., plant.position] = (tau - T * rise) / plant.moving_mass
-    for mode in plant.modes:
-        p = mode.pole
-        left = _left(plant, mode, fall)
-        turn = 2.0 / ((p - p.conjugate()) * (T * p + 1.0)) * np.exp(p * tau)
-        out[..., mode.deflection] = mode.scale * (T * left + turn.real)
-        out[..., mode.rate] = mode.scale * ((p * turn).real - left)
-    return out
-
-
-def advance(plant: Plant, states: Array, tau: Array) -> Array:
-    """Return expm(A τ) x of many states and times, (..., n) and (...), in closed form.
-
-    Source: free oscillation of each mode; what a force leaves, if it has a lag, from B.
-    """
-    tau = np.asarray(tau, dtype=np.float64)
-    out = np.empty(np.broadcast_shapes(states.shape, (*tau.shape, 1)))
-    out[...] = states
-    out[..., plant.position] += tau * states[..., plant.velocity]
-    for mode in plant.modes:
-        omega, zeta, p = mode.natural_frequency, mode.damping_ratio, mode.pole
-        d, v = states[..., mode.deflection], states[..., mode.rate]
-        decay, wave = np.exp(p.real * tau), p.imag * tau
-        c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
-        out[..., mode.deflection] = (c + zeta * omega * s) * d + s * v
-        out[..., mode.rate] = -(omega**2) * s * d + (c - zeta * omega * s) * v
-    # A force is what an impulse of the input leaves, behind a lag T times that.
-    if plant.force_lag or plant.follows:
-        force = states[..., plant.force, np.newaxis] * (plant.force_lag or 1.0)
-        out[..., plant.force] = 0.0
-        out += force * impulse_response(plant, tau)
-    return out
-
-
-def transition(plant: Plant, tau: Array) -> Array:
-    """Return expm(A τ) in closed form."""
-    columns = advance(plant, np.eye(plant.order), np.asarray(tau)[..., np.newaxis])
-    return np.asarray(np.swapaxes(columns, -1, -2))
-
-
 Complex = NDArray[np.complex128]
 
 MOMENT_SAMPLES = 400
@@ -191,7 +80,7 @@ class MomentProblem:
             pair = slice(2 * i, 2 * i + 2)
             D[pair, pair] = [[p.real, p.imag], [-p.imag, p.real]]
         D[self.lag, self.lag] = self.rates[self.n_modes :].real
-        D[one:-1, one + 1 :] = 1.0
+        D[one:, one:] = np.eye(self.degree + 1, k=1)
         return D
 
     def amplitudes(self, weights: Array) -> Array:
@@ -199,29 +88,36 @@ class MomentProblem:
         return np.abs(self.modal(weights))
 
     def modal(self, weights: Array) -> Complex:
-        """Return C with Σ w_i φ_i = Re Σ C e^{pτ}, but for 1 and τ; shape (n_rates,)."""
-        pairs = np.zeros(2 * self.rates.size)
+        """Return C with Σ w_i φ_i = Re Σ C e^{pτ} but for the powers, shape (..., n_rates)."""
+        pairs = np.zeros((*weights.shape[:-1], 2 * self.rates.size))
         # The imaginary part of the lag, whose rate is real, stays 0.
-        pairs[: self.one] = weights[: self.one]
+        pairs[..., : self.one] = weights[..., : self.one]
         return pairs.view(np.complex128).conj()
 
     def values(self, tau: Array) -> Array:
         """Return φ and, last, ψ at remaining times τ [s] of shape (k,), as shape (size + 1, k)."""
-        return self._rows(np.exp(np.multiply.outer(tau, self.rates)), 1.0, tau)
+        return self._rows(np.exp(np.multiply.outer(tau, self.rates)), _powers(tau, self.degree))
 
     def values_and_integrals(self, tau: Array) -> tuple[Array, Array]:
         """Return the same with their integrals from 0 to τ."""
         less_one = np.expm1(np.multiply.outer(tau, self.rates))
-        integrals = self._rows(less_one / self.rates, tau, 0.5 * tau * tau)
-        return self._rows(less_one + 1.0, 1.0, tau), integrals
+        powers = _powers(tau, self.degree + 1)
+        integrals = self._rows(less_one / self.rates, powers[1:])
+        return self._rows(less_one + 1.0, powers[:-1]), integrals
 
-    def _rows(self, modal: Complex | Array, of_one: Array | float, of_tau: Array) -> Array:
+    def _rows(self, modal: Array | Complex, powers: list[Array]) -> Array:
         rows = np.empty((self.size + 1, len(modal)))
         rows[: self.one] = modal.view(np.float64)[:, : self.one].T
-        rows[self.one] = of_one
-        if self.degree:
-            rows[-1] = of_tau
+        rows[self.one :] = powers
         return rows
+
+
+def _powers(tau: Array, highest: int) -> list[Array]:
+    """Return 1, τ, τ²/2, ..."""
+    powers = [np.ones_like(tau)]
+    for k in range(1, highest + 1):
+        powers.append(powers[-1] * tau / k)
+    return powers
 
 
 @lru_cache(maxsize=PLANTS)
@@ -230,7 +126,7 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
 
     Source: variation of constants in the eigenvectors of A; docs/optimal-control.md, section 1.
     """
-    rates = np.array([*(mode.pole for mode in plant.modes), *plant.lag_rates], dtype=complex)
+    rates = in_moments(plant).functions.rates
     if isinstance(move, VelocityStep):
         return MomentProblem(rates=rates, degree=0, target=plant.moving_mass * move.velocity_step)
     return MomentProblem(rates=rates, degree=1, target=plant.moving_mass * move.distance)
@@ -246,34 +142,89 @@ def independence(problem: MomentProblem, horizon: float) -> float:
 
 
 def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
-    """Return the functionals of the state that the moments measure.
+    """Return the functionals of the state that the moments measure, ψ's last."""
+    return in_moments(plant).rows[: problem.size + 1]
 
-    Row w_i fulfils w_i e^{Aτ} B = φ_i(τ), so w_i x(t_f) is the moment of φ_i; the last row does
-    the same for ψ.
 
-    Source: left eigenvectors of A (and one principal vector for ψ = τ), scaled by w B = 1;
-    docs/optimal-control.md, section 1.
-    """
-    return all_moment_rows(plant)[: problem.size + 1]
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class InMoments:
+    """The states of a plant as moments of what has driven it, of all its functions."""
+
+    # Functions of all rates, 1 and τ, and τ²/2 where the input is the jerk of a motor.
+    functions: MomentProblem
+    # Row w_i fulfils w_i e^{Aτ} B = φ_i(τ), so w_i x(t_f) is the moment of φ_i; shape (n, n).
+    rows: Array
+    back: Array  # Its inverse: from moments to states
 
 
 @lru_cache(maxsize=PLANTS)
-def all_moment_rows(plant: Plant) -> Array:
-    """Return ``moment_rows`` for the functions of all rates, 1 and τ, shape (n, n)."""
-    T, m = plant.force_lag, plant.moving_mass
-    rows = np.zeros((plant.order, plant.order))
+def in_moments(plant: Plant) -> InMoments:
+    """Return what takes the states of a plant to moments and back.
+
+    Source: left eigenvectors of A (and principal vectors for the powers), scaled by w B = 1;
+    docs/optimal-control.md, section 1.
+    """
+    T, m, rows = plant.force_lag, plant.moving_mass, np.zeros((plant.order, plant.order))
+    force = slice(plant.force, plant.order) if plant.follows else plant.lagged
     for i, mode in enumerate(plant.modes):
         p, pair = mode.pole, slice(2 * i, 2 * i + 2)
-        rate = (1.0 + p * T) / mode.scale
+        rate = (p if plant.follows else 1.0 + p * T) / mode.scale
         on_deflection = -(mode.natural_frequency**2) * rate / p
         rows[pair, mode.deflection] = on_deflection.real, on_deflection.imag
         rows[pair, mode.rate] = rate.real, rate.imag
-        rows[2 * i, plant.lagged] = T
-    rows[2 * len(plant.modes) : -1, plant.lagged] = T
+        rows[2 * i, force] = 1.0 if plant.follows else T
+    one = 2 * len(plant.modes) + len(plant.lag_rates)
+    rows[2 * len(plant.modes) : one + 1, force] = 1.0 if plant.follows else T
     rows[-2, plant.velocity] = m
     rows[-1, plant.position], rows[-1, plant.velocity] = m, m * T
     rows.setflags(write=False)
-    return rows
+    rates = np.array([*(mode.pole for mode in plant.modes), *plant.lag_rates], dtype=complex)
+    functions = MomentProblem(rates=rates, degree=plant.order - one - 1, target=nan)
+    return InMoments(
+        functions=functions, rows=rows, back=np.asarray(np.linalg.inv(rows), dtype=np.float64)
+    )
+
+
+def step_response(plant: Plant, tau: Array) -> Array:
+    """Return the states a time τ after a unit step of the input from rest, also for τ < 0.
+
+    The input is the set force, or the jerk of a motor that follows.
+    """
+    tau, known = np.asarray(tau, dtype=np.float64), in_moments(plant)
+    integrals = known.functions.values_and_integrals(tau.ravel())[1]
+    return np.asarray(integrals.T @ known.back.T).reshape(*tau.shape, plant.order)
+
+
+def impulse_response(plant: Plant, tau: Array) -> Array:
+    """Return expm(A τ) B."""
+    tau, known = np.asarray(tau, dtype=np.float64), in_moments(plant)
+    values = known.functions.values(tau.ravel())
+    return np.asarray(values.T @ known.back.T).reshape(*tau.shape, plant.order)
+
+
+def advance(plant: Plant, states: Array, tau: Array) -> Array:
+    """Return expm(A τ) x of many states and times, (..., n) and (...)."""
+    tau, known = np.asarray(tau, dtype=np.float64), in_moments(plant)
+    functions, moments = known.functions, states @ known.rows.T
+    one, powers = functions.one, _powers(tau, functions.degree)
+    turned = functions.modal(moments).conj() * np.exp(np.multiply.outer(tau, functions.rates))
+    moved = np.zeros((*turned.shape[:-1], plant.order))
+    moved[..., :one] = turned.view(np.float64)[..., :one]
+    for k in range(functions.degree + 1):
+        for j in range(k + 1):
+            moved[..., one + k] += powers[k - j] * moments[..., one + j]
+    return np.asarray(moved @ known.back.T)
+
+
+def driven(plant: Plant, states: Array, force: Array, tau: Array) -> Array:
+    """Return the states a time τ later, (..., n), under a constant force, (...)."""
+    return advance(plant, states, tau) + step_response(plant, tau) * force[..., np.newaxis]
+
+
+def transition(plant: Plant, tau: Array) -> Array:
+    """Return expm(A τ)."""
+    columns = advance(plant, np.eye(plant.order), np.asarray(tau)[..., np.newaxis])
+    return np.asarray(np.swapaxes(columns, -1, -2))
 
 
 RADIANS, BLOCK = 0.2, 64
@@ -289,32 +240,20 @@ POLISHES = 4
 def free_row(plant: Plant, row: Array) -> Array:
     """Return the row of a signal's distance from its rest, or its steady motion, shape (n,).
 
-    Source: the row in the left eigenvectors of A without momentum and place of rest.
+    Source: the row in moments without momentum and place of rest.
     """
-    basis = all_moment_rows(plant)
-    return np.asarray(np.linalg.solve(basis.T, row)[:-2] @ basis[:-2])
+    known = in_moments(plant)
+    return np.asarray((row @ known.back)[:-2] @ known.rows[:-2])
 
 
-def free_rates(plant: Plant) -> Complex:
-    """Return the poles of the modes, then that of a force lag, shape (n_rates,) [1/s]."""
-    return np.array([*(mode.pole for mode in plant.modes), *plant.lag_rates], dtype=complex)
+def free_waves(plant: Plant, rows: Array, state: Array) -> Complex:
+    """Return C of the signals r x(t_f + s) = Re Σ_k C_k e^{p_k s}, shape (n_rows, n_rates).
 
-
-def free_gains(plant: Plant, rows: Array) -> Complex:
-    """Return C of signals r x(t_f + s) = Re Σ_k C_k z_k e^{p_k s}, shape (n_rows, n_rates).
-
-    z_k = ∫ e^{p_k τ} F_set dτ are the moments of the force; docs/optimal-control.md, section 6.
+    docs/optimal-control.md, section 6.
     """
-    parts, modal = np.linalg.solve(all_moment_rows(plant).T, rows.T).T, 2 * len(plant.modes)
-    of_lag = parts[:, modal : modal + len(plant.lag_rates)]
-    return np.hstack([parts[:, 0:modal:2] - 1j * parts[:, 1:modal:2], of_lag])
-
-
-def free_moments(plant: Plant, state: Array) -> Complex:
-    """Return the moments z of the force that has led to a state, shape (n_rates,)."""
-    parts, modal = all_moment_rows(plant) @ state, 2 * len(plant.modes)
-    of_lag = parts[modal : modal + len(plant.lag_rates)]
-    return np.concatenate([parts[0:modal:2] + 1j * parts[1:modal:2], of_lag])
+    known = in_moments(plant)
+    gains = known.functions.modal(rows @ known.back)
+    return np.asarray(gains * known.functions.modal(known.rows @ state).conj())
 
 
 def free_peaks(

@@ -243,13 +243,9 @@ def _point(system: _System, unknowns: Array) -> _Point:
 
 def _bang_flows(system: _System, durations: Array) -> tuple[Array, Array]:
     """Return the flows and pushes of all legs as if they were bang arcs."""
-    plant = system.problem.plant
-    forward = transition(plant, durations)
-    pushes = step_response(plant, durations)
+    plant, force = system.problem.plant, system.problem.force_limit
     # Newton's trial durations may be negative: the response then runs backwards.
-    for i in np.nonzero(durations < 0.0)[0]:
-        pushes[i] = -forward[i] @ step_response(plant, -durations[i])
-    return forward, pushes * system.problem.force_limit
+    return transition(plant, durations), step_response(plant, durations) * force
 
 
 def _primal(system: _System, unknowns: Array) -> tuple[list[Condition], Array, Array]:

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from mtcommission.optimal.control import powers_of
 from mtcommission.optimal.linear_program import Basis, Program, solve_program
 from mtcommission.optimal.modes import (
-    advance,
-    free_gains,
-    free_moments,
+    driven,
     free_peaks,
-    free_rates,
+    free_waves,
+    in_moments,
     step_response,
     transition,
 )
@@ -389,8 +388,8 @@ def find_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
 def _tail_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
     """Return the peaks of the free motions after the end."""
     plant = problem.plant
-    weights = free_gains(plant, problem.tails) * free_moments(plant, cells.final)
-    rates = np.broadcast_to(free_rates(plant), weights.shape)
+    weights = free_waves(plant, problem.tails, cells.final)
+    rates = np.broadcast_to(in_moments(plant).functions.rates, weights.shape)
     tail, s, level = free_peaks(rates, weights, offset=cells.offset)
     return Peaks(remaining=-s, limit=len(problem.limits) + tail, level=level)
 
@@ -428,11 +427,11 @@ def _cell_peaks(problem: BoundedProblem, cells: Cells, off: NDArray[np.bool_]) -
     span, push = (lengths / counts)[part], force[part] * problem.force_limit
     since = span * (np.arange(part.size) - (np.cumsum(counts) - counts)[part])
     elapsed = cells.t_f - begin[part] + since
-    starts = _inside(problem, cells.states[off][part], push[:, np.newaxis], since)
+    starts = driven(problem.plant, cells.states[off][part], push, since)
     step = span / SAMPLES
     levels = np.stack(
         [
-            _inside(problem, starts, push[:, np.newaxis], k * step) @ problem.rows.T
+            driven(problem.plant, starts, push, k * step) @ problem.rows.T
             for k in range(SAMPLES + 1)
         ],
         axis=1,
@@ -465,22 +464,17 @@ def _tops(
     rows: Array,
 ) -> tuple[Array, Array]:
     """Return places since the starts of parts and heights of peaks, by Newton's method inside."""
-    plant, starts, push, span = problem.plant, starts[part], push[part, np.newaxis], span[part]
+    plant, starts, push, span = problem.plant, starts[part], push[part], span[part]
     place, best = since, np.full(since.shape, -inf)
     for _ in range(POLISHES + 1):
-        states = _inside(problem, starts, push, place)
+        states = driven(plant, starts, push, place)
         level = np.sum(states * rows, axis=1)
         since, best = np.where(level > best, place, since), np.maximum(level, best)
-        rates = states @ plant.A.T + plant.B * push
+        rates = states @ plant.A.T + np.multiply.outer(push, plant.B)
         slope, bend = np.sum(rates * rows, axis=1), np.sum(rates @ plant.A.T * rows, axis=1)
         step = np.divide(-slope, bend, out=np.sign(slope) * span, where=bend < 0.0)
         place = np.clip(place + step, 0.0, span)
     return since, best
-
-
-def _inside(problem: BoundedProblem, starts: Array, push: Array, since: Array) -> Array:
-    moved = advance(problem.plant, starts, since)
-    return np.asarray(moved + step_response(problem.plant, since) * push)
 
 
 def excess(problem: BoundedProblem, cells: Cells, peaks: Peaks) -> Array:

@@ -33,7 +33,12 @@ from mtcommission.optimal.control import (
     follow_control,
     powers_of,
 )
-from mtcommission.optimal.modes import impulse_response, step_response, transition
+from mtcommission.optimal.modes import (
+    impulse_response,
+    in_moments,
+    step_response,
+    transition,
+)
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 
 Array = NDArray[np.float64]
@@ -182,7 +187,7 @@ def dual_value(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> DualValue
     values[off] += problem.force_limit * sigma
     for i in np.flatnonzero(~off).tolist():
         values[i] += _density_value(problem, parts[i])
-    magnitude = problem.force_limit * _sigma_magnitude(problem, adjoints, lengths)
+    magnitude = problem.force_limit * _integrals_of_sizes(problem, adjoints, lengths)
     return DualValue(
         values=values + ROUNDING * (values + magnitude),
         zeros=np.sort(ends[off][stretch] + zeros),
@@ -239,9 +244,9 @@ def _integrate_sigma(
     Each stretch is cut into cells; one that may hide a pair of zeros (by a bound of |σ''| over its
     stretch) is halved, and what is left is added as an allowance.
     """
-    plant = problem.plant
-    rates = np.abs([*(mode.pole for mode in plant.modes), *plant.lag_rates])
-    bend = _terms(problem, adjoints) @ rates**2 + _powers(problem, adjoints)[:, 2]
+    modal, powers = _sizes(problem, adjoints)
+    rates = in_moments(problem.plant).functions.magnitudes
+    bend = modal @ rates**2 + powers[:, 2:].sum(axis=1)
     cells = _first_cells(problem, adjoints, lengths)
     for _ in range(HALVINGS):
         unsure = _may_hide_zeros(cells, bend)
@@ -257,63 +262,40 @@ def _integrate_sigma(
     points = np.concatenate([np.zeros(lengths.size), lengths, zeros])
     order = np.lexsort((points, index))
     index, points = index[order], points[order]
-    primitive = np.sum(step_response(plant, points) * adjoints[index], axis=1)
+    primitive = np.sum(step_response(problem.plant, points) * adjoints[index], axis=1)
     same = index[1:] == index[:-1]
     steps = np.abs(np.diff(primitive)) * same
     np.add.at(value, index[1:], steps)
     return value, stretch, zeros
 
 
-def _sigma_magnitude(problem: BoundedProblem, adjoints: Array, lengths: Array) -> Array:
-    """Return ∫ of the summed magnitudes of the terms of σ: what rounding is relative to."""
-    powers = _powers(problem, adjoints) * lengths[:, np.newaxis] ** (1, 2, 3) / (1, 2, 6)
-    return np.asarray(_terms(problem, adjoints).sum(axis=1) * lengths + powers.sum(axis=1))
+def _integrals_of_sizes(problem: BoundedProblem, rows: Array, lengths: Array) -> Array:
+    """Return ∫ of the summed magnitudes of the terms of each row's σ over a length.
+
+    An exponential lasts no longer than its time constant.
+    """
+    modal, powers = _sizes(problem, rows)
+    decays = -in_moments(problem.plant).functions.rates.real
+    spans = 1.0 / np.maximum(decays, 1.0 / lengths[:, np.newaxis])
+    grown = lengths[:, np.newaxis] ** (1, 2, 3) / (1, 2, 6)
+    each = (modal * spans).sum(axis=1) + (powers * grown[:, : powers.shape[1]]).sum(axis=1)
+    return np.asarray(each)
 
 
 def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Array:
     """Return bounds of |row x| over all motions of a duration from rest, for rows of shape (k, n).
 
-    Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant), and
-    for powers their integrals. The rows are 0 for the position.
+    The rows are 0 for the position.
     """
-    plant = problem.plant
-    decays = -np.real([*(mode.pole for mode in plant.modes), *plant.lag_rates])
-    spans = 1.0 / np.maximum(decays, 1.0 / t_f)
-    powers = _powers(problem, rows) @ (t_f ** np.array([1, 2, 3]) / (1, 2, 6))
-    return np.asarray(problem.force_limit * (_terms(problem, rows) @ spans + powers))
+    sizes = _integrals_of_sizes(problem, rows, np.full(len(rows), t_f))
+    return np.asarray(problem.force_limit * sizes)
 
 
-def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
-    """Return the largest magnitude of each exponential in σ; shape (..., n_rates)."""
-    plant = problem.plant
-    rigid, columns = _powers(problem, adjoint)[..., 0], []
-    for mode in plant.modes:
-        p = mode.pole
-        passed = p if plant.follows else plant.force_lag * p + 1.0
-        to_pole = 2.0 * mode.scale / ((p - p.conjugate()) * passed)
-        d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
-        columns.append(np.abs(to_pole * (d + p * v)))
-    for lag in plant.lag_rates:
-        force = np.abs(adjoint[..., plant.force]) * -lag + 2.0 * rigid
-        for mode in plant.modes:
-            to_lag = mode.scale / (lag**2 - 2.0 * mode.pole.real * lag + abs(mode.pole) ** 2)
-            d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
-            force = force + np.abs(lag * to_lag * (d + lag * v))
-        columns.append(force)
-    return np.stack(columns, axis=-1)
-
-
-def _powers(problem: BoundedProblem, adjoint: Array) -> Array:
-    """Return the largest magnitudes of what 1, τ and τ²/2 have in σ; shape (..., 3)."""
-    plant, m = problem.plant, problem.plant.moving_mass
-    x, v = np.abs(adjoint[..., plant.position]) / m, np.abs(adjoint[..., plant.velocity]) / m
-    if not plant.follows:
-        return np.stack([v + x * plant.force_lag, x, np.zeros_like(x)], axis=-1)
-    still = np.abs(adjoint[..., plant.force])
-    for mode in plant.modes:
-        bent = mode.scale / mode.natural_frequency**2
-        still = still + np.abs(bent * adjoint[..., mode.deflection])
-    return np.stack([still, v, x], axis=-1)
+def _sizes(problem: BoundedProblem, adjoint: Array) -> tuple[Array, Array]:
+    """Return what each exponential and what 1, τ and τ²/2 have in σ, in magnitude, at most."""
+    known = in_moments(problem.plant)
+    sizes = np.abs(adjoint) @ np.abs(known.back)
+    return np.abs(known.functions.modal(sizes)), sizes[..., known.functions.one :]
 
 
 def _sigma(

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.control import Arc, Bang, Boundary, constant_arc
-from mtcommission.optimal.modes import step_response, transition
+from mtcommission.optimal.modes import driven
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Stretch, sigma_sign
 
@@ -59,9 +59,8 @@ def piece_end(problem: BoundedProblem, piece: Piece, state: Array) -> Array:
     """Return the state at the end of a piece that begins in a state."""
     if piece.limit >= 0:
         return problem.limits[piece.limit].boundary_flow.over(piece.duration) @ state
-    since = np.array(piece.duration)
-    push = step_response(problem.plant, since) * piece.side * problem.force_limit
-    return np.asarray(transition(problem.plant, since) @ state + push)
+    force, since = np.array(piece.side * problem.force_limit), np.array(piece.duration)
+    return driven(problem.plant, state, force, since)
 
 
 def touch_points(sequence: Sequence) -> tuple[Atom, ...]:
