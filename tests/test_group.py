@@ -120,7 +120,7 @@ def test_what_a_control_is_told_keeps_the_speed_of_every_corner(
 ) -> None:
     """In every direction of the change of velocity, by the rule as the control's source has it."""
     speeds, a = speeds_at_once(turnings(joined.pair), tolerance=10e-6, feed=0.1), (2.0, 5.0)
-    rule = CornerRule(kind=kind, source="")
+    rule = CornerRule(kind=kind)
     value = tell_corner(rule, speeds, tolerance=10e-6, accelerations=a)
     nearest = []
     for one in speeds:

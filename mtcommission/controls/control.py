@@ -66,17 +66,16 @@ class Corner(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CornerRule:
-    """What a control does at corners, and where that was read."""
+    """What a control does at corners."""
 
     kind: Corner
-    source: str
     is_verified: bool = True
     share: float = 1.0  # of the acceleration limit that an arc may use [-]
     least: float = 0.0  # that the control can be told; below, it is told nothing [SI]
     most: float = inf
 
 
-UNKNOWN_CORNER = CornerRule(kind=Corner.STEP, source="assumed", is_verified=False)
+UNKNOWN_CORNER = CornerRule(kind=Corner.STEP, is_verified=False)
 """No rule was read: each axis is taken to step its velocity."""
 
 
@@ -91,7 +90,7 @@ class Control:
     layout: Layout
     shapers: tuple[str, ...] = ()  # tried where the run's filter is none of the control's
     notes: tuple[str, ...] = ()  # sentences for the header, by the kinds of their messages
-    notes_of: Callable[[Axis, Typed], tuple[Message, ...]] = lambda _axis, _typed: ()
+    notes_of: Callable[[Axis, Typed], Iterable[Message]] = lambda _axis, _typed: ()
     """Those that depend on the axis, or on what is typed in."""
     in_degrees: bool = True  # else its angles are radians
     names_axes: bool = False  # whether its names tell the axis: several stand in one text as it is

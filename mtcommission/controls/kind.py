@@ -1,9 +1,8 @@
-"""What a kind of control has, and where that was read."""
+"""What a kind of control has; where that was read stands in docs/controls.md."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from math import inf
 
@@ -30,76 +29,21 @@ class PositionLoop(Enum):
     DRIVE = "drive"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Feature:
-    """Where it was read that a control has something, or lacks it."""
-
-    parameters: str = ""  # names in the control, with unit, range and resolution where known
-    note: str = ""  # what else an engineer must know, in English: for docs/controls.md
-    source: str = ""  # maker's texts or source files, by title, separated by "; "
-    is_verified: bool = True  # else printed with "(?)"
-
-    @property
-    def mark(self) -> str:
-        """What is printed behind it: "(?)" unless it was read."""
-        return "" if self.is_verified else "(?)"
-
-
-FEATURES = (
-    "acceleration",
-    "jerk",
-    "modes",
-    "setpoint_filters",
-    "velocity_feedforward",
-    "acceleration_feedforward",
-    "jerk_feedforward",
-    "reference_delay",
-    "position_loops",
-    "position_cycle",
-    "velocity_cycle",
-    "position_gain",
-    "velocity_gain",
-    "force_filters",
-    "state_feedback",
-)
-"""What there is evidence for, of every kind of control, in the order in which it is listed."""
-
-
-EARLIER = "maker's text read earlier, place not kept"
-
 NOTCH, LOW_PASS = "notch", "low_pass"
 """Kinds of filter in the torque setpoint, as in profiles."""
 
-
-def read(source: str, parameters: str = "", note: str = "") -> Feature:
-    """Return a feature that was read in a source."""
-    return Feature(parameters=parameters, note=note, source=source)
-
-
-def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Feature:
-    """Return a feature that was not read; ``beside`` is a source for part of it."""
-    return Feature(parameters=parameters, note=note, source=beside, is_verified=False)
-
-
-OF_DRIVE: Mapping[str, Feature] = {
-    "velocity_cycle": believed(note="The drive's."),
-    "velocity_gain": believed(note="In the drive."),
-    "force_filters": believed(note="Those of the drive; four is what drives usually have."),
-}
-"""What belongs to the drive behind a control that sends it positions or velocities."""
-
 MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"
-SHAPERS = (
-    *("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei"),
+KLIPPER_SHAPERS = ("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei")
+MARLIN_SHAPERS = (
     *("marlin_zv", "marlin_mzv", "marlin_zvd", "marlin_zvdd", "marlin_zvddd"),
     *("marlin_ei", "marlin_2hump_ei", "marlin_3hump_ei"),
 )
+SHAPERS = KLIPPER_SHAPERS + MARLIN_SHAPERS
 """Kinds of setpoint filter, as in profiles: averages, taps, and shapers. The EI family without a
 word is Klipper's since September 2025; Marlin's, on its grid of samples, is the classical one."""
 
 LONGEST_AVERAGE = 0.2
 """Longest average that is looked for where a control does not bound it [s]: empirical."""
-
 
 MOST_CYCLES, WHOLE = 100, 1e-6
 """Position cycles among which a whole multiple of a step is sought, and what is whole [-]."""
@@ -154,7 +98,7 @@ class ControlKind:
     """What a kind of control has; what it lacks is neither tuned nor simulated nor exported."""
 
     key: str  # for ``control.kind`` and ``export --control``
-    features: Mapping[str, Feature] = field(repr=False, compare=False)  # evidence by name
+    unread: tuple[str, ...] = ()  # of what is below, what was not read in a maker's text: "(?)"
     follows_steps: bool = False  # steps go out open loop: the loop only stands in for the motor
     jerk: Jerk = Jerk.LIMIT
     modes: tuple[str, ...] = ()  # its columns of limits by machining mode; empty: one set of limits

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from enum import Enum
 from functools import cache, partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
@@ -171,6 +171,16 @@ def fixed(
     return Row(
         Setting.FIXED, name, index=name, unit=unit, codes=codes, meaning=meaning, section=section
     )
+
+
+def at_corners(name: str, unit: str, meaning: str, **more: Any) -> Row:
+    """Return the row of what axes that move together are told for corners."""
+    return Row(Setting.TOGETHER, name, index="corner", unit=unit, meaning=meaning, **more)
+
+
+def on_path(limit: str, name: str, unit: str, meaning: str = "", **more: Any) -> Row:
+    """Return the row of a limit of their path: "acceleration" or "jerk"."""
+    return Row(Setting.TOGETHER, name, index=limit, unit=unit, meaning=meaning, **more)
 
 
 def unreadable(row: str) -> InputError:

@@ -42,7 +42,7 @@ def describe_kind(kind: ControlKind, *, follows: bool = False) -> Message:
         said = Message(f"has-{name}")
         if count > 1:
             said = Message("feature-counted", count=count, feature=said)
-        if not kind.features[name.replace("-", "_")].is_verified:
+        if name.replace("-", "_") in kind.unread:
             said = Message("feature-unread", feature=said)
         (has if count else lacks).append(said)
     if not lacks:

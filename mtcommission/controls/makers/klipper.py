@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import replace
 
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import (
@@ -14,144 +15,73 @@ from mtcommission.controls.control import (
     letter_of,
     require_linear,
 )
-from mtcommission.controls.kind import SHAPERS, FilterChoice, read
+from mtcommission.controls.kind import KLIPPER_SHAPERS, FilterChoice
 from mtcommission.controls.makers.stepping import (
-    DAMPING_STEP,
-    FREQUENCY_STEP,
     PRINTER,
     USUAL_CORNER,
     make_up,
     of_corner,
-    say_shaper,
     sends_steps,
+    shaper_values,
 )
-from mtcommission.controls.row import Row, Setting, Values, fixed
+from mtcommission.controls.row import Row, Setting, Values, at_corners, fixed, on_path
 from mtcommission.controls.syntax import CONFIG
-
-KLIPPER_SOURCE = "Klipper at 84104bbb: Config_Reference, input_shaper, kin_shaper.c"
-
-ADDRESSES = {KLIPPER_SOURCE: "github.com/Klipper3d/klipper"}
-"""Where each source was read, November 2026."""
-
-KLIPPER_SHAPERS = SHAPERS[:6]
 
 MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
 """Largest damping ratios that Klipper takes, where it is not 0.99."""
 
-KLIPPER = sends_steps(
-    "klipper",
-    KLIPPER_SOURCE,
-    largest_acceleration=PRINTER,
-    setpoint_filters=tuple(
-        FilterChoice(kind=shaper, most_damping=MOST_DAMPING.get(shaper, 0.99))
-        for shaper in KLIPPER_SHAPERS
-    ),
-    features={
-        "acceleration": read(
-            KLIPPER_SOURCE,
-            "[printer] max_accel (z: max_z_accel) [mm/s^2]",
-            "minimum_cruise_ratio lowers the velocity of short moves.",
-        ),
-        "jerk": read(KLIPPER_SOURCE, note="None; square_corner_velocity is a step of velocity."),
-        "modes": read(KLIPPER_SOURCE, note="None; by macro."),
-        "setpoint_filters": read(
-            KLIPPER_SOURCE,
-            "[input_shaper] shaper_type_x, shaper_freq_x [Hz], damping_ratio_x",
-            "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2. The EI "
-            "family as of 2025-09-16 (5da026a3), 3hump_ei as of 2026-03-31 (0d1445a7); earlier "
-            "ones were the classical EI. mzv(n, t) and ei(v_tol) of 2026 are not offered.",
-        ),
-        "reference_delay": read(
-            KLIPPER_SOURCE, note="None; pulses are centred, so a shaper's delay is not one."
-        ),
-    },
-)
-
 USUAL = ("zv", "zvd")
 """Shapers that are tried where the run's filter is none of the control's."""
 
+HEAD, SHAPER, CORNER = "printer", "input_shaper", "square_corner_velocity"
+"""Sections, and the step of velocity at right angles."""
 
-def _klipper(axis: Axis, _loop: Values) -> list[Row]:
+
+def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     require_linear(axis, "Klipper")
     letter = letter_of(axis, "XYZ", "Klipper").lower()
-    row = partial(Row, section="input_shaper", is_verified=letter != "z")
-    of_mode = say_shaper(axis)
-    return [
-        Row(
-            Setting.ACCELERATION,
-            "max_accel",
-            unit="mm/s^2",
-            meaning="klipper-tool-head",
-            section="printer",
-        ),
-        *_klipper_corner(axis),
-        row(
-            Setting.SHAPER,
-            f"shaper_type_{letter}",
-            codes=dict(zip(KLIPPER_SHAPERS, KLIPPER_SHAPERS, strict=True)),
-        ),
-        row(
-            Setting.SHAPER_FREQUENCY,
-            f"shaper_freq_{letter}",
-            unit="Hz",
-            step=FREQUENCY_STEP,
-            meaning=of_mode,
-        ),
-        row(Setting.SHAPER_DAMPING, f"damping_ratio_{letter}", step=DAMPING_STEP, meaning=of_mode),
-    ]
+    unit, said = "mm/s^2", "klipper-tool-head"
+    yield Row(Setting.ACCELERATION, "max_accel", unit=unit, meaning=said, section=HEAD)
+    if axis.follows:
+        # Klipper's default, or less where that leaves the band.
+        corner = f"{1e3 * min(axis.corner_velocity(USUAL), USUAL_CORNER):.3g}"
+        yield fixed(CORNER, corner, "klipper-corner", unit="mm/s", section=HEAD)
+    codes: dict[float | str, str] = {kind: kind for kind in KLIPPER_SHAPERS}
+    for row in (
+        Row(Setting.SHAPER, f"shaper_type_{letter}", codes=codes, section=SHAPER),
+        *shaper_values(axis, f"shaper_freq_{letter}", f"damping_ratio_{letter}", section=SHAPER),
+    ):
+        yield replace(row, is_verified=letter != "z")
 
 
-def _klipper_corner(axis: Axis) -> list[Row]:
-    """Klipper's default, or less where that leaves the band."""
-    if not axis.follows:
-        return []
-    corner = f"{1e3 * min(axis.corner_velocity(USUAL), USUAL_CORNER):.3g}"
-    said = Message("klipper-corner")
-    return [fixed("square_corner_velocity", corner, said, unit="mm/s", section="printer")]
+def _notes(axis: Axis, typed: Typed) -> Iterator[Message]:
+    yield Message("klipper-no-jerk")
+    yield from make_up(axis, typed)
+    yield from of_corner(axis, "klipper-corner-bound", USUAL)
+    yield Message("klipper-cruise")
+    yield Message("klipper-shaper")
+    if typed.values.get((Setting.SHAPER, "")) == "3hump_ei":
+        yield Message("klipper-three-humps")
 
-
-def _klipper_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
-    return (
-        Message("klipper-no-jerk"),
-        *make_up(axis, typed),
-        *of_corner(axis, "klipper-corner-bound", USUAL),
-        Message("klipper-cruise"),
-        Message("klipper-shaper"),
-        *(
-            (Message("klipper-three-humps"),)
-            if typed.values.get((Setting.SHAPER, "")) == "3hump_ei"
-            else ()
-        ),
-    )
-
-
-GROUP = (
-    Row(
-        Setting.TOGETHER,
-        "max_accel",
-        index="acceleration",
-        unit="mm/s^2",
-        meaning="klipper-tool-head",
-        section="printer",
-    ),
-    Row(
-        Setting.TOGETHER,
-        "square_corner_velocity",
-        index="corner",
-        unit="mm/s",
-        meaning="group-row-speed",
-        section="printer",
-    ),
-)
 
 CONTROL = Control(
-    kind=KLIPPER,
-    rows=_klipper,
+    kind=sends_steps(
+        key="klipper",
+        largest_acceleration=PRINTER,
+        setpoint_filters=tuple(
+            FilterChoice(kind=shaper, most_damping=MOST_DAMPING.get(shaper, 0.99))
+            for shaper in KLIPPER_SHAPERS
+        ),
+    ),
+    rows=_rows,
     layout=CONFIG,
     shapers=USUAL,
-    notes_of=_klipper_notes,
+    notes_of=_notes,
     names_axes=True,
-    group=GROUP,
+    group=(
+        on_path("acceleration", "max_accel", "mm/s^2", "klipper-tool-head", section=HEAD),
+        at_corners(CORNER, "mm/s", "group-row-speed", section=HEAD),
+    ),
     axes_hold=(),
-    corner=CornerRule(kind=Corner.JUNCTION, source="Klipper 84104bbb, toolhead.py"),
+    corner=CornerRule(kind=Corner.JUNCTION),  # Klipper 84104bbb, toolhead.py
 )

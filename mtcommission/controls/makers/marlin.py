@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from math import sqrt
 
 from mtcommission.base.messages.message import Message
@@ -16,27 +16,20 @@ from mtcommission.controls.control import (
     letter_of,
     require_linear,
 )
-from mtcommission.controls.kind import EARLIER, FilterChoice, read
+from mtcommission.controls.kind import FilterChoice
 from mtcommission.controls.makers.stepping import (
-    DAMPING_STEP,
-    FREQUENCY_STEP,
     PRINTER,
     USUAL_CORNER,
     make_up,
     of_corner,
-    say_shaper,
     sends_steps,
+    shaper_values,
     written,
 )
-from mtcommission.controls.row import Row, Setting, Values, fixed
+from mtcommission.controls.row import Row, Setting, Values, at_corners, fixed
 from mtcommission.controls.syntax import G_CODE
 
-MARLIN_SOURCE = "Marlin: M493, M494, M593, ft_types.h"
-
-ADDRESSES = {MARLIN_SOURCE: "github.com/MarlinFirmware/Marlin (00317b4d, 02249df2, 03b25180)"}
-"""Where each source was read, November 2026."""
-
-MARLIN_SHAPERS: Mapping[str, str] = {
+SHAPERS: dict[float | str, str] = {
     "marlin_zv": "1",
     "marlin_mzv": "8",
     "marlin_zvd": "2",
@@ -48,128 +41,77 @@ MARLIN_SHAPERS: Mapping[str, str] = {
 }
 """Values of M493 C."""
 
-MARLIN = sends_steps(
-    "marlin",
-    MARLIN_SOURCE,
-    largest_acceleration=PRINTER,
-    setpoint_filters=tuple(
-        FilterChoice(
-            kind=shaper,
-            least_frequency_hz=20.0,
-            most_frequency_hz=500.0,
-            least_damping=0.01,
-            most_damping=0.25,
-        )
-        for shaper, code in MARLIN_SHAPERS.items()
-    ),
-    features={
-        "acceleration": read(EARLIER, "M201 [mm/s^2]", "M204 for print and travel (?)."),
-        "jerk": read(
-            MARLIN_SOURCE,
-            note="None; profiles of order 5 or 6 as build options, up to 1.875 times the "
-            "acceleration. What Marlin calls jerk is a step of velocity.",
-        ),
-        "setpoint_filters": read(
-            MARLIN_SOURCE,
-            "M593 X/Y F [Hz] D; M493 C, A [Hz], I 0.01..0.25; M494 [s]",
-            "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis, 10 or 20 to 500 Hz; "
-            "its EI family is the classical one (shaping.cpp at 195278e4). FT motion rounds the "
-            "first copy's delay to whole samples of 1 ms and repeats it, which is simulated; M593 "
-            "delays steps by timer ticks and is not offered.",
-        ),
-        "position_cycle": read(
-            MARLIN_SOURCE,
-            "FTM_FS",
-            "FT motion computes at 1000 Hz unless the build says otherwise; the steps in between "
-            "are evenly spaced.",
-        ),
-    },
-)
-
 USUAL = ("marlin_zv", "marlin_zvd")
 """Shapers that are tried where the run's filter is none of the control's."""
 
-JUNCTION_DEVIATIONS = (1e-5, 3e-4)
+LEAST_DEVIATION, MOST_DEVIATION = 1e-5, 3e-4
 """What Marlin takes as M205 J [m]; it refuses any other and keeps the old one
 (M200-M205.cpp at 5ec63799)."""
 
 
-def _marlin(axis: Axis, _loop: Values) -> list[Row]:
+def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     require_linear(axis, "Marlin")
     letter = letter_of(axis, "XYZ", "Marlin")
-    of_mode = say_shaper(axis)
-    return [
-        acceleration_row(axis, f"M201 {letter}"),
-        *_marlin_corner(axis, letter),
-        fixed("M493 S", "1", "marlin-fixed-time"),
-        Row(
-            Setting.SHAPER,
-            f"M493 {letter} C",
-            codes={kind: MARLIN_SHAPERS[kind] for kind in MARLIN_SHAPERS},
-            meaning="marlin-shaper",
-        ),
-        Row(
-            Setting.SHAPER_FREQUENCY,
-            f"M493 {letter} A",
-            unit="Hz",
-            step=FREQUENCY_STEP,
-            meaning=of_mode,
-        ),
-        Row(Setting.SHAPER_DAMPING, f"M493 {letter} I", step=DAMPING_STEP, meaning=of_mode),
-    ]
+    yield acceleration_row(axis, f"M201 {letter}")
+    if axis.follows:
+        yield _corner(axis, letter)
+    yield fixed("M493 S", "1", "marlin-fixed-time")
+    name = f"M493 {letter}"
+    yield Row(Setting.SHAPER, f"{name} C", codes=SHAPERS, meaning="marlin-shaper")
+    yield from shaper_values(axis, f"{name} A", f"{name} I")
 
 
-def _marlin_corner(axis: Axis, letter: str) -> list[Row]:
+def _corner(axis: Axis, letter: str) -> Row:
     """By junction deviation; by the step of velocity where J would be below what M205 takes."""
-    if not axis.follows:
-        return []
     if deviation := _junction_deviation(axis):
-        said = Message("marlin-corner")
-        return [fixed("M205 J", f"{1e3 * deviation:.3g}", said, unit="mm")]
-    corner, said = min(axis.corner_velocity(USUAL), USUAL_CORNER), Message("marlin-step")
-    return [fixed(f"M205 {letter}", f"{1e3 * corner:.3g}", said, unit="mm/s")]
+        return fixed("M205 J", f"{1e3 * deviation:.3g}", "marlin-corner", unit="mm")
+    corner = min(axis.corner_velocity(USUAL), USUAL_CORNER)
+    return fixed(f"M205 {letter}", f"{1e3 * corner:.3g}", "marlin-step", unit="mm/s")
 
 
 def _junction_deviation(axis: Axis) -> float:
     """J = v² (sqrt(2) - 1)/a of a right angle that keeps the band [m]; 0: below what M205 takes."""
-
-    def deviation(velocity: float) -> float:
-        return velocity**2 * (sqrt(2.0) - 1.0) / written(axis)
-
-    least, most = JUNCTION_DEVIATIONS
-    if deviation(axis.corner_velocity(USUAL)) < least:
+    kept, usual = (
+        velocity**2 * (sqrt(2.0) - 1.0) / written(axis)
+        for velocity in (axis.corner_velocity(USUAL), USUAL_CORNER)
+    )
+    if kept < LEAST_DEVIATION:
         return 0.0
-    return min(max(least, deviation(USUAL_CORNER)), most)
+    return min(max(LEAST_DEVIATION, usual), MOST_DEVIATION)
 
 
-def _marlin_notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:
-    least, _ = JUNCTION_DEVIATIONS
-    by_least = sqrt(least * written(axis) / (sqrt(2.0) - 1.0))
+def _notes(axis: Axis, typed: Typed) -> Iterator[Message]:
+    by_least = sqrt(LEAST_DEVIATION * written(axis) / (sqrt(2.0) - 1.0))
     fits = axis.follows and _junction_deviation(axis)
     bound = "marlin-corner-bound" if fits else "marlin-step-bound"
-    return (
-        Message("marlin-jerk"),
-        *make_up(axis, typed),
-        *of_corner(axis, bound, USUAL, least=1e3 * by_least),
-        Message("marlin-build"),
-        Message("marlin-grid"),
-    )
+    yield Message("marlin-jerk")
+    yield from make_up(axis, typed)
+    yield from of_corner(axis, bound, USUAL, least=1e3 * by_least)
+    yield Message("marlin-build")
+    yield Message("marlin-grid")
 
-
-GROUP = (Row(Setting.TOGETHER, "M205 J", index="corner", unit="mm", meaning="group-row-deviation"),)
 
 CONTROL = Control(
-    kind=MARLIN,
-    rows=_marlin,
+    kind=sends_steps(
+        key="marlin",
+        largest_acceleration=PRINTER,
+        setpoint_filters=tuple(
+            FilterChoice(
+                kind=str(shaper),
+                least_frequency_hz=20.0,
+                most_frequency_hz=500.0,
+                least_damping=0.01,
+                most_damping=0.25,
+            )
+            for shaper in SHAPERS
+        ),
+    ),
+    rows=_rows,
     layout=G_CODE,
     names_axes=True,
     shapers=USUAL,
-    notes_of=_marlin_notes,
-    group=GROUP,
-    corner=CornerRule(
-        kind=Corner.DEVIATION,
-        source="Marlin 5ec63799, planner.cpp: junction deviation",
-        least=JUNCTION_DEVIATIONS[0],
-        most=JUNCTION_DEVIATIONS[1],
-    ),
+    notes_of=_notes,
+    group=(at_corners("M205 J", "mm", "group-row-deviation"),),
+    # Marlin 5ec63799, planner.cpp: junction deviation
+    corner=CornerRule(kind=Corner.DEVIATION, least=LEAST_DEVIATION, most=MOST_DEVIATION),
 )

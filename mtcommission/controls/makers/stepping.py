@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import inf
+from functools import partial
 
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Axis, Typed
-from mtcommission.controls.kind import (
-    FEATURES,
-    ControlKind,
-    Feature,
-    FilterChoice,
-    Jerk,
-    PositionLoop,
-    read,
-)
-from mtcommission.controls.row import Setting
+from mtcommission.controls.kind import ControlKind, Jerk, PositionLoop
+from mtcommission.controls.row import Row, Setting
 
 FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 """Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
@@ -32,45 +23,29 @@ PRINTER = 20.0
 84104bbb) [m/s²]: what extruder, frame and driver of a printer take is not in the model. Marlin has
 no such list; its printers are taken to be alike (assumed)."""
 
-
-def sends_steps(
-    key: str,
-    source: str,
-    *,
-    features: Mapping[str, Feature],
-    jerk: Jerk = Jerk.NONE,
-    setpoint_filters: tuple[FilterChoice, ...] = (),
-    largest_acceleration: float = inf,
-) -> ControlKind:
-    """A control that sends steps: it has nothing of a loop, but for what was read."""
-    common = dict.fromkeys(FEATURES, read(source, note="None: steps go out open loop."))
-    pulses = "The pulses themselves carry the velocity; no parameter."
-    common["velocity_feedforward"] = read(source, note=pulses)
-    stand_in = (
-        "None: the motor follows its steps: drive.kind = position_source. With a servo profile a "
-        "stiff loop in the drive stands in for it."
-    )
-    common["position_loops"] = read(source, note=stand_in)
-    common["modes"] = common["setpoint_filters"] = read(source, note="None.")
-    return ControlKind(
-        key=key,
-        follows_steps=True,
-        jerk=jerk,
-        setpoint_filters=setpoint_filters,
-        acceleration_feedforward=False,
-        reference_delay=False,
-        position_loops=(PositionLoop.DRIVE,),
-        position_cycle=1e-3,
-        largest_acceleration=largest_acceleration,
-        features=common | dict(features),
-    )
+sends_steps = partial(
+    ControlKind,
+    follows_steps=True,
+    jerk=Jerk.NONE,
+    acceleration_feedforward=False,
+    reference_delay=False,
+    position_loops=(PositionLoop.DRIVE,),
+    position_cycle=1e-3,
+)
+"""A control that sends steps has nothing of a loop; a stiff one in the drive stands in for it."""
 
 
-def say_shaper(axis: Axis) -> Message:
-    """Where frequency and damping of the shaper come from."""
+def shaper_values(axis: Axis, frequency: str, damping: str, *, section: str = "") -> list[Row]:
+    """Return the rows of frequency and damping ratio of a shaper, by their names."""
     if axis.has_own_filter:
-        return Message("shaper-of-run")
-    return Message("klipper-of-mode", mode=axis.mode_name)
+        said = Message("shaper-of-run")
+    else:
+        said = Message("klipper-of-mode", mode=axis.mode_name)
+    row = partial(Row, meaning=said, section=section)
+    return [
+        row(Setting.SHAPER_FREQUENCY, frequency, unit="Hz", step=FREQUENCY_STEP),
+        row(Setting.SHAPER_DAMPING, damping, step=DAMPING_STEP),
+    ]
 
 
 def written(axis: Axis) -> float:
