@@ -21,8 +21,7 @@ import mtcommission
 from mtcommission.base.messages.message import Message, Value, to_json
 from mtcommission.controls.control import complete
 from mtcommission.controls.kinds import CONTROLS
-from mtcommission.controls.row import Setting
-from mtcommission.controls.syntax import Entry
+from mtcommission.controls.syntax import type_in
 from mtcommission.export.held import loop_of, today_of, write_limits
 from mtcommission.export.subject import Subject
 from mtcommission.export.write import Export
@@ -402,22 +401,9 @@ def typed_rows(name: str, record: Record) -> Export:
     for mode in ("", *(mode.name for mode in record.limits.modes)):
         values |= write_limits(subject.limits, subject.fastest, mode)
     rows = complete(control.rows(subject.axis, loop), loop, machine.axis_units)
-    old = today_of(subject, subject.fastest)
-    entries = [
-        Entry(
-            row=row,
-            value=row.encode(values[row.key]),
-            old=row.encode(old[row.key]) if row.key in old else "",
-        )
-        if row.setting is not Setting.FIXED
-        else Entry(row=row, value=row.encode("set"))
-        for row in rows
-        if row.key in values or row.setting is Setting.FIXED
-    ]
     return Export(
-        control=kind.key,
         header=(),
-        entries=tuple(entries),
+        entries=tuple(type_in(rows, values, today_of(subject))),
         limits=subject.limits,
         verdict=None,
         is_met=True,

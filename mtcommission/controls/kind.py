@@ -87,6 +87,10 @@ class FilterChoice:
         """Return between which lengths an average acts [s]."""
         return self.least_cycles * position_cycle, self.most_cycles * position_cycle
 
+    def nearest_damping(self, ratio: float) -> float:
+        """Return the nearest damping ratio that a shaper takes."""
+        return min(max(self.least_damping, ratio), self.most_damping)
+
     def times(self, position_cycle: float) -> tuple[float, float]:
         """Return between which lengths of an average to choose [s]; reversed: none is advised."""
         least, most = self.possible_times(position_cycle)

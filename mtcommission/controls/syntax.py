@@ -12,7 +12,7 @@ from itertools import takewhile
 from typing import TypeAlias
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.controls.row import Row
+from mtcommission.controls.row import Row, Setting, Values
 from mtcommission.controls.wording import to_ascii
 
 BLANK = "__________"
@@ -32,6 +32,8 @@ COLUMNS = (
     "name_and_unit",
 )  # fmt: skip
 """Of the parameter list; two of them are left empty for the engineer."""
+
+NOTHING: Values = {}
 
 Found: TypeAlias = tuple[str, str, str]
 """Section, name and value of a parameter, as they stand in a text."""
@@ -57,6 +59,18 @@ class Entry:
         return (
             f"{unit}{words.text('export-old')}: {self.old or BLANK}  {self.meaning(words)}{doubt}"
         )
+
+
+def type_in(rows: Iterable[Row], values: Values, old: Values = NOTHING) -> Iterator[Entry]:
+    """Yield the rows whose setting has a value, or is fixed, with what is typed in."""
+    for row in rows:
+        before = old.get(row.key)
+        known = before is not None and row.takes(before)
+        if row.setting is Setting.FIXED:
+            yield Entry(row=row, value=row.encode("set"))
+        elif row.key in values:
+            held = row.encode(before) if known and before is not None else ""
+            yield Entry(row=row, value=row.encode(values[row.key]), old=held)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,13 +18,7 @@ def name_control(key: str) -> Message:
 
 
 def describe_controls(words: Catalogue) -> str:
-    """Return key and name of every control, a line each.
-
-    Examples
-    --------
-    >>> print(describe_controls(Catalogue()).splitlines()[0])
-    sinumerik   SINUMERIK 840D / 828D / ONE
-    """
+    """Return key and name of every control, a line each."""
     width = max(map(len, CONTROL_KEYS)) + 2
     return "".join(f"{key:<{width}}{words.say(name_control(key))}\n" for key in CONTROL_KEYS)
 

@@ -8,14 +8,26 @@ and if the nearest one misses a requirement, others below it are tried.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.controls.control import Control, complete
 from mtcommission.controls.row import Key, Row, Setting, Values, unreadable
-from mtcommission.export.held import Held, read_limits, write_limits
-from mtcommission.export.subject import Subject, for_mode
+from mtcommission.controls.syntax import Entry, type_in
+from mtcommission.export.held import (
+    LIMITS,
+    NOT_OF_A_SETPOINT,
+    Held,
+    hold,
+    loop_of,
+    read_limits,
+    today_of,
+    write_filter,
+    write_limits,
+)
+from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -33,6 +45,9 @@ limit must then find the valley."""
 WIDE = tuple(0.9**i for i in range(36))
 """The same where there is no jerk limit at all."""
 
+SHARED = {Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING, Setting.RAPID}
+"""Settings that are chosen with the recommended limits, for all machining modes."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chosen:
@@ -42,14 +57,42 @@ class Chosen:
     verdict: Candidate  # of the simulation with exactly these
 
 
-def take(rows: Iterable[Row], values: Values) -> dict[Key, float | str]:
-    """Return what a control makes of settings: each typed by its rows and read back.
+def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[str]]:
+    """Return every row with what is typed in, those that are only remarks last.
+
+    With them, the machining modes that the control has.
 
     Raises
     ------
     InputError
-        If two rows of the same setting end up different.
+        If the loop is unstable as typed, or the control has no number that small.
     """
+    loop = loop_of(subject)
+    own = list(target.rows(subject.axis, loop))
+    if subject.machine.drive.follows:
+        loop = {key: value for key, value in loop.items() if key[0] not in NOT_OF_A_SETPOINT}
+        own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
+    rows = complete(own, loop, subject.machine.axis_units)
+    held = hold(subject, _take((row for row in rows if row.key in loop), loop))
+    values = dict(loop)
+    free = [row for row in rows if row.key not in held.values]
+    shared = [row for row in free if not row.index and row.setting in LIMITS | SHARED]
+    proposed = [] if subject.setpoint_filter else subject.shapers(target.shapers)
+    values |= choose_limits(
+        subject, held, shared, shapers=[write_filter(one) for one in proposed]
+    ).values
+    for mode in subject.record.limits.modes:
+        of_mode = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
+        if of_mode and mode.meets_requirements:
+            chosen = choose_limits(subject, held, of_mode, mode=mode)
+            values |= chosen.values if chosen.verdict.assessment.is_met else {}
+    entries = type_in(rows, values, today_of(subject))
+    ordered = tuple(sorted(entries, key=lambda entry: entry.row.is_elsewhere))
+    return ordered, {row.index for row in rows}
+
+
+def _take(rows: Iterable[Row], values: Values) -> dict[Key, float | str]:
+    """What a control makes of settings: each typed by its rows and read back."""
     taken: dict[Key, float | str] = {}
     for row in rows:
         value = row.decode(row.encode(values[row.key]))
@@ -74,20 +117,19 @@ def choose_limits(
         If the control has no number that small.
     """
     name = mode.name if mode else ""
-    machine = for_mode(held.machine, mode)
-    forms = {row.setting for row in rows}
-    rapid = subject.fastest
+    forms, rapid = {row.setting for row in rows}, subject.fastest
     is_jerkless = not forms & {Setting.JERK, Setting.JERK_TIME}
 
+    def limits_of(values: Values) -> MotionLimits:
+        return read_limits({**held.values, **values}, name)
+
     def judge(values: Values) -> Chosen:
-        closed = replace(held, values={**held.values, **values})
-        limits = read_limits(closed.values, name)
-        return Chosen(values=values, verdict=closed.judge(machine, limits))
+        return Chosen(values=values, verdict=held.judge(limits_of(values), mode))
 
     def typed() -> Iterator[Values]:
         for limits, shaper in product(_tried(subject, forms, mode), shapers or ({},)):
             wanted = {**write_limits(limits, rapid, name), (Setting.RAPID, ""): rapid, **shaper}
-            values = take((row for row in rows if row.key in wanted), wanted)
+            values = _take((row for row in rows if row.key in wanted), wanted)
             if all(values.values()):
                 yield values
 
@@ -102,8 +144,8 @@ def choose_limits(
         return tried[0]
 
     def ramp(values: Values) -> float:
-        limits = read_limits({**held.values, **values}, name)
-        return limits.jerk_time + subject.fastest / limits.acceleration
+        limits = limits_of(values)
+        return limits.jerk_time + rapid / limits.acceleration
 
     # A longer ramp settles later but for the valleys, so the first good one is about the best.
     for values in sorted(others, key=ramp):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import reduce
-from math import inf, isfinite
+from math import isfinite
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
@@ -13,29 +12,13 @@ from mtcommission.controls.control import Control, Typed
 from mtcommission.controls.row import Row, Setting
 from mtcommission.controls.wording import name_mode, show_value, to_ascii
 from mtcommission.export.catalogue import name_control
-from mtcommission.export.held import Held
+from mtcommission.export.held import Judged
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
-from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
-from mtcommission.record.read_back import AxisRecord
 from mtcommission.record.record import Record, Tool
 from mtcommission.record.shape import Words
-
-WIDTH = 96
-"""Columns of the header's sentences."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Judged:
-    """What the text holds and does."""
-
-    held: Held  # the loop that it makes
-    verdict: Candidate  # of the recommendation
-    left_out: tuple[ModeLimitsEntry, ...]  # machining modes whose band no limits meet
-    lost_margins: Message | None  # where they are poor and those of the record were not
-    is_met: bool  # whether all requirements are kept in every corner, and the record's margins
 
 
 def compose_header(
@@ -45,128 +28,24 @@ def compose_header(
     judged: Judged,
     rows: Sequence[Row],
     words: Catalogue,
-) -> list[Message]:
-    """Return the sentences above the parameters."""
-    machine = record.machine
-    return [
-        Message(
-            "export-title",
-            name=machine.name,
-            axis_name=machine.axis,
-            control=name_control(control.key),
-        ),
-        say_source(record.tool, record.created, [record.profile]),
-        *lost_letters(machine.name, machine.axis, record.profile.name),
-        Message("export-hash", hash=record.profile.sha256),
-        Message("export-verify"),
-        *say_axis(subject, control, judged),
-        *say_notes(subject, control, judged, rows),
-        *say_doubts([subject], [judged], record.warnings, rows, words),
-    ]
+) -> Iterator[Message]:
+    """Yield the sentences above the parameters."""
+    machine, profile = record.machine, record.profile
+    name = name_control(control.key)
+    yield Message("export-title", name=machine.name, axis_name=machine.axis, control=name)
+    yield say_source(record.tool, record.created, [profile])
+    yield from lost_letters(machine.name, machine.axis, profile.name)
+    yield Message("export-hash", hash=profile.sha256)
+    yield Message("export-verify")
+    yield from say_axis(subject, control, judged)
+    yield from say_notes(subject, control, judged, rows)
+    yield from say_doubts([subject], [judged], record.warnings, rows, words)
 
 
 def say_source(tool: Tool, created: str, profiles: Sequence[Profile]) -> Message:
     """Return what the text was computed from."""
-    names = ", ".join(profile.name for profile in profiles)
-    return Message(
-        "export-computed", created=created, tool=f"{tool.name} {tool.version}", profile=names
-    )
-
-
-def say_axis(subject: Subject, control: Control, judged: Judged) -> list[Message]:
-    """Return what the text does to the axis, and what it lacks."""
-    verdict, *without = say_judgement(subject, control, judged)
-    return [
-        verdict,
-        _corners(subject),
-        *_left_out(subject, judged.verdict),
-        *without,
-        *say_ceiling(subject, judged),
-    ]
-
-
-def say_notes(
-    subject: Subject, control: Control, judged: Judged, rows: Sequence[Row]
-) -> list[Message]:
-    """Return what there is to mind with this control."""
-    typed = Typed(
-        values=judged.held.values,
-        acceleration=judged.held.limits().acceleration,
-        is_met=judged.verdict.assessment.is_met,
-    )
-    return [
-        Message("export-safe-side"),
-        *_shaft(subject, rows),
-        *map(Message, control.notes),
-        *control.notes_of(subject.axis, typed),
-    ]
-
-
-def say_doubts(
-    subjects: Sequence[Subject],
-    judged: Sequence[Judged],
-    warnings: Sequence[Words],
-    rows: Sequence[Row],
-    words: Catalogue,
-) -> list[Message]:
-    """Return the warnings of the record, those of the text's loops, and what is not certain."""
-    warned = {words.say(warning) for warning in warnings}
-    found = dict.fromkeys(one for each in judged for one in each.held.tuned.warnings)
-    own = [warning for warning in found if words.say(warning) not in warned]
-    sentences = [Message("export-warning", warning=warning) for warning in warnings]
-    sentences += [Message("export-warning-here", warning=warning) for warning in own]
-    data = [item for subject in subjects for item in subject.record.data]
-    unmeasured = dict.fromkeys(item.key for item in data if item.source == ACCEPTED_DEFAULT)
-    if unmeasured:
-        sentences.append(Message("export-not-measured", keys=tuple(unmeasured)))
-    if not all(row.is_verified for row in rows):
-        sentences.append(Message("export-doubt"))
-    return sentences
-
-
-ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sensitivity_peak=2.1)
-"""What rounding to the digits of a control may leave of the margins."""
-
-
-def find_lost_margins(record: AxisRecord, held: Held) -> Message | None:
-    """Return the margins of the text's loop where they are poor and the record's were not."""
-    worst = record.loop.worst_corner
-    had = (
-        worst is not None
-        and (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
-        and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
-        and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
-    )
-    analyses = held.tuned.analyses
-    if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
-        return None
-    return Message("export-margins-lost", margins=describe_margins(analyses))
-
-
-def say_judgement(subject: Subject, control: Control, judged: Judged) -> tuple[Message, ...]:
-    """Return the verdict on the text, then each machining mode that is not to be used, and why."""
-    without = [
-        Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out
-    ]
-    return (_verdict(subject, control, judged), *without)
-
-
-def say_ceiling(subject: Subject, judged: Judged) -> list[Message]:
-    """Return why less acceleration is written than the axis would take, where that is so."""
-    ceiling = subject.kind.largest_acceleration
-    if subject.limits.acceleration <= ceiling:
-        return []
-    before, after = subject.settling_time, judged.verdict.settling_time
-    return [
-        Message(
-            "export-ceiling",
-            wanted=1e3 * subject.limits.acceleration,
-            ceiling=1e3 * ceiling,
-            why=Message("ceiling-source", kind=subject.kind.key),
-            before=show_value(before, "s", in_degrees=False),
-            after=show_value(after, "s", in_degrees=False),
-        )
-    ]
+    names, by = ", ".join(profile.name for profile in profiles), f"{tool.name} {tool.version}"
+    return Message("export-computed", created=created, tool=by, profile=names)
 
 
 def lost_letters(*names: str) -> tuple[Message, ...]:
@@ -175,7 +54,28 @@ def lost_letters(*names: str) -> tuple[Message, ...]:
     return (Message("export-lost-letters"),) if lost else ()
 
 
-def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
+def say_axis(subject: Subject, control: Control, judged: Judged) -> Iterator[Message]:
+    """Yield what the text does to the axis, and what it lacks."""
+    yield say_verdict(subject, control, judged)
+    needs = subject.machine.requirements
+    low, high = needs.payload
+    yield Message(
+        "export-corners",
+        frequency=needs.frequency_spread,
+        damping=needs.damping_spread,
+        payload="yes" if high > 0.0 else "no",
+        low=low,
+        high=high,
+    )
+    if subject.left_out:
+        yield _left_out(subject, judged.verdict)
+    yield from say_modes_left_out(subject, judged)
+    yield from say_ceiling(subject, judged)
+
+
+def say_verdict(subject: Subject, control: Control, judged: Judged) -> Message:
+    """Return what the text does, and which requirements that misses."""
+
     def show(value: float, unit: str) -> Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
 
@@ -208,47 +108,25 @@ def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
     )
 
 
-def _corners(subject: Subject) -> Message:
-    needs = subject.machine.requirements
-    low, high = needs.payload
+def _left_out(subject: Subject, verdict: Candidate) -> Message:
+    """What the record's loop uses and this control lacks, and what that costs."""
+    before, after = subject.settling_time, verdict.settling_time
+    cost = "grows" if isfinite(before) and isfinite(after) else "unknown"
     return Message(
-        "export-corners",
-        frequency=needs.frequency_spread,
-        damping=needs.damping_spread,
-        payload="yes" if high > 0.0 else "no",
-        low=low,
-        high=high,
+        "export-left-out",
+        features=tuple(Message("export-feature", what=what) for what in subject.left_out),
+        before=show_value(before, "s", in_degrees=False),
+        after=show_value(after, "s", in_degrees=False),
+        change=after / before - 1.0 if cost == "grows" else 0.0,
+        cost=cost,
+        kind=subject.kind.key,
     )
 
 
-def _left_out(subject: Subject, verdict: Candidate) -> list[Message]:
-    """What the record's loop uses and this control lacks, and what that costs."""
-    if not subject.left_out:
-        return []
-    before, after = subject.settling_time, verdict.settling_time
-    cost = "grows" if isfinite(before) and isfinite(after) else "unknown"
-    return [
-        Message(
-            "export-left-out",
-            features=tuple(Message("export-feature", what=what) for what in subject.left_out),
-            before=show_value(before, "s", in_degrees=False),
-            after=show_value(after, "s", in_degrees=False),
-            change=after / before - 1.0 if cost == "grows" else 0.0,
-            cost=cost,
-            kind=subject.kind.key,
-        )
-    ]
-
-
-def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
-    """Where the values of the drive count."""
-    if subject.machine.drive.follows:
-        return [Message("export-no-loop")]
-    if subject.shaft is None:
-        return [Message("export-no-shaft")]
-    own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
-    at_shaft = any(row.setting in own and row.scale != 1.0 for row in rows)
-    return [Message("export-shaft", travel=subject.shaft)] if at_shaft else []
+def say_modes_left_out(subject: Subject, judged: Judged) -> Iterator[Message]:
+    """Yield each machining mode that is not to be used, and why."""
+    for mode in judged.left_out:
+        yield Message("export-mode-left-out", why=_explain(subject, mode))
 
 
 def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
@@ -263,3 +141,60 @@ def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
     if attainable:
         return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
     return Message("export-no-limits-within", mode=name, band=band)
+
+
+def say_ceiling(subject: Subject, judged: Judged) -> Iterator[Message]:
+    """Yield why less acceleration is written than the axis would take, where that is so."""
+    ceiling, wanted = subject.kind.largest_acceleration, subject.limits.acceleration
+    if wanted > ceiling:
+        yield Message(
+            "export-ceiling",
+            wanted=1e3 * wanted,
+            ceiling=1e3 * ceiling,
+            why=Message("ceiling-source", kind=subject.kind.key),
+            before=show_value(subject.settling_time, "s", in_degrees=False),
+            after=show_value(judged.verdict.settling_time, "s", in_degrees=False),
+        )
+
+
+def say_notes(
+    subject: Subject, control: Control, judged: Judged, rows: Sequence[Row]
+) -> Iterator[Message]:
+    """Yield what there is to mind with this control."""
+    typed = Typed(
+        values=judged.held.values,
+        acceleration=judged.held.limits().acceleration,
+        is_met=judged.verdict.assessment.is_met,
+    )
+    at_shaft = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
+    yield Message("export-safe-side")
+    if subject.machine.drive.follows:
+        yield Message("export-no-loop")
+    elif subject.shaft is None:
+        yield Message("export-no-shaft")
+    elif any(row.setting in at_shaft and row.scale != 1.0 for row in rows):
+        yield Message("export-shaft", travel=subject.shaft)
+    yield from map(Message, control.notes)
+    yield from control.notes_of(subject.axis, typed)
+
+
+def say_doubts(
+    subjects: Sequence[Subject],
+    judged: Sequence[Judged],
+    warnings: Sequence[Words],
+    rows: Sequence[Row],
+    words: Catalogue,
+) -> Iterator[Message]:
+    """Yield the warnings of the record, those of the text's loops, and what is not certain."""
+    for warning in warnings:
+        yield Message("export-warning", warning=warning)
+    warned = {words.say(warning) for warning in warnings}
+    for own in dict.fromkeys(one for each in judged for one in each.held.tuned.warnings):
+        if words.say(own) not in warned:
+            yield Message("export-warning-here", warning=own)
+    data = [item for subject in subjects for item in subject.record.data]
+    unmeasured = dict.fromkeys(item.key for item in data if item.source == ACCEPTED_DEFAULT)
+    if unmeasured:
+        yield Message("export-not-measured", keys=tuple(unmeasured))
+    if not all(row.is_verified for row in rows):
+        yield Message("export-doubt")

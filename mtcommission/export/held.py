@@ -1,9 +1,10 @@
-"""What a control holds, as settings: from the record, and back to the loop that is simulated."""
+"""What a control holds, as settings: from the record, and back to the loop that is judged."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
-from math import pi
+from math import inf, pi
 from typing import Any
 
 from mtcommission.base.errors import ComputationError, Fault, InputError
@@ -12,11 +13,13 @@ from mtcommission.controls.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGE
 from mtcommission.controls.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate
+from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
+from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import close_as_held
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -42,10 +45,46 @@ NOT_OF_A_SETPOINT = (
 )
 """Settings that mean nothing where the motor follows its setpoint."""
 
+LIMITS = {Setting.ACCELERATION, Setting.RISE_TIME, Setting.JERK, Setting.JERK_TIME}
+"""Settings that are chosen anew for each machining mode."""
 
-def without_loop(values: Values) -> dict[Key, float | str]:
-    """Return settings without those of a loop, for a motor that follows its setpoint."""
-    return {key: value for key, value in values.items() if key[0] not in NOT_OF_A_SETPOINT}
+ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sensitivity_peak=2.1)
+"""What rounding to the digits of a control may leave of the margins."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Held:
+    """The loop that a text makes, ready to simulate."""
+
+    machine: Machine  # mechanics, moves and requirements of the profile, the text's control
+    tuned: TunedLoop  # its loop in every corner; nothing of it was tuned
+    values: Values  # everything that the text says
+
+    def limits(self, mode: str = "") -> MotionLimits:
+        """Return the limits of a machining mode; "" for the recommendation."""
+        return read_limits(self.values, mode)
+
+    def judge(self, limits: MotionLimits, mode: ModeLimitsEntry | None = None) -> Candidate:
+        """Return what limits do in every corner, with the band of a machining mode."""
+        machine = self.machine
+        if mode is not None:
+            needs = replace(machine.requirements, tcp_deviation=mode.band)
+            machine = replace(machine, requirements=needs)
+        return evaluate(machine, build_plant(machine), self.tuned, limits)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """What a text holds and does."""
+
+    held: Held  # the loop that it makes
+    verdict: Candidate  # of the recommendation
+    left_out: tuple[ModeLimitsEntry, ...]  # machining modes whose band no limits meet
+    lost_margins: Message | None  # where they are poor and those of the record were not
+    is_met: bool  # whether all requirements are kept in every corner, and the record's margins
+
+
+# From the record
 
 
 def loop_of(subject: Subject) -> dict[Key, float | str]:
@@ -93,7 +132,7 @@ def _feedforward(values: Values) -> str:
     return "velocity" if values.get((Setting.VELOCITY_FEEDFORWARD, "")) else "none"
 
 
-def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
+def today_of(subject: Subject) -> dict[Key, float | str]:
     """Return what the control holds now, as far as the profile says so."""
     today = subject.machine.today
     if today is None:
@@ -101,7 +140,7 @@ def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
     a, j = today.acceleration, today.jerk
     known = {
         Setting.ACCELERATION: a,
-        Setting.RISE_TIME: rapid / a,
+        Setting.RISE_TIME: subject.fastest / a,
         Setting.JERK: j,
         Setting.JERK_TIME: a / j if j else None,
         Setting.POSITION_GAIN: today.position_gain,
@@ -110,52 +149,6 @@ def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
     }
     given = {(setting, ""): value for setting, value in known.items() if value is not None}
     return given | write_filter(today.setpoint_filter)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Held:
-    """The loop that a text makes, ready to simulate."""
-
-    machine: Machine  # mechanics, moves and requirements of the profile, the text's control
-    tuned: TunedLoop  # its loop in every corner; nothing of it was tuned
-    values: Values  # everything that the text says
-
-    def limits(self, mode: str = "") -> MotionLimits:
-        """Return the limits of a machining mode; "" for the recommendation."""
-        return read_limits(self.values, mode)
-
-    def judge(self, machine: Machine, limits: MotionLimits) -> Candidate:
-        """Return what limits do in every corner."""
-        return evaluate(machine, build_plant(machine), self.tuned, limits)
-
-
-def number(values: Values, setting: Setting, index: str = "") -> float:
-    """Return a number that a text must hold.
-
-    Raises
-    ------
-    InputError
-        If it does not.
-    """
-    value = values.get((setting, index))
-    if not isinstance(value, float):
-        raise unreadable(setting.value[0])
-    return value
-
-
-def read_limits(values: Values, mode: str = "") -> MotionLimits:
-    """Return the limits that a control makes of its settings."""
-    if (Setting.RISE_TIME, mode) in values:
-        a = number(values, Setting.RAPID) / number(values, Setting.RISE_TIME, mode)
-    else:
-        a = number(values, Setting.ACCELERATION, mode)
-    if (Setting.JERK, mode) in values:
-        jerk = number(values, Setting.JERK, mode)
-    elif (Setting.JERK_TIME, mode) in values:
-        jerk = a / number(values, Setting.JERK_TIME, mode)
-    else:
-        jerk = a / number(values, Setting.POSITION_CYCLE)
-    return MotionLimits(acceleration=a, jerk=jerk, setpoint_filter=_read_filter(values))
 
 
 def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key, float | str]:
@@ -167,92 +160,6 @@ def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key
         (Setting.JERK, mode): j,
         (Setting.JERK_TIME, mode): a / j,
     }
-
-
-def hold(subject: Subject, values: Values) -> Held:
-    """Return the loop that settings make: of the profile only machine, moves and requirements.
-
-    Raises
-    ------
-    InputError
-        If a setting is missing, contradicts another, or the loop is unstable.
-    """
-    if subject.machine.drive.follows:
-        # Nothing of a loop stands in the text: its setpoint is simulated as the record's.
-        cycle = subject.controller.position_cycle
-        values = {(Setting.POSITION_CYCLE, ""): cycle, **values}
-        control = replace(
-            subject.machine.control,
-            kind=subject.kind,
-            setpoint_filter=None,
-            seeks_setpoint_filter=False,
-        )
-        machine = replace(subject.machine, control=control)
-        return Held(machine=machine, tuned=close_as_held(machine), values=values)
-    machine = replace(subject.machine, control=_control(values, subject))
-    try:
-        tuned = close_as_held(machine)
-        if not all(analysis.is_stable for analysis in tuned.analyses):
-            tune_loop(machine)  # names the corner, and the gains to lower
-    except ComputationError as error:
-        message = Message(
-            "export-unstable",
-            lacking="yes" if subject.left_out else "no",
-            left_out=tuple(Message("export-feature", what=what) for what in subject.left_out),
-            why=error.message,
-            kind=subject.kind.key,
-        )
-        raise InputError([Fault(where="--control", message=message)]) from error
-    return Held(machine=machine, tuned=tuned, values=values)
-
-
-def _control(values: Values, subject: Subject) -> Control:
-    numbers = [index for setting, index in values if setting is Setting.FILTER_KIND]
-    needed = (Setting.POSITION_LOOP, *ALWAYS)
-    missing = [setting for setting in needed if (setting, "") not in values]
-    if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
-        missing.append(Setting.FILTERS)
-    if missing:
-        raise unreadable(missing[0].value[0])
-
-    def given(setting: Setting) -> float:
-        return number(values, setting) if (setting, "") in values else 0.0
-
-    if values.get((Setting.FEEDFORWARD, ""), _feedforward(values)) != _feedforward(values):
-        raise unreadable(Setting.FEEDFORWARD.value[0])
-    lag = subject.machine.drive.force_lag
-    fed_back = tuple(
-        StateGain(state=index, value=number(values, setting, index))
-        for setting, index in values
-        if setting is Setting.STATE_GAIN
-    )
-    force, jerk = given(Setting.FORCE_FEEDFORWARD), given(Setting.JERK_FEEDFORWARD)
-    mass = force or (jerk / lag if lag else 0.0)
-    cycles_and_gains: dict[str, Any] = {name: given(one) for one, name in ALWAYS.items()}
-    return Control(
-        kind=subject.kind,
-        position_loop=PositionLoop(values[Setting.POSITION_LOOP, ""]),
-        reference_model_time=given(Setting.REFERENCE_MODEL),
-        velocity_feedforward=given(Setting.VELOCITY_FEEDFORWARD),
-        acceleration_feedforward=1.0 if force else 0.0,
-        jerk_feedforward=jerk / (mass * lag) if jerk else 0.0,
-        feedforward_mass=mass,
-        reference_delay=given(Setting.REFERENCE_DELAY),
-        **cycles_and_gains,
-        state_feedback=StateFeedback.GIVEN if fed_back else StateFeedback.OFF,
-        state_gains=fed_back,
-        force_filters=tuple(
-            ForceFilter(
-                kind=FilterKind(values[Setting.FILTER_KIND, i]),
-                natural_frequency=2.0 * pi * number(values, Setting.FILTER_FREQUENCY, i),
-                damping=number(values, Setting.FILTER_DAMPING, i),
-                width=number(values, Setting.FILTER_WIDTH, i)
-                if (Setting.FILTER_WIDTH, i) in values
-                else 1.0,
-            )
-            for i in numbers
-        ),
-    )
 
 
 def write_filter(item: SetpointFilter | None) -> dict[Key, float | str]:
@@ -272,22 +179,174 @@ def write_filter(item: SetpointFilter | None) -> dict[Key, float | str]:
     return {(setting, ""): time for setting, time in times}
 
 
+# Back to the loop
+
+
+def _number(
+    values: Values, setting: Setting, index: str = "", *, missing: float | None = None
+) -> float:
+    """A number that a text must hold, unless there is one for where it does not."""
+    value = values.get((setting, index), missing)
+    if not isinstance(value, float):
+        raise unreadable(setting.value[0])
+    return value
+
+
+def read_limits(values: Values, mode: str = "") -> MotionLimits:
+    """Return the limits that a control makes of its settings.
+
+    Raises
+    ------
+    InputError
+        If one is missing.
+    """
+    if (Setting.RISE_TIME, mode) in values:
+        a = _number(values, Setting.RAPID) / _number(values, Setting.RISE_TIME, mode)
+    else:
+        a = _number(values, Setting.ACCELERATION, mode)
+    if (Setting.JERK, mode) in values:
+        jerk = _number(values, Setting.JERK, mode)
+    elif (Setting.JERK_TIME, mode) in values:
+        jerk = a / _number(values, Setting.JERK_TIME, mode)
+    else:
+        jerk = a / _number(values, Setting.POSITION_CYCLE)
+    return MotionLimits(acceleration=a, jerk=jerk, setpoint_filter=_read_filter(values))
+
+
 def _read_filter(values: Values) -> SetpointFilter | None:
     """The setpoint filter that a control makes of its settings."""
     if (Setting.SHAPER, "") in values:
         return SetpointFilter(
             kind=str(values[Setting.SHAPER, ""]),
-            frequency_hz=number(values, Setting.SHAPER_FREQUENCY),
-            damping_ratio=number(values, Setting.SHAPER_DAMPING),
+            frequency_hz=_number(values, Setting.SHAPER_FREQUENCY),
+            damping_ratio=_number(values, Setting.SHAPER_DAMPING),
         )
     if (Setting.TAP_SPACING, "") in values:
-        taps = [number(values, setting, i) for setting, i in values if setting is Setting.TAP]
-        spacing = number(values, Setting.TAP_SPACING)
+        taps = [_number(values, setting, i) for setting, i in values if setting is Setting.TAP]
+        spacing = _number(values, Setting.TAP_SPACING)
         return SetpointFilter(kind=FIR, taps=tuple(taps), spacing=spacing)
-    time, second = (
-        number(values, setting) if (setting, "") in values else 0.0
-        for setting in (Setting.AVERAGE, Setting.SECOND_AVERAGE)
-    )
+    time = _number(values, Setting.AVERAGE, missing=0.0)
+    second = _number(values, Setting.SECOND_AVERAGE, missing=0.0)
     if time and second:
         return SetpointFilter(kind=TWO_AVERAGES, time=time, second_time=second)
     return moving_average(time)
+
+
+def hold(subject: Subject, values: Values) -> Held:
+    """Return the loop that settings make: of the profile only machine, moves and requirements.
+
+    Raises
+    ------
+    InputError
+        If a setting is missing, contradicts another, or the loop is unstable.
+    """
+    machine = subject.machine
+    if machine.drive.follows:
+        # Nothing of a loop stands in the text: its setpoint is simulated as the record's.
+        cycle = subject.controller.position_cycle
+        values = {(Setting.POSITION_CYCLE, ""): cycle, **values}
+        control = replace(
+            machine.control, kind=subject.kind, setpoint_filter=None, seeks_setpoint_filter=False
+        )
+        machine = replace(machine, control=control)
+        return Held(machine=machine, tuned=close_as_held(machine), values=values)
+    machine = replace(machine, control=_control(values, subject))
+    try:
+        tuned = close_as_held(machine)
+        if not all(analysis.is_stable for analysis in tuned.analyses):
+            tune_loop(machine)  # names the corner, and the gains to lower
+    except ComputationError as error:
+        message = Message(
+            "export-unstable",
+            lacking="yes" if subject.left_out else "no",
+            left_out=tuple(Message("export-feature", what=what) for what in subject.left_out),
+            why=error.message,
+            kind=subject.kind.key,
+        )
+        raise InputError([Fault(where="--control", message=message)]) from error
+    return Held(machine=machine, tuned=tuned, values=values)
+
+
+def _control(values: Values, subject: Subject) -> Control:
+    filters = [index for setting, index in values if setting is Setting.FILTER_KIND]
+    if _number(values, Setting.FILTERS, missing=0.0) != len(filters):
+        raise unreadable(Setting.FILTERS.value[0])
+    if (Setting.POSITION_LOOP, "") not in values:
+        raise unreadable(Setting.POSITION_LOOP.value[0])
+    if values.get((Setting.FEEDFORWARD, ""), _feedforward(values)) != _feedforward(values):
+        raise unreadable(Setting.FEEDFORWARD.value[0])
+
+    def given(setting: Setting) -> float:
+        return _number(values, setting, missing=0.0)
+
+    lag = subject.machine.drive.force_lag
+    fed_back = tuple(
+        StateGain(state=index, value=_number(values, setting, index))
+        for setting, index in values
+        if setting is Setting.STATE_GAIN
+    )
+    force, jerk = given(Setting.FORCE_FEEDFORWARD), given(Setting.JERK_FEEDFORWARD)
+    mass = force or (jerk / lag if lag else 0.0)
+    cycles_and_gains: dict[str, Any] = {name: _number(values, one) for one, name in ALWAYS.items()}
+    return Control(
+        kind=subject.kind,
+        position_loop=PositionLoop(values[Setting.POSITION_LOOP, ""]),
+        reference_model_time=given(Setting.REFERENCE_MODEL),
+        velocity_feedforward=given(Setting.VELOCITY_FEEDFORWARD),
+        acceleration_feedforward=1.0 if force else 0.0,
+        jerk_feedforward=jerk / (mass * lag) if jerk else 0.0,
+        feedforward_mass=mass,
+        reference_delay=given(Setting.REFERENCE_DELAY),
+        **cycles_and_gains,
+        state_feedback=StateFeedback.GIVEN if fed_back else StateFeedback.OFF,
+        state_gains=fed_back,
+        force_filters=tuple(
+            ForceFilter(
+                kind=FilterKind(values[Setting.FILTER_KIND, i]),
+                natural_frequency=2.0 * pi * _number(values, Setting.FILTER_FREQUENCY, i),
+                damping=_number(values, Setting.FILTER_DAMPING, i),
+                width=_number(values, Setting.FILTER_WIDTH, i, missing=1.0),
+            )
+            for i in filters
+        ),
+    )
+
+
+def judge_text(subject: Subject, values: Values, indices: Collection[str] = ()) -> Judged:
+    """Return what the settings that a text holds do to its axis.
+
+    ``indices``: of the control's machining modes.
+
+    Raises
+    ------
+    InputError
+        If a setting is missing, contradicts another, or the loop is unstable.
+    """
+    held, modes = hold(subject, values), subject.record.limits.modes
+    written = {index for setting, index in held.values if setting in LIMITS}
+    verdict = held.judge(held.limits())
+    by_mode = [held.judge(held.limits(one.name), one) for one in modes if one.name in written]
+    lost = _find_lost_margins(subject, held)
+    met = all(found.assessment.is_met for found in (verdict, *by_mode))
+    return Judged(
+        held=held,
+        verdict=verdict,
+        left_out=tuple(mode for mode in modes if mode.name in indices and mode.name not in written),
+        lost_margins=lost,
+        is_met=met and not lost,
+    )
+
+
+def _find_lost_margins(subject: Subject, held: Held) -> Message | None:
+    """The margins of the text's loop where they are poor and the record's were not."""
+    worst = subject.record.loop.worst_corner
+    had = (
+        worst is not None
+        and (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
+        and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
+        and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
+    )
+    analyses = held.tuned.analyses
+    if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
+        return None
+    return Message("export-margins-lost", margins=describe_margins(analyses))

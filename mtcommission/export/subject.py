@@ -18,25 +18,16 @@ from mtcommission.controls.control import Axis
 from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
-from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.plant.plant import build_plant, dominant_mode
-from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import AxisRecord, close_as_held, read_held, read_limits
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
 counts as zero beside its largest entry: versions of the linear algebra may differ by so much."""
-
-LEAST_DAMPING, MOST_DAMPING = 0.01, 0.25
-"""What Marlin accepts as the damping ratio of a shaper."""
-
-BYTE_ORDER_MARK = "\ufeff"
-"""Some editors begin a file with it; the hash counts it, the text in the record lacks it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,6 +62,10 @@ class Subject:
     def axis(self) -> Axis:
         """What the rows of the control need to know."""
         machine = self.machine
+
+        def corner_velocity(kinds: Sequence[str]) -> float:
+            return min(find_corner_velocity(machine, one) for one in self.shapers(kinds))
+
         return Axis(
             name=machine.axis.strip(),
             kind=self.kind,
@@ -84,22 +79,24 @@ class Subject:
             state_units=self.record.plant.units,
             has_own_filter=self.setpoint_filter is not None,
             mode_name=dominant_mode(build_plant(machine)).name,
-            corner_velocity=self._corner_velocity,
+            corner_velocity=corner_velocity,
         )
 
-    def shapers(self, kinds: Sequence[str]) -> tuple[SetpointFilter, ...]:
+    def shapers(self, kinds: Sequence[str]) -> list[SetpointFilter]:
         """Return the run's own shaper, or some on the mode that a setpoint excites most."""
         if self.setpoint_filter:
-            return (self.setpoint_filter,)
+            return [self.setpoint_filter]
         mode = dominant_mode(build_plant(self.machine))
-        damping = min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING)
-        return tuple(
-            SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
-            for kind in kinds
-        )
-
-    def _corner_velocity(self, shapers: Sequence[str]) -> float:
-        return min(find_corner_velocity(self.machine, one) for one in self.shapers(shapers))
+        choices = (self.kind.find_filter(kind) for kind in kinds)
+        return [
+            SetpointFilter(
+                kind=choice.kind,
+                frequency_hz=mode.frequency_hz,
+                damping_ratio=choice.nearest_damping(mode.damping_ratio),
+            )
+            for choice in choices
+            if choice
+        ]
 
     @property
     def fastest(self) -> float:
@@ -126,12 +123,13 @@ class Subject:
         if item is None or choice is None:
             return None
         least, most = choice.possible_times(self.controller.position_cycle)
-        damping = min(max(choice.least_damping, item.damping_ratio), choice.most_damping)
-        fits = all(least <= time <= most for time in item.averages) and (
-            not item.frequency_hz
-            or choice.least_frequency_hz <= item.frequency_hz <= choice.most_frequency_hz
-        )
-        return replace(item, damping_ratio=damping if item.frequency_hz else 0.0) if fits else None
+        if not all(least <= time <= most for time in item.averages):
+            return None
+        if not item.frequency_hz:
+            return item
+        if not choice.least_frequency_hz <= item.frequency_hz <= choice.most_frequency_hz:
+            return None
+        return replace(item, damping_ratio=choice.nearest_damping(item.damping_ratio))
 
     @property
     def own_delay(self) -> float:
@@ -142,20 +140,21 @@ class Subject:
     @property
     def left_out(self) -> tuple[str, ...]:
         """What the loop of the record uses and this control lacks."""
-        kind, loop, control = self.kind, self.controller, self.machine.control
+        kind, loop, place = self.kind, self.controller, self.machine.control.position_loop
         has_same_filter = self.limits.setpoint_filter == self.setpoint_filter
         if loop.follows:
             return () if has_same_filter else ("setpoint-filter",)
+        force, jerk = loop.acceleration_feedforward, loop.jerk_feedforward
+        waits = loop.reference_delay > self.own_delay + ROUNDING
         lacks = {
             "state-feedback": bool(loop.state_gains.any()) and not kind.state_feedback,
             "velocity": loop.velocity_feedforward > 0.0 and not kind.velocity_feedforward,
-            "acceleration": loop.acceleration_feedforward > 0.0
-            and not kind.acceleration_feedforward,
-            "jerk": loop.jerk_feedforward > 0.0 and not kind.jerk_feedforward,
-            "delay": loop.reference_delay > self.own_delay + ROUNDING and not kind.reference_delay,
+            "acceleration": force > 0.0 and not kind.acceleration_feedforward,
+            "jerk": jerk > 0.0 and not kind.jerk_feedforward,
+            "delay": waits and not kind.reference_delay,
             "setpoint-filter": not has_same_filter,
             "force-filters": len(loop.force_filters) > kind.force_filters,
-            f"loop-{control.position_loop.value}": self.position_loop is not control.position_loop,
+            f"loop-{place.value}": self.position_loop is not place,
         }
         return tuple(name for name, is_lacking in lacks.items() if is_lacking)
 
@@ -166,44 +165,20 @@ def build_subject(record: AxisRecord, kind: ControlKind) -> Subject:
     Raises
     ------
     InputError
-        If the record does not belong to its own profile text.
+        If that is not the record's loop.
     """
-    _require_own_profile(record)
-    machine = read_held(record)
-    tuned = close_as_held(machine)
-    _require_same_loop(record, tuned)
+    machine, recommended = read_held(record), record.limits.recommended
+    tuned, recorded = close_as_held(machine), np.array(record.loop.closed_loop.A)
+    rebuilt = tuned.loops[0].lifted.A
+    same = recorded.shape == rebuilt.shape and np.allclose(
+        recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
+    )
+    if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
+        raise InputError([Fault(where="record", key="loop", message=Message("export-other-loop"))])
     return Subject(
         record=record,
         kind=kind,
         machine=machine,
         controller=tuned.controller,
-        limits=read_limits(record.limits.recommended),
+        limits=read_limits(recommended),
     )
-
-
-def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
-    """Return the machine with the band of a machining mode; None: as it is."""
-    if mode is None:
-        return machine
-    needs = replace(machine.requirements, tcp_deviation=mode.band)
-    return replace(machine, requirements=needs)
-
-
-def _require_own_profile(record: AxisRecord) -> None:
-    """The header prints the hash: it must be that of the text which the loop is built from."""
-    profile = record.profile
-    texts = (profile.text, f"{BYTE_ORDER_MARK}{profile.text}")
-    if profile.sha256 not in (profile_text_hash(text.encode()) for text in texts):
-        message = Message("export-profile-edited")
-        raise InputError([Fault(where="record", key="profile.text", message=message)])
-
-
-def _require_same_loop(record: AxisRecord, tuned: TunedLoop) -> None:
-    recorded = np.array(record.loop.closed_loop.A)
-    rebuilt = tuned.loops[0].lifted.A
-    same = recorded.shape == rebuilt.shape and np.allclose(
-        recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
-    )
-    recommended = record.limits.recommended
-    if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
-        raise InputError([Fault(where="record", key="loop", message=Message("export-other-loop"))])

@@ -6,7 +6,7 @@ the axis, all stand together as the control has them; else there is a part of th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from math import inf, isclose
@@ -28,26 +28,19 @@ from mtcommission.controls.row import (
     Setting,
     Values,
 )
-from mtcommission.controls.syntax import LIST, Entry, Layout
+from mtcommission.controls.syntax import LIST, Entry, Layout, type_in
 from mtcommission.controls.wording import show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key, name_control
-from mtcommission.export.header import (
-    Judged,
-    lost_letters,
-    say_axis,
-    say_doubts,
-    say_notes,
-    say_source,
-)
-from mtcommission.export.held import read_limits
+from mtcommission.export.choose import fill_in
+from mtcommission.export.header import lost_letters, say_axis, say_doubts, say_notes, say_source
+from mtcommission.export.held import Judged, judge_text, read_limits
 from mtcommission.export.subject import Subject, build_subject
 from mtcommission.export.write import (
-    fill_in,
-    judge_text,
+    compose_text,
     read_text,
+    say_plainly,
     words_for,
     write_body,
-    write_head,
 )
 from mtcommission.group.contours import Pair, PathLimits, find_ellipses, line_deviation
 from mtcommission.group.follow import follow
@@ -153,7 +146,7 @@ def export_group(
     """
     target = CONTROLS[find_control_key(control)]
     subjects = [build_subject(axis, target.kind) for axis in record.axes]
-    words, layout = words_for(subjects, language), LIST if as_list else target.layout
+    words, layout = words_for(subjects[0], language), LIST if as_list else target.layout
     parts = fill_in_group(record, target, subjects)
     if target.names_axes and not as_list:
         lines, (*own, path) = _write_together(layout, parts, words, target)
@@ -180,17 +173,17 @@ def export_group(
     doubt, holds_corner = Message("group-rule-not-verified"), _hold(rows, AT_CORNERS)
     warnings = [one for one in record.warnings if holds_corner or one != doubt]
     said += say_doubts(subjects, judged, warnings, rows, words)
-    head = write_head(layout, said, words)
+    header = say_plainly(said, words)
     off = max(line, *(one.largest for one in circles))
     is_gentle = limits.on_circles[0] <= JUST * record.limits.on_circles[0]
     return GroupExport(
-        header=head.sentences,
+        header=header,
         circles=circles,
         line=line,
         meets_requirements=all(one.is_met and not one.left_out for one in (*judged, *slowed))
         and off <= record.tolerance
         and is_gentle,
-        text="\n".join([*head.lines, "", *lines]) + "\n",
+        text=compose_text(layout, header, lines),
     )
 
 
@@ -205,17 +198,9 @@ def fill_in_group(record: GroupRecord, target: Control, subjects: Sequence[Subje
     parts = []
     for axis, entries in zip(record.axes, own, strict=True):
         kept = [one for one in entries if (one.row.section, one.row.name) not in of_path]
-        more = _entries(target.axis_in_group, {**told, WAIT: axis.wait})
+        more = type_in(target.axis_in_group, {**told, WAIT: axis.wait})
         parts.append(Part(name=axis.name, entries=(*kept, *more)))
-    return [*parts, Part(name="", entries=tuple(_entries(target.group, told)))]
-
-
-def _entries(rows: Iterable[Row], values: Mapping[Key, float]) -> Iterator[Entry]:
-    for row in rows:
-        if row.setting is Setting.FIXED:
-            yield Entry(row=row, value=row.encode("set"))
-        elif row.key in values:
-            yield Entry(row=row, value=row.encode(values[row.key]))
+    return [*parts, Part(name="", entries=tuple(type_in(target.group, told)))]
 
 
 def _tell(
@@ -346,7 +331,7 @@ def _slow_down(found: Judged, path: PathLimits) -> Judged:
     limits = path.within(held.limits())
     if limits == held.limits():
         return found
-    verdict = held.judge(held.machine, limits)
+    verdict = held.judge(limits)
     return replace(found, verdict=verdict, is_met=found.is_met and verdict.assessment.is_met)
 
 

@@ -1,6 +1,5 @@
 # Steuerungen lesen diese Dateien: Was in ihnen steht, kommt ohne Umlaute aus.
 
-export-profile-edited = das Profil in dieser Ergebnisdatei wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
 export-other-loop = der Regelkreis in dieser Ergebnisdatei ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
 export-too-small = die Beschleunigung { SI($acceleration, "ACCELERATION", digits: 3) } ist kleiner als eine Einheit dieser Steuerung; --control generic verwenden
 export-no-control = keine Steuerung { $given }{ $hint }

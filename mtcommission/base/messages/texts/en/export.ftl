@@ -2,7 +2,6 @@
 # $axis_name: the user's name of the axis; $mode: of a machining mode or of a mode of vibration
 
 # what cannot be exported
-export-profile-edited = the profile in this record was edited: it does not have the hash of the run; run the changed profile instead
 export-other-loop = the loop in this record is not the one that its profile and gains give; run the profile again with this version
 export-too-small = the acceleration of { SI($acceleration, "ACCELERATION", digits: 3) } is less than one unit of this control; use --control generic
 export-no-control = no control { $given }{ $hint }
