@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,3 +90,18 @@ def refuse(
 ) -> InputError:
     """Return the error of a file that cannot be used, to be raised."""
     return InputError([Fault(where=where, line=line, key=key, message=Message(kind, **values))])
+
+
+def broken(kind: str, /, *, line: int = 0, **values: Value) -> InputError:
+    """Return the error of a file whose name the caller knows: he reads it ``within``."""
+    return InputError([Fault(where="", line=line, message=Message(kind, **values))])
+
+
+@contextmanager
+def within(where: str) -> Iterator[None]:
+    """Give a file's name to the faults that are found in it."""
+    try:
+        yield
+    except InputError as error:
+        faults = [replace(one, where=one.where or where) for one in error.faults]
+        raise InputError(faults) from error

@@ -17,7 +17,7 @@ from mtcommission.identify.formats.contents import (
     FileContents,
     SpectrumContents,
     TimeContents,
-    refuse,
+    broken,
 )
 from mtcommission.identify.formats.table import read_table, words_of
 from mtcommission.identify.measurement import AllDirections, Array, Sensor
@@ -50,22 +50,22 @@ def header_of(lines: Sequence[str]) -> str:
     return ""
 
 
-def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
+def read_klipper(lines: Sequence[str]) -> FileContents:
     """Return the spectra or accelerations of a file of Klipper's."""
     names = [name.strip().strip('"') for name in header_of(lines).split(",")]
-    return _raw(lines, where=where) if names[0] == "time" else _power(lines, names, where=where)
+    return _raw(lines) if names[0] == "time" else _power(lines, names)
 
 
-def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileContents:
+def _power(lines: Sequence[str], names: Sequence[str]) -> FileContents:
     ends = [place for place, name in enumerate(names) if name == "shapers:" or "(" in name]
     width = ends[0] if ends else len(names)
     start = next(n for n, line in enumerate(lines) if line.lstrip("#").startswith("freq,")) + 1
     cut = [",".join(line.split(",")[:width]) for line in lines[start:]]
-    table = read_table(cut, where=where, first_line=start + 1, columns=width)
+    table = read_table(cut, first_line=start + 1, columns=width)
     frequency, power = _evened(table.values[:, 0]), table.values[:, 1:]
     if (power < 0.0).any():
         row = int(np.argmax((power < 0.0).any(axis=1)))
-        raise refuse(where, "identify-negative-power", line=int(table.lines[row]))
+        raise broken("identify-negative-power", line=int(table.lines[row]))
     spectra, remarks = dict(zip(names[1:width], power.T, strict=True)), list(table.remarks)
     kept = [name for name in spectra if name not in _NO_SPECTRA]
     axes = [name for name in kept if name in _AXES]
@@ -73,7 +73,7 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
         kept = [max(axes, key=lambda name: float(spectra[name].max()))]
         remarks.append(Message("identify-loudest-axis", name=kept[0]))
     if not kept:
-        raise refuse(where, "identify-no-response", found=tuple(names))
+        raise broken("identify-no-response", found=tuple(names))
     spacing = (frequency[-1] - frequency[0]) / max(frequency.size - 1, 1)
     items = tuple(
         SpectrumContents(
@@ -102,8 +102,8 @@ def _evened(frequency_hz: Array) -> Array:
     return np.asarray(np.maximum(even, 0.0) if is_even else frequency_hz)
 
 
-def _raw(lines: Sequence[str], *, where: str) -> FileContents:
-    table = read_table(lines, where=where, columns=4)
+def _raw(lines: Sequence[str]) -> FileContents:
+    table = read_table(lines, columns=4)
     columns = tuple(
         Column(name=f"accel_{axis}", unit="mm/s^2", values=values, sensor=Sensor.TCP)
         for axis, values in zip("xyz", table.values.T[1:], strict=True)

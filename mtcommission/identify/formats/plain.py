@@ -14,8 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import pi
-from typing import NamedTuple
+from math import isfinite, pi
 
 import numpy as np
 
@@ -26,14 +25,14 @@ from mtcommission.identify.formats.contents import (
     Item,
     ResponseContents,
     TimeContents,
-    refuse,
+    broken,
 )
 from mtcommission.identify.formats.table import (
     CLOCK,
+    Head,
     Table,
     find_column,
     read_table,
-    split_head,
     words_of,
 )
 from mtcommission.identify.measurement import INPUTS, MOTIONS, ComplexArray, Given, Sensor, Signal
@@ -57,104 +56,87 @@ _NO_LABELS = {"hz", "deg", "db", "of", "part", "teil", "h", "g", "frf", "2", "sq
 _SETTING = re.compile(r"^[#%!]\s*([a-z_]+)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
 
-class _Head(NamedTuple):
-    """Name, unit and words of a column."""
-
-    name: str
-    unit: str
-    words: tuple[str, ...]
-
-
-def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) -> FileContents:
+def read_plain(lines: Sequence[str], columns: Mapping[str, str]) -> FileContents:
     """Return what a table holds."""
-    table = read_table(lines, where=where)
-    split = map(split_head, table.heads)
-    heads = [_Head(name, unit, words_of(name)) for name, unit in split]
+    table = read_table(lines)
+    heads, remarks = table.heads, table.remarks
     matches = filter(None, map(_SETTING.match, table.comments))
     settings = {match[1].casefold(): match[2] for match in matches}
-    remarks = table.remarks
     frequency = _find(heads, columns, FREQUENCY, _FREQUENCIES)
     items: tuple[Item, ...]
     if frequency is not None:
-        kind, averages = "response-table", _positive(settings.get("averages", ""))
-        items = tuple(_responses(table, heads, columns, frequency, averages, where=where))
+        kind, averages = "response-table", _number(settings, "averages")
+        items = tuple(_responses(table, columns, frequency, averages))
         if not items:
             found = (f"{h.name or '?'}{f' [{h.unit}]' if h.unit else ''}" for h in heads)
             shown = tuple(f"{place}: {one}" for place, one in enumerate(found, start=1))
-            raise refuse(where, "identify-no-response", found=shown)
+            raise broken("identify-no-response", found=shown)
     else:
-        kind = "time-table" if any(table.heads) else "halsampler"
-        record, more = _record(table, heads, columns, where=where)
+        kind = "time-table" if any(map(any, heads)) else "halsampler"
+        record, more = _record(table, columns)
         items, remarks = (record,), (*remarks, *more)
     return FileContents(
         format=Message(f"identify-format-{kind}"),
         items=items,
         measured_on=settings.get("date", ""),
         state=settings.get("state", ""),
-        said=_said(settings, where=where),
+        said=_said(settings),
         remarks=remarks,
     )
 
 
-def _said(settings: Mapping[str, str], *, where: str) -> Given:
+def _said(settings: Mapping[str, str]) -> Given:
     """What comments say where the command line may say it."""
 
     def word(key: str, known: Collection[str]) -> str:
         got = settings.get(key, "")
         if got and got not in known:
-            raise refuse(where, "identify-setting-unknown", got=got)
+            raise broken("identify-setting-unknown", got=got)
         return got
 
     sensor, output = word("sensor", tuple(Sensor)), word("output", MOTIONS)
-    constant = settings.get("constant", "")
-    try:
-        return Given(
-            sensor=Sensor(sensor) if sensor else None,
-            input=word("input", INPUTS),
-            output=Signal(output) if output else None,
-            constant=float(constant) if constant else None,
-        )
-    except ValueError as error:
-        raise refuse(where, "identify-setting-unknown", got=constant) from error
-
-
-def _positive(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if 0.0 < value < np.inf else None
-
-
-def _find(
-    heads: Sequence[_Head], columns: Mapping[str, str], name: str, words: Collection[str]
-) -> int | None:
-    if name in columns:
-        return find_column([head.name for head in heads], columns[name])[0]
-    return next(
-        (k for k, head in enumerate(heads) if head.words[:1] and head.words[0] in words), None
+    return Given(
+        sensor=Sensor(sensor) if sensor else None,
+        input=word("input", INPUTS),
+        output=Signal(output) if output else None,
+        constant=_number(settings, "constant"),
     )
 
 
+def _number(settings: Mapping[str, str], key: str) -> float | None:
+    text = settings.get(key)
+    try:
+        value = float(text) if text else None
+    except ValueError:
+        value = 0.0
+    if value is not None and (value == 0.0 or not isfinite(value)):
+        raise broken("identify-setting-unknown", got=text or "")
+    return value
+
+
+def _find(
+    heads: Sequence[Head], columns: Mapping[str, str], name: str, words: Collection[str]
+) -> int | None:
+    if name in columns:
+        return find_column([head.name for head in heads], columns[name])[0]
+    first = (words_of(head.name)[:1] for head in heads)
+    return next((place for place, word in enumerate(first) if set(word) & set(words)), None)
+
+
 def _responses(
-    table: Table,
-    heads: Sequence[_Head],
-    columns: Mapping[str, str],
-    frequency: int,
-    averages: float | None,
-    *,
-    where: str,
+    table: Table, columns: Mapping[str, str], frequency: int, averages: float | None
 ) -> Iterator[ResponseContents]:
+    heads = table.heads
     groups = _groups(heads, columns, frequency)
-    in_words = "rad/s" if "omega" in heads[frequency].words else ""
+    in_words = "rad/s" if "omega" in words_of(heads[frequency].name) else ""
     hertz = _HERTZ.get(heads[frequency].unit.casefold() or in_words)
     if hertz is None:
-        raise refuse(where, "identify-frequency-unit", got=heads[frequency].unit)
+        raise broken("identify-frequency-unit", got=heads[frequency].unit)
     common = [group["coherence"] for group in groups.values() if set(group) == {"coherence"}]
     for label, group in groups.items():
         if not {"re", "im"} <= set(group) and not {"magnitude", "phase"} <= set(group):
             continue
-        values, unit = _complex(table, heads, group, where=where)
+        values, unit = _complex(table, group)
         place = group.get("coherence", common[0] if len(common) == 1 else None)
         coherence = None
         if place is not None:
@@ -171,7 +153,7 @@ def _responses(
 
 
 def _groups(
-    heads: Sequence[_Head], columns: Mapping[str, str], frequency: int
+    heads: Sequence[Head], columns: Mapping[str, str], frequency: int
 ) -> dict[str, dict[str, int]]:
     """Places of the parts of each response, by its label."""
     names = [head.name for head in heads]
@@ -180,10 +162,11 @@ def _groups(
         return {"": chosen}
     groups: dict[str, dict[str, int]] = {}
     for place, head in enumerate(heads):
-        part = next((part for part, words in _PARTS.items() if words & set(head.words)), None)
+        words = words_of(head.name)
+        part = next((part for part, known in _PARTS.items() if known & set(words)), None)
         if part is None or place == frequency:
             continue
-        rest = [word for word in head.words if word not in _PARTS[part] | _NO_LABELS]
+        rest = [word for word in words if word not in _PARTS[part] | _NO_LABELS]
         label, count = " ".join(rest), 1
         while part in groups.setdefault(label, {}):
             count += 1
@@ -192,10 +175,9 @@ def _groups(
     return groups
 
 
-def _complex(
-    table: Table, heads: Sequence[_Head], group: Mapping[str, int], *, where: str
-) -> tuple[ComplexArray, str]:
+def _complex(table: Table, group: Mapping[str, int]) -> tuple[ComplexArray, str]:
     """Values of a response, and the unit of its output per input."""
+    heads = table.heads
     if "re" in group:
         real, imaginary = group["re"], group["im"]
         unit = heads[real].unit or heads[imaginary].unit
@@ -203,21 +185,19 @@ def _complex(
     size, unit = table.values[:, group["magnitude"]], heads[group["magnitude"]].unit
     angle = heads[group["phase"]].unit
     if angle.casefold() not in _RADIANS:
-        raise refuse(where, "identify-phase-unit", got=angle)
+        raise broken("identify-phase-unit", got=angle)
     if unit.casefold().startswith("db"):
         size = 10.0 ** (np.clip(size, -600.0, 600.0) / 20.0)
         unit = re.sub(r"^dB\s*(?:re|rel|bez)?\.?\s*1?\s*", "", unit, flags=re.IGNORECASE)
     elif (size < 0.0).any():
-        raise refuse(where, "identify-negative-magnitude", least=float(size.min()))
+        raise broken("identify-negative-magnitude", least=float(size.min()))
     phase = table.values[:, group["phase"]] * _RADIANS[angle.casefold()]
     return size * np.exp(1j * phase), unit
 
 
-def _record(
-    table: Table, heads: Sequence[_Head], columns: Mapping[str, str], *, where: str
-) -> tuple[TimeContents, list[Message]]:
+def _record(table: Table, columns: Mapping[str, str]) -> tuple[TimeContents, list[Message]]:
     """The columns over time, of rows without lost samples as many as there are in one piece."""
-    ends, remarks = [0, *table.breaks, table.lines.size], []
+    heads, ends, remarks = table.heads, [0, *table.breaks, table.lines.size], []
     first, last = max(pairwise(ends), key=lambda pair: pair[1] - pair[0])
     if table.breaks:
         lost = {"count": len(table.breaks), "kept": last - first, "of": table.lines.size}
@@ -228,7 +208,7 @@ def _record(
         _, said = find_column([head.name for head in heads], wanted)
         unit = (said or heads[place].unit).casefold()
         if unit not in _SECONDS:
-            raise refuse(where, "identify-time-unit", got=heads[place].unit)
+            raise broken("identify-time-unit", got=heads[place].unit)
         clock = table.values[first:last, place] * _SECONDS[unit]
     found = tuple(
         Column(name=head.name or str(k + 1), unit=head.unit, values=table.values[first:last, k])
@@ -241,16 +221,16 @@ def _record(
 PERIOD = re.compile(r"^#\s*Sampling period is\s+(\d{1,12})\s*ns", re.IGNORECASE)
 
 
-def read_halscope(lines: Sequence[str], *, where: str) -> FileContents:
+def read_halscope(lines: Sequence[str]) -> FileContents:
     """Return the channels of a file that halscope saved."""
     match = PERIOD.match(lines[0])
     period = 1e-9 * int(match[1]) if match else 0.0
     if period <= 0.0:
-        raise refuse(where, "identify-no-period", line=1, got=lines[0].strip()[:60])
+        raise broken("identify-no-period", line=1, got=lines[0].strip()[:60])
     alone = ";" not in "".join(lines[1:40])
     body = [f"{line};0" for line in lines[1:]] if alone else lines[1:]
-    table = read_table(body, where=where, first_line=2)
-    heads = [split_head(head) for head in table.heads[: -1 if alone else None]]
+    table = read_table(body, first_line=2)
+    heads = table.heads[: -1 if alone else None]
     columns = tuple(
         Column(name=name or str(place + 1), unit=unit, values=table.values[:, place])
         for place, (name, unit) in enumerate(heads)

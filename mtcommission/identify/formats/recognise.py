@@ -11,7 +11,7 @@ from pathlib import Path
 
 from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import FileContents, refuse
+from mtcommission.identify.formats.contents import FileContents, broken, within
 from mtcommission.identify.formats.klipper import header_of, read_klipper
 from mtcommission.identify.formats.plain import PERIOD, read_halscope, read_plain
 from mtcommission.identify.formats.sinumerik import read_sinumerik
@@ -41,39 +41,40 @@ def read_measured(name: str) -> bytes:
 def read_contents(
     data: bytes, columns: Mapping[str, str], *, where: str, response: str = ""
 ) -> FileContents:
-    """Return what a file holds."""
-    if len(data) > LARGEST_FILE:
-        raise refuse(where, "identify-file-too-large", most=LARGEST_FILE)
-    for mark, name in _BINARY:
-        if data.startswith(mark):
-            raise refuse(where, "identify-file-foreign", format=name)
-    if is_uff(data):
-        return read_uff(data, where=where)
-    text = _decode(data, where=where)
-    if text.lstrip().startswith("<"):
-        return read_sinumerik(data, where=where, response=response)
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    for number, line in enumerate(lines, start=1):
-        if len(line) > LONGEST_LINE:
-            raise refuse(where, "identify-line-too-long", line=number, most=LONGEST_LINE)
-    if PERIOD.match(lines[0]):
-        return read_halscope(lines, where=where)
-    if is_twincat(lines):
-        return read_twincat(lines, where=where)
-    if header_of(lines):
-        return read_klipper(lines, where=where)
-    return read_plain(lines, columns, where=where)
+    """Return what a file holds; ``where``: its name."""
+    with within(where):
+        if len(data) > LARGEST_FILE:
+            raise broken("identify-file-too-large", most=LARGEST_FILE)
+        for mark, name in _BINARY:
+            if data.startswith(mark):
+                raise broken("identify-file-foreign", format=name)
+        if is_uff(data):
+            return read_uff(data)
+        text = _decode(data)
+        if text.lstrip().startswith("<"):
+            return read_sinumerik(data, response, file=where)
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        for number, line in enumerate(lines, start=1):
+            if len(line) > LONGEST_LINE:
+                raise broken("identify-line-too-long", line=number, most=LONGEST_LINE)
+        if PERIOD.match(lines[0]):
+            return read_halscope(lines)
+        if is_twincat(lines):
+            return read_twincat(lines)
+        if header_of(lines):
+            return read_klipper(lines)
+        return read_plain(lines, columns)
 
 
-def _decode(data: bytes, *, where: str) -> str:
+def _decode(data: bytes) -> str:
     """The text of a file: UTF-8, UTF-16 with its mark, else Windows-1252."""
     if not data.strip():
-        raise refuse(where, "identify-file-empty")
+        raise broken("identify-file-empty")
     marked = next((coding for mark, coding in _MARKS.items() if data.startswith(mark)), "")
     try:
         text = data.decode(marked or "utf-8", errors="replace" if marked else "strict")
     except UnicodeDecodeError:
         text = data.decode("cp1252", errors="replace")
     if "\0" in text:
-        raise refuse(where, "identify-file-binary")
+        raise broken("identify-file-binary")
     return text.replace("\N{MINUS SIGN}", "-")

@@ -21,22 +21,16 @@ from xml.etree.ElementTree import Element, ParseError, fromstring
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.base.errors import Refused
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.formats.contents import (
     Column,
     FileContents,
     ResponseContents,
     TimeContents,
-    refuse,
+    broken,
 )
-from mtcommission.identify.measurement import (
-    Array,
-    ComplexArray,
-    Given,
-    Sensor,
-    Signal,
-)
+from mtcommission.identify.measurement import Array, ComplexArray, Given, Sensor, Signal
 
 ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"
@@ -57,22 +51,22 @@ UNITY = 0.25
 """How far a loop's response from its setpoint may be from 1 at low frequency."""
 
 
-def read_sinumerik(data: bytes, *, where: str, response: str = "") -> FileContents:
-    """Return the measurement, session or trace in a file."""
+def read_sinumerik(data: bytes, response: str, *, file: str) -> FileContents:
+    """Return the measurement, session or trace in a file; ``response``: which one, "" for any."""
     if b"<!DOCTYPE" in data[:4096] or b"<!ENTITY" in data:
-        raise refuse(where, "identify-xml-unknown", root="DOCTYPE")
+        raise broken("identify-xml-unknown", root="DOCTYPE")
     try:
         root = fromstring(data)
     except (ParseError, ValueError, LookupError) as error:
         line = error.position[0] if isinstance(error, ParseError) else 0
-        raise refuse(where, "identify-xml-broken", line=line, reason=str(error)) from error
+        raise broken("identify-xml-broken", line=line, reason=str(error)) from error
     if root.tag == MEASUREMENT:
-        return _measurement(root, where=where)
+        return _measurement(root)
     if root.tag == SESSION:
-        return _session(root, response, where=where)
+        return _session(root, response, file)
     if root.tag == TRACE or root.find(f".//{TRACE}") is not None:
-        return _trace(root, where=where)
-    raise refuse(where, "identify-xml-unknown", root=root.tag[:60])
+        return _trace(root)
+    raise broken("identify-xml-unknown", root=root.tag[:60])
 
 
 def _named(root: Element, name: str) -> list[Element]:
@@ -98,79 +92,69 @@ def _numbers(elements: Iterable[Element]) -> list[float]:
     return found
 
 
-def decode_doubles(text: str) -> Array:
-    """Return the numbers in a text.
+def _decode(text: str, name: str) -> Array:
+    """The numbers of a series."""
 
-    Raise Refused where a sign is none of the alphabet, or the text ends inside a number.
+    def wrong(reason: str) -> InputError:
+        return broken("identify-series-broken", name=name, reason=Message(reason))
 
-    Examples
-    --------
-    >>> decode_doubles("..")
-    array([0.])
-    """
     pieces = "".join(text.split()).split(".")
     plain = (5 * ALPHABET[0]).join(pieces)
     if not plain.isascii() or any(len(piece) % 5 for piece in pieces):
-        raise Refused(Message("identify-series-cut"))
+        raise wrong("identify-series-cut")
     digits = _DIGITS[np.frombuffer(plain.encode(), dtype=np.uint8)]
     if (digits < 0).any():
-        raise Refused(Message("identify-series-sign"))
+        raise wrong("identify-series-sign")
     words = digits.reshape(-1, 5) @ 85 ** np.arange(4, -1, -1, dtype=np.int64)
     if words.size % 2 or (words > 0xFFFFFFFF).any():
-        raise Refused(Message("identify-series-cut"))
+        raise wrong("identify-series-cut")
     return np.frombuffer(words.astype(">u4").tobytes(), dtype=">f8").astype(np.float64)
 
 
 _DIGITS = np.array([ALPHABET.find(chr(sign)) for sign in range(256)], dtype=np.int64)
 
 
-def _series(parent: Element, name: str, *, where: str) -> Array:
+def _series(parent: Element, name: str) -> Array:
     """A series of doubles, checked against the length beside it."""
     for array in parent.iter("NumericArray"):
         if array.get("name") != name:
             continue
-        try:
-            values = decode_doubles(array.findtext("raw") or "")
-        except Refused as error:
-            reason = error.message
-            raise refuse(where, "identify-series-broken", name=name, reason=reason) from error
+        values = _decode(array.findtext("raw") or "", name)
         complex_ = array.get("elementtype") == "ComplexNumber"
         length = int(_number(array, "m_length")) * (2 if complex_ else 1)
         if values.size != length and _text(array, "m_length"):
-            raise _short(where, name, values.size, length)
+            raise _short(name, values.size, length)
         return values
     length, end = int(_number(parent, f"{name}.length")), _number(parent, f"{name}.end")
     if 1 < length <= 10**7:
         return np.linspace(_number(parent, f"{name}.start"), end, length)
-    raise _missing(where, name)
+    raise _missing(name)
 
 
-def _short(where: str, name: str, got: int, wanted: int) -> Exception:
-    return refuse(where, "identify-series-short", name=name, got=got, wanted=wanted)
+def _short(name: str, got: int, wanted: int) -> InputError:
+    return broken("identify-series-short", name=name, got=got, wanted=wanted)
 
 
-def _missing(where: str, name: str) -> Exception:
-    return refuse(where, "identify-series-missing", name=name)
+def _missing(name: str) -> InputError:
+    return broken("identify-series-missing", name=name)
 
 
-def _complex_series(parent: Element, *, where: str) -> tuple[Array, ComplexArray]:
+def _complex_series(parent: Element) -> tuple[Array, ComplexArray]:
     """Frequencies, in the file's unit, and values."""
-    pairs = _series(parent, "m_ValueVector", where=where)
-    frequency = _series(parent, "m_FrequencyVector", where=where)
+    pairs = _series(parent, "m_ValueVector")
+    frequency = _series(parent, "m_FrequencyVector")
     if pairs.size == frequency.size:  # a series of real numbers
         return frequency, pairs.astype(np.complex128)
     if pairs.size != 2 * frequency.size:
-        raise _short(where, "m_FrequencyVector", frequency.size, pairs.size // 2)
+        raise _short("m_FrequencyVector", frequency.size, pairs.size // 2)
     return frequency, pairs.view(np.complex128)
 
 
-def _good_lines(
-    frequency: Array, values: ComplexArray, *, name: str, where: str
-) -> NDArray[np.bool_]:
+def _good_lines(frequency: Array, values: ComplexArray, *, name: str) -> NDArray[np.bool_]:
     """Lines with numbers: 0 / 0 at 0 Hz is one without."""
     good = np.isfinite(values) & np.isfinite(frequency)
     if not good.size or good.mean() < MOSTLY_GOOD:
-        raise refuse(where, "identify-series-not-finite", name=name)
+        raise broken("identify-series-not-finite", name=name)
     return good
 
 
@@ -190,17 +174,17 @@ def _motor_turn(root: Element) -> float:
     return 0.0 if is_turning else abs(_number(root, "m_dMotorToAxisRatio"))
 
 
-def _measurement(root: Element, *, where: str) -> FileContents:
-    """One response by its spectra; where these are missing, its two signals over time."""
+def _measurement(root: Element) -> FileContents:
+    """One response by its spectra."""
     pair = next(root.iter("PrimaryFreqRespSigNodeData"), None)
     if pair is None:
-        raise _missing(where, "PrimaryFreqRespSigNodeData")
+        raise _missing("PrimaryFreqRespSigNodeData")
     by_id = {
         int(_number(node, "m_iUniqueInstanceId")): node for node in root.iter("PlatformSignalNode")
     }
     ends = [int(_number(pair, f"m_i{end}SigNodeUniqueInstanceID")) for end in ("Input", "Output")]
     if not set(ends) <= set(by_id):
-        raise _missing(where, "PlatformSignalNode")
+        raise _missing("PlatformSignalNode")
     nodes = [by_id[end] for end in ends]
     names = [str(int(_number(node, "m_uNodeId"))) for node in nodes]
     cross = [
@@ -208,39 +192,26 @@ def _measurement(root: Element, *, where: str) -> FileContents:
         for info in nodes[1].iter("SigNodeCrossSpectrumInfo")
         if info.get("name") != "m_autospectrumInfo" and _text(info, "m_uSignodeId") == names[0]
     ]
-    item: ResponseContents | TimeContents
-    if cross:
-        item = _by_spectra(root, nodes, cross[0], where=where)
-        item = replace(item, label=" → ".join(names))
-    else:
-        item = _time_series(nodes, names, where=where)
-    return FileContents(
-        format=Message("identify-format-sinumerik-measurement"),
-        items=(item,),
-        measured_on=_measured_on(root),
-    )
-
-
-def _by_spectra(
-    root: Element, nodes: list[Element], cross: Element, *, where: str
-) -> ResponseContents:
-    frequency, spectrum = _complex_series(cross, where=where)
+    if not cross:
+        raise _missing("SigNodeCrossSpectrumInfo")
+    frequency, spectrum = _complex_series(cross[0])
     powers = []
     for node in nodes:
         infos = _named(node, "m_autospectrumInfo")
         if not infos:
-            raise _missing(where, "m_autospectrumInfo")
-        powers.append(_complex_series(infos[0], where=where)[1].real.copy())
+            raise _missing("m_autospectrumInfo")
+        powers.append(_complex_series(infos[0])[1].real.copy())
     if any(one.size != spectrum.size for one in powers):
-        raise _short(where, "CrossSpectrum", powers[0].size, spectrum.size)
+        raise _short("CrossSpectrum", powers[0].size, spectrum.size)
     with np.errstate(all="ignore"):
         values = spectrum.conj() / powers[0]  # the file has input times the output's conjugate
         coherence = np.abs(spectrum) ** 2 / (powers[0] * powers[1])
-    good = _good_lines(frequency, values * coherence, name="CrossSpectrum", where=where)
+    good = _good_lines(frequency, values * coherence, name="CrossSpectrum")
     good &= frequency > 0.0
     lowest = np.abs(values[good][:8])
     is_setpoint = lowest.size and abs(float(np.median(lowest)) - 1.0) < UNITY
-    return ResponseContents(
+    item = ResponseContents(
+        label=" → ".join(names),
         frequency_hz=frequency[good],
         values=values[good],
         scale=1.0,
@@ -252,34 +223,22 @@ def _by_spectra(
         ),
         rotary=_is_rotary(root),
         coherence=np.clip(coherence[good], 0.0, 1.0),
-        averages=float(max(int(_number(cross, "m_uNumSpectraInAvg")), 1)),
+        averages=float(max(int(_number(cross[0], "m_uNumSpectraInAvg")), 1)),
         resolution_hz=0.0,  # a periodic excitation, averaged over whole periods
+    )
+    return FileContents(
+        format=Message("identify-format-sinumerik-measurement"),
+        items=(item,),
+        measured_on=_measured_on(root),
     )
 
 
-def _time_series(nodes: list[Element], names: list[str], *, where: str) -> TimeContents:
-    columns, step = [], 0.0
-    for node, name in zip(nodes, names, strict=True):
-        series = next(node.iter("TimeSeries"), None)
-        if series is None:
-            raise _missing(where, "TimeSeries")
-        values = _series(series, "m_ValueVector", where=where)
-        if not np.isfinite(values).all():
-            raise refuse(where, "identify-series-not-finite", name="TimeSeries")
-        step = _number(series, "m_TimeVector.end") / max(values.size - 1, 1)
-        columns.append(Column(name=name, unit="", values=values))
-    wanted, got = (column.values.size for column in columns)
-    if wanted != got:
-        raise _short(where, "TimeSeries", got, wanted)
-    return TimeContents(sample_time=step, columns=tuple(columns))
-
-
-def _session(root: Element, response: str, *, where: str) -> FileContents:
+def _session(root: Element, response: str, file: str) -> FileContents:
     """The last plant that was measured, or the response that is asked for."""
     speed = next(iter(_named(root, "m_SpeedControllerList")), root)
     plants = _measured(speed, PLANT)
     if not plants and not response:
-        raise _missing(where, PLANT)
+        raise _missing(PLANT)
     count = len(plants)
     named = {f"{PLANT}[{n}]" if count > 1 else PLANT: one for n, one in enumerate(plants, 1)}
     taken = list(named)[-1] if named else ""
@@ -287,16 +246,16 @@ def _session(root: Element, response: str, *, where: str) -> FileContents:
         if (name := one.get("name", "")) and name not in (PLANT, COHERENCE):
             named.setdefault(name, one)
     if (response or taken) not in named:
-        raise refuse(where, "identify-no-such-response", got=response, names=", ".join(named))
+        raise broken("identify-no-such-response", got=response, names=", ".join(named))
     chosen = named[response or taken]
-    unit, remarks = _frequency_unit(root, speed, chosen, where=where)
+    unit, remarks = _frequency_unit(root, speed, chosen)
     if axis := _text(root, "m_szAxisName"):
         remarks.append(Message("identify-axis-of-file", name=axis))
     if not response and len(named) > 1:
         others = ", ".join(name for name in named if name != taken)
         kind = "identify-response-taken" if count == 1 else "identify-last-response-taken"
-        remarks.append(Message(kind, name=taken, others=others, file=where))
-    item = _response_of(root, speed, chosen, where=where)
+        remarks.append(Message(kind, name=taken, others=others, file=file))
+    item = _response_of(root, speed, chosen)
     return FileContents(
         format=Message("identify-format-sinumerik-session"),
         items=(replace(item, label=response, frequency_hz=unit * item.frequency_hz),),
@@ -313,10 +272,10 @@ def _measured(root: Element, name: str = "") -> list[Element]:
 
 
 def _frequency_unit(
-    root: Element, speed: Element, response: Element, *, where: str
+    root: Element, speed: Element, response: Element
 ) -> tuple[float, list[Message]]:
     """Hz per unit of the file's frequencies, which reach to half of one of its sampling rates."""
-    last = float(np.max(_series(response, "m_FrequencyVector", where=where), initial=0.0))
+    last = float(np.max(_series(response, "m_FrequencyVector"), initial=0.0))
     cycles = (*_named(speed, "m_dUpdateTimeSeconds"), *_named(root, "m_dSamplingInterval"))
     steps = [step for step in _numbers(cycles) if 1e-7 < step < 1.0]
     if not steps:
@@ -324,24 +283,22 @@ def _frequency_unit(
     for unit in (1.0, 1.0 / (2 * pi)):
         if any(abs(2.0 * step * unit * last - 1.0) < AT_NYQUIST for step in steps):
             return unit, []
-    kind, step = "identify-frequency-neither", min(steps)
-    raise refuse(where, kind, last=last, nyquist=0.5 / step, step=step)
+    step = min(steps)
+    raise broken("identify-frequency-neither", last=last, nyquist=0.5 / step, step=step)
 
 
-def _response_of(
-    root: Element, speed: Element, element: Element, *, where: str
-) -> ResponseContents:
+def _response_of(root: Element, speed: Element, element: Element) -> ResponseContents:
     """A response, and for motor speed per torque what it is, with the coherence beside it."""
     name = element.get("name", "")
-    frequency, values = _complex_series(element, where=where)
-    good = _good_lines(frequency, values, name=name, where=where)
+    frequency, values = _complex_series(element)
+    good = _good_lines(frequency, values, name=name)
     found = ResponseContents(frequency_hz=frequency[good], values=values[good])
     if name != PLANT:  # only its name is known: input and output are for the user to say
         return found
     beside = next((one for one in speed.iter() if element in list(one)), speed)
     coherence = None
     for one in _measured(beside, COHERENCE) or _measured(speed, COHERENCE):
-        _, gamma = _complex_series(one, where=where)
+        _, gamma = _complex_series(one)
         if gamma.size == values.size:
             coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))[good]
     rotary = _is_rotary(root)
@@ -360,11 +317,11 @@ def _response_of(
     )
 
 
-def _trace(root: Element, *, where: str) -> FileContents:
+def _trace(root: Element) -> FileContents:
     frame = root.find(".//dataFrame")
     signals = list(frame.iter("dataSignal")) if frame is not None else []
     if frame is None or not signals:
-        raise _missing(where, "dataSignal")
+        raise _missing("dataSignal")
     shown = {one.get("key"): one for one in root.iter("signal") if one.get("key")}
     fields = [one.get("id", "") for one in signals]
     if not all(key.startswith("f") for key in fields):
@@ -379,14 +336,14 @@ def _trace(root: Element, *, where: str) -> FileContents:
             try:
                 row[place] = float(text)
             except ValueError as error:
-                kind, at = "identify-record-broken", len(rows) + 1
-                raise refuse(where, kind, got=text[:40], row=at) from error
+                at = len(rows) + 1
+                raise broken("identify-record-broken", got=text[:40], row=at) from error
         rows.append(row)
     values = np.asarray(rows, dtype=np.float64).reshape(-1, len(fields) + 1)
     whole = np.isfinite(values).all(axis=1)
     values = values[int(np.argmax(whole)) :] if whole.any() else values[:0]
     if values.shape[0] < 2 or not np.isfinite(values).all():
-        raise _missing(where, "rec")
+        raise _missing("rec")
     columns = []
     for place, (one, key) in enumerate(zip(signals, fields, strict=True), start=1):
         more = shown.get(one.get("key"), one)

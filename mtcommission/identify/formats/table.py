@@ -10,11 +10,12 @@ import csv
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import Lines, refuse
+from mtcommission.identify.formats.contents import Lines, broken, refuse
 from mtcommission.identify.measurement import Array
 
 COMMENT_MARKS = "#%!"
@@ -26,6 +27,80 @@ LAST_LINE = "eof"
 _END_QUOTES = "\"' \t"
 _BLANK_HEAD = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?|[+-]?(?:nan|inf)", re.IGNORECASE)
+CLOCK = "t"
+SAMPLE_TIME = "sample_time"
+
+_IN_BRACKETS = re.compile(r"^(?P<name>[^\[]*)\[(?P<unit>.*)\]\s*$")
+_IN_PARENTHESES = re.compile(r"^(?P<name>[^(]*)\((?P<unit>.*)\)\s*$")
+_AFTER_SLASH = re.compile(r"^(?P<name>.*\S)\s+(?:/|in)\s+(?P<unit>\S.*)$")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+
+
+class Head(NamedTuple):
+    """What stands above a column; "" where there is no name or no unit."""
+
+    name: str
+    unit: str
+
+
+def split_head(head: str) -> Head:
+    """Return name and unit of a column's head.
+
+    Examples
+    --------
+    >>> [tuple(split_head(head)) for head in ("F [N]", "re [(m/s)/A]", "Kraft in N", "t / s")]
+    [('F', 'N'), ('re', '(m/s)/A'), ('Kraft', 'N'), ('t', 's')]
+    """
+    for form in (_IN_BRACKETS, _IN_PARENTHESES, _AFTER_SLASH):
+        if match := form.match(head.strip()):
+            return Head(match["name"].strip(), match["unit"].strip())
+    return Head(head.strip(), "")
+
+
+def words_of(name: str) -> tuple[str, ...]:
+    """Return the words of a name, in small letters.
+
+    Examples
+    --------
+    >>> words_of("joint.0.motorPos-fb")
+    ('joint', '0', 'motor', 'pos', 'fb')
+    """
+    spaced = _CAMEL.sub(" ", name)
+    return tuple(re.findall(r"[a-zäöüßζγ²]+|[0-9]+", spaced.casefold()))
+
+
+def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
+    """Return the place of a column that ``--columns`` names, and the unit that it gives it.
+
+    Examples
+    --------
+    >>> find_column(["t", "pos"], "pos [mm]")
+    (1, 'mm')
+    """
+    if wanted in names:
+        return names.index(wanted), None
+    name, unit = split_head(wanted)
+    if name in names:
+        return names.index(name), unit or None
+    if name.isdigit() and 1 <= int(name) <= len(names):
+        return int(name) - 1, unit or None
+    found = tuple(f"{place}: {one or '?'}" for place, one in enumerate(names, start=1))
+    raise refuse("--columns", "identify-no-column", got=wanted, found=found)
+
+
+def find_columns(
+    names: Sequence[str], said: Mapping[str, str], known: Collection[str]
+) -> dict[int, tuple[str, str | None]]:
+    """Return our name and the unit given for each column that ``--columns`` names, by its place."""
+    found = {}
+    for own, wanted in said.items():
+        if own in (CLOCK, SAMPLE_TIME):
+            continue
+        if own not in known:
+            raise refuse("--columns", "identify-no-such-name", got=own, names=tuple(known))
+        place, unit = find_column(names, wanted)
+        found[place] = (own, unit)
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,27 +155,22 @@ DIALECTS = (
 class Table:
     """Numbers with their heads."""
 
-    heads: tuple[str, ...]  # Name of each column with its unit, as in the file; "" for none
+    heads: tuple[Head, ...]  # Of each column
     values: Array  # Shape (n_rows, n_columns), finite
     lines: Lines  # Line of each row in the file, shape (n_rows,)
     comments: tuple[str, ...]  # Lines before the numbers that are neither heads nor numbers
     breaks: tuple[int, ...]  # Rows before which a line stood that says that samples were lost
-    cut_line: int  # Line of an incomplete last row, which was left out; 0 where it was whole
-
-    @property
-    def remarks(self) -> tuple[Message, ...]:
-        """What was left out."""
-        return (Message("identify-cut", line=self.cut_line),) if self.cut_line else ()
+    remarks: tuple[Message, ...]  # Whether an incomplete last row was left out
 
 
-def read_table(lines: Sequence[str], *, where: str, first_line: int = 1, columns: int = 0) -> Table:
+def read_table(lines: Sequence[str], *, first_line: int = 1, columns: int = 0) -> Table:
     """Return the table of numbers in some lines; ``columns``: how many it must have, 0 for any."""
-    dialect = _find_dialect(lines, where=where)
+    dialect = _find_dialect(lines)
     start = next(place for place, line in enumerate(lines) if dialect.has_row(line))
     width = len(dialect.split(lines[start]))
     if width > MOST_COLUMNS:
-        kind, line = "identify-too-many-columns", first_line + start
-        raise refuse(where, kind, line=line, got=width, most=MOST_COLUMNS)
+        line = first_line + start
+        raise broken("identify-too-many-columns", line=line, got=width, most=MOST_COLUMNS)
     kept: dict[int, str] = {}
     breaks = []
     for at, text in enumerate(map(str.strip, lines[start:]), start=first_line + start):
@@ -110,16 +180,16 @@ def read_table(lines: Sequence[str], *, where: str, first_line: int = 1, columns
             breaks.append(len(kept))
         elif text and text[0] not in COMMENT_MARKS:
             kept[at] = text
-    cut_line, last = 0, max(kept)
+    remarks, last = [], max(kept)
     cells = dialect.split(kept[last])
     is_whole = len(cells) == width and dialect.has_row(kept[last])
     if len(kept) > 1 and not is_whole and len(cells) <= width:
-        cut_line = last
+        remarks = [Message("identify-cut", line=last)]
         del kept[last]
-    values = _numbers(kept, dialect, width, where=where)
+    values = _numbers(kept, dialect, width)
     if columns not in (0, width):
         line = next(iter(kept))
-        raise refuse(where, "identify-row-length", line=line, got=width, wanted=columns)
+        raise broken("identify-row-length", line=line, got=width, wanted=columns)
     heads, comments = _heads(lines[:start], dialect, width)
     return Table(
         heads=heads,
@@ -127,11 +197,11 @@ def read_table(lines: Sequence[str], *, where: str, first_line: int = 1, columns
         lines=np.asarray(list(kept), dtype=np.int64),
         comments=comments,
         breaks=tuple(breaks),
-        cut_line=cut_line,
+        remarks=tuple(remarks),
     )
 
 
-def _find_dialect(lines: Sequence[str], *, where: str) -> Dialect:
+def _find_dialect(lines: Sequence[str]) -> Dialect:
     """How the numbers of most lines in the middle are written."""
     filled = [line for line in lines if line.strip() and line.lstrip()[0] not in COMMENT_MARKS]
     sample = filled[-SAMPLE - 1 : -1] or filled  # the last may be cut
@@ -141,11 +211,11 @@ def _find_dialect(lines: Sequence[str], *, where: str) -> Dialect:
     if max(good) < max((len(sample) + 1) // 2, 1):
         first = filled[0].strip()[:60] if filled else ""
         shown = "".join(letter if letter.isprintable() else "?" for letter in first)
-        raise refuse(where, "identify-no-table", lines=len(lines), first=shown)
+        raise broken("identify-no-table", lines=len(lines), first=shown)
     return DIALECTS[good.index(max(good))]
 
 
-def _numbers(kept: dict[int, str], dialect: Dialect, width: int, *, where: str) -> Array:
+def _numbers(kept: dict[int, str], dialect: Dialect, width: int) -> Array:
     text = list(kept.values())
     if dialect.decimal == ",":
         text = [line.replace(",", ".") if "." not in line else line for line in text]
@@ -155,26 +225,26 @@ def _numbers(kept: dict[int, str], dialect: Dialect, width: int, *, where: str) 
             return values.astype(np.float64)
     except ValueError:
         pass  # line by line, which tells where
-    rows = (_row(line, dialect, width, at, where=where) for at, line in kept.items())
+    rows = (_row(line, dialect, width, at) for at, line in kept.items())
     return np.asarray(list(rows), dtype=np.float64)
 
 
-def _row(line: str, dialect: Dialect, width: int, at: int, *, where: str) -> list[float]:
+def _row(line: str, dialect: Dialect, width: int, at: int) -> list[float]:
     cells, row = dialect.split(line), list[float]()
     if len(cells) != width:
-        raise refuse(where, "identify-row-length", line=at, got=len(cells), wanted=width)
+        raise broken("identify-row-length", line=at, got=len(cells), wanted=width)
     for place, cell in enumerate(cells, start=1):
         value = dialect.number(cell)
         if value is None or not np.isfinite(value):
             kind = "identify-no-number" if value is None else "identify-not-finite"
-            raise refuse(where, kind, line=at, column=place, got=cell[:40])
+            raise broken(kind, line=at, column=place, got=cell[:40])
         row.append(value)
     return row
 
 
 def _heads(
     above: Sequence[str], dialect: Dialect, width: int
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
+) -> tuple[tuple[Head, ...], tuple[str, ...]]:
     """Heads of the columns, with their units, and the other lines above the numbers."""
     filled = [line.strip() for line in above if line.strip()]
     plain = [line for line in filled if line[0] not in COMMENT_MARKS]
@@ -184,11 +254,13 @@ def _heads(
     used = plain[-len(rows) :] if rows else []
     comments = tuple(line for line in filled if line.lstrip(COMMENT_MARKS).strip() not in used)
     if not rows:
-        return ("",) * width, comments
+        return (Head("", ""),) * width, comments
     if len(rows) == 1 or any("[" in cell for cell in rows[0]):
-        return tuple(rows[0]), comments
+        return tuple(map(split_head, rows[0])), comments
     units = (cell.strip("[]() ") for cell in rows[1])
-    return tuple(f"{n} [{u}]" if u else n for n, u in zip(rows[0], units, strict=True)), comments
+    return tuple(
+        Head(name.strip(), unit) for name, unit in zip(rows[0], units, strict=True)
+    ), comments
 
 
 def _head_cells(line: str, dialect: Dialect, width: int) -> list[str]:
@@ -198,72 +270,3 @@ def _head_cells(line: str, dialect: Dialect, width: int) -> list[str]:
         if len(cells) == width:
             return cells
     return []
-
-
-CLOCK = "t"
-SAMPLE_TIME = "sample_time"
-
-_IN_BRACKETS = re.compile(r"^(?P<name>[^\[]*)\[(?P<unit>.*)\]\s*$")
-_IN_PARENTHESES = re.compile(r"^(?P<name>[^(]*)\((?P<unit>.*)\)\s*$")
-_AFTER_SLASH = re.compile(r"^(?P<name>.*\S)\s+(?:/|in)\s+(?P<unit>\S.*)$")
-_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
-
-
-def split_head(head: str) -> tuple[str, str]:
-    """Return name and unit of a column's head; "" where there is no unit.
-
-    Examples
-    --------
-    >>> [split_head(head) for head in ("F [N]", "re [(m/s)/A]", "Kraft in N", "t / s", "x_ref")]
-    [('F', 'N'), ('re', '(m/s)/A'), ('Kraft', 'N'), ('t', 's'), ('x_ref', '')]
-    """
-    for form in (_IN_BRACKETS, _IN_PARENTHESES, _AFTER_SLASH):
-        if match := form.match(head.strip()):
-            return match["name"].strip(), match["unit"].strip()
-    return head.strip(), ""
-
-
-def words_of(name: str) -> tuple[str, ...]:
-    """Return the words of a name, in small letters.
-
-    Examples
-    --------
-    >>> words_of("joint.0.motorPos-fb")
-    ('joint', '0', 'motor', 'pos', 'fb')
-    """
-    spaced = _CAMEL.sub(" ", name)
-    return tuple(re.findall(r"[a-zäöüßζγ²]+|[0-9]+", spaced.casefold()))
-
-
-def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
-    """Return the place of a column that ``--columns`` names, and the unit that it gives it.
-
-    Examples
-    --------
-    >>> find_column(["t", "pos"], "pos [mm]")
-    (1, 'mm')
-    """
-    if wanted in names:
-        return names.index(wanted), None
-    name, unit = split_head(wanted)
-    if name in names:
-        return names.index(name), unit or None
-    if name.isdigit() and 1 <= int(name) <= len(names):
-        return int(name) - 1, unit or None
-    found = tuple(f"{place}: {one or '?'}" for place, one in enumerate(names, start=1))
-    raise refuse("--columns", "identify-no-column", got=wanted, found=found)
-
-
-def find_columns(
-    names: Sequence[str], said: Mapping[str, str], known: Collection[str]
-) -> dict[int, tuple[str, str | None]]:
-    """Return our name and the unit given for each column that ``--columns`` names, by its place."""
-    found = {}
-    for own, wanted in said.items():
-        if own in (CLOCK, SAMPLE_TIME):
-            continue
-        if own not in known:
-            raise refuse("--columns", "identify-no-such-name", got=own, names=tuple(known))
-        place, unit = find_column(names, wanted)
-        found[place] = (own, unit)
-    return found

@@ -20,7 +20,7 @@ from mtcommission.identify.formats.contents import (
     Item,
     ResponseContents,
     TimeContents,
-    refuse,
+    broken,
 )
 from mtcommission.identify.measurement import (
     Array,
@@ -47,9 +47,9 @@ def is_uff(data: bytes) -> bool:
     return data.lstrip(b"\r\n")[:6] == MARK
 
 
-def read_uff(data: bytes, *, where: str) -> FileContents:
+def read_uff(data: bytes) -> FileContents:
     """Return the functions in a universal file."""
-    sets = _sets(data, where=where)
+    sets = _sets(data)
     units = next((one for one in sets if one.get("type") == 164), {})
     length, force = (float(units.get(name) or 0.0) for name in ("length", "force"))
     functions = [one for one in sets if one.get("type") == 58]
@@ -59,20 +59,19 @@ def read_uff(data: bytes, *, where: str) -> FileContents:
 
     coherences = {_ends(one): np.real(_data(one)).astype(np.float64) for one in of_kind(_COHERENCE)}
     items: list[Item] = [
-        _response(one, coherences.get(_ends(one)), length, force, where=where)
-        for one in of_kind(_FRF)
+        _response(one, coherences.get(_ends(one)), length, force) for one in of_kind(_FRF)
     ]
     if not items:
         items = _records(of_kind(_TIME), length, force)
     if not items:
         kinds = tuple(sorted({str(one.get("func_type", one.get("type"))) for one in sets}))
-        raise refuse(where, "identify-uff-nothing", found=kinds)
+        raise broken("identify-uff-nothing", found=kinds)
     on = str(functions[0].get("id3", "")).strip()
     format_ = Message("identify-format-uff")
     return FileContents(format=format_, items=tuple(items), measured_on=on[:40])
 
 
-def _sets(data: bytes, *, where: str) -> list[Set]:
+def _sets(data: bytes) -> list[Set]:
     import pyuff
 
     with TemporaryDirectory() as folder:
@@ -84,7 +83,7 @@ def _sets(data: bytes, *, where: str) -> list[Set]:
             wanted = [place for place, one in enumerate(types) if one in (58, 164)]
             return [file.read_sets(place) for place in wanted[:MOST_SETS]]
         except Exception as error:  # pyuff raises nothing narrower
-            raise refuse(where, "identify-uff-broken", reason=str(error)[:200]) from error
+            raise broken("identify-uff-broken", reason=str(error)[:200]) from error
 
 
 def _ends(one: Set) -> tuple[int, ...]:
@@ -114,14 +113,12 @@ def _unit(one: Set, axis: str) -> str:
     return "" if unit.casefold() == "none" else unit
 
 
-def _response(
-    one: Set, coherence: Array | None, length: float, force: float, *, where: str
-) -> ResponseContents:
+def _response(one: Set, coherence: Array | None, length: float, force: float) -> ResponseContents:
     """A response; its unit by the labels, else by the factors; neither, and SI is not claimed."""
     values, hertz, wanted = _data(one).astype(np.complex128), _abscissa(one), one.get("num_pts")
     if values.size != hertz.size or values.size != int(wanted or 0):
         name, got, points = _label(one), values.size, int(wanted or 0)
-        raise refuse(where, "identify-series-short", name=name, got=got, wanted=points)
+        raise broken("identify-series-short", name=name, got=got, wanted=points)
     below, factor = _kind(one, "orddenom"), None
     unit, per = (_unit(one, axis) for axis in ("ordinate", "orddenom"))
     if unit and per:
