@@ -257,10 +257,9 @@ def _heads(
         return (Head("", ""),) * width, comments
     if len(rows) == 1 or any("[" in cell for cell in rows[0]):
         return tuple(map(split_head, rows[0])), comments
-    units = (cell.strip("[]() ") for cell in rows[1])
-    return tuple(
-        Head(name.strip(), unit) for name, unit in zip(rows[0], units, strict=True)
-    ), comments
+    units = [cell.strip("[]() ") for cell in rows[1]]
+    pairs = zip(rows[0], units, strict=True)
+    return tuple(Head(name, unit) if unit else split_head(name) for name, unit in pairs), comments
 
 
 def _head_cells(line: str, dialect: Dialect, width: int) -> list[str]:

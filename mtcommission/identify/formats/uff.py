@@ -22,11 +22,7 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     broken,
 )
-from mtcommission.identify.measurement import (
-    Array,
-    Given,
-    Signal,
-)
+from mtcommission.identify.measurement import Array, Given, Signal
 
 MARK = b"    -1"
 MOST_SETS = 500
@@ -57,7 +53,9 @@ def read_uff(data: bytes) -> FileContents:
     def of_kind(kind: int) -> list[Set]:
         return [one for one in functions if one.get("func_type") == kind]
 
-    coherences = {_ends(one): np.real(_data(one)).astype(np.float64) for one in of_kind(_COHERENCE)}
+    coherences = {
+        _ends(one): np.real(_series(one)[1]).astype(np.float64) for one in of_kind(_COHERENCE)
+    }
     items: list[Item] = [
         _response(one, coherences.get(_ends(one)), length, force) for one in of_kind(_FRF)
     ]
@@ -96,12 +94,9 @@ def _label(one: Set) -> str:
     return f"{node}:{direction}/{reference}:{other}"
 
 
-def _data(one: Set) -> np.ndarray[Any, Any]:
-    return np.asarray(one.get("data", ()))
-
-
-def _abscissa(one: Set) -> Array:
-    return np.asarray(one.get("x", ()), dtype=np.float64)
+def _series(one: Set) -> tuple[Array, np.ndarray[Any, Any]]:
+    """Abscissa and data."""
+    return np.asarray(one.get("x", ()), dtype=np.float64), np.asarray(one.get("data", ()))
 
 
 def _kind(one: Set, axis: str) -> int:
@@ -115,10 +110,9 @@ def _unit(one: Set, axis: str) -> str:
 
 def _response(one: Set, coherence: Array | None, length: float, force: float) -> ResponseContents:
     """A response; its unit by the labels, else by the factors; neither, and SI is not claimed."""
-    values, hertz, wanted = _data(one).astype(np.complex128), _abscissa(one), one.get("num_pts")
-    if values.size != hertz.size or values.size != int(wanted or 0):
-        name, got, points = _label(one), values.size, int(wanted or 0)
-        raise broken("identify-series-short", name=name, got=got, wanted=points)
+    (hertz, values), wanted = _series(one), int(one.get("num_pts") or 0)
+    if values.size != hertz.size or values.size != wanted:
+        raise broken("identify-series-short", name=_label(one), got=values.size, wanted=wanted)
     below, factor = _kind(one, "orddenom"), None
     unit, per = (_unit(one, axis) for axis in ("ordinate", "orddenom"))
     if unit and per:
@@ -130,7 +124,7 @@ def _response(one: Set, coherence: Array | None, length: float, force: float) ->
     return ResponseContents(
         label=_label(one),
         frequency_hz=hertz,
-        values=values,
+        values=values.astype(np.complex128),
         unit=unit,
         scale=factor,
         said=Given(input=_INPUTS.get(below, ""), output=_OUTPUTS.get(_kind(one, "ordinate"))),
@@ -141,15 +135,16 @@ def _response(one: Set, coherence: Array | None, length: float, force: float) ->
 
 def _records(series: Sequence[Set], length: float, force: float) -> list[Item]:
     """Time responses with one clock as one record."""
-    whole = [one for one in series if _abscissa(one).size == _data(one).size > 1]
-    columns = []
-    for one in whole:
-        if not np.array_equal(_abscissa(one), _abscissa(whole[0])):
+    clock, columns = None, []
+    for one in series:
+        t, data = _series(one)
+        if t.size != data.size or t.size < 2 or not (clock is None or np.array_equal(t, clock)):
             continue
+        clock = t
         kind, unit = _kind(one, "ordinate"), _unit(one, "ordinate")
-        values = np.real(_data(one)).astype(np.float64)
+        values = np.real(data).astype(np.float64)
         factor = force if kind in _FORCES else length
         if not unit and kind in _PLAIN and factor > 0.0:
             unit, values = _PLAIN[kind], values / factor
         columns.append(Column(name=_label(one), unit=unit, values=values))
-    return [TimeContents(clock=_abscissa(whole[0]), columns=tuple(columns))] if columns else []
+    return [TimeContents(clock=clock, columns=tuple(columns))] if columns else []
