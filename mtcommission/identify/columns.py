@@ -10,10 +10,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
-from mtcommission.base.errors import Fault, InputError, Refused
+from mtcommission.base.errors import Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.symbols import Unit, read_unit
-from mtcommission.identify.formats.contents import Column
+from mtcommission.identify.formats.contents import Column, broken, within
 from mtcommission.identify.formats.table import find_columns, words_of
 from mtcommission.identify.measurement import FORCES, MOTIONS, Sensor, Signal
 
@@ -93,12 +93,13 @@ def read_columns(
     for place, column in enumerate(columns):
         own, unit = named.get(place, (column.name.casefold().replace(" ", "_"), None))
         meaning = _of_own if own in OWN else _of_words
-        one = meaning(column, own, unit or column.unit, where=where)
+        with within(where):
+            one = meaning(column, own, unit or column.unit)
         found.append(replace(one, is_said=True) if one and place in named else one)
     return found
 
 
-def _of_own(column: Column, own: str, unit: str, *, where: str) -> Meaning | None:
+def _of_own(column: Column, own: str, unit: str) -> Meaning | None:
     stated = replace(OWN[own], is_ours=True)
     if not unit:
         return replace(stated, is_assumed=True)
@@ -110,11 +111,11 @@ def _of_own(column: Column, own: str, unit: str, *, where: str) -> Meaning | Non
         is_motion = measured.signal in MOTIONS
         return found if is_motion else replace(found, course=Course.EXCITATION)
     kin = MOTIONS if own in _ANY_MOTION else _kin(stated.signal)
-    _require(measured.signal in kin, column, unit, measured.signal, where=where)
+    _require(measured.signal in kin, column, unit, measured.signal)
     return found
 
 
-def _of_words(column: Column, own: str, unit: str, *, where: str) -> Meaning | None:
+def _of_words(column: Column, own: str, unit: str) -> Meaning | None:
     words = words_of(own)
     by_name = [signal for signal, known in _WORDS.items() if _any(words, known)]
     measured = read_signal_unit(unit) if unit else None
@@ -123,9 +124,9 @@ def _of_words(column: Column, own: str, unit: str, *, where: str) -> Meaning | N
             return None
         found = Meaning(signal=by_name[0], is_assumed=True)
     else:
-        found = Meaning(signal=measured.signal, rotary=measured.rotary, scale=measured.scale)
+        found = measured
         fits = not by_name or any(found.signal in _kin(one) for one in by_name)
-        _require(fits, column, unit, found.signal, where=where)
+        _require(fits, column, unit, found.signal)
     if _any(words, _EXCITATIONS):
         return replace(found, course=Course.EXCITATION)
     if found.signal is Signal.POSITION and any(error <= set(words) for error in _ERRORS):
@@ -141,11 +142,10 @@ def _kin(signal: Signal) -> Collection[Signal]:
     return FORCES if signal in FORCES else (signal,)
 
 
-def _require(fits: bool, column: Column, unit: str, signal: Signal, *, where: str) -> None:
+def _require(fits: bool, column: Column, unit: str, signal: Signal) -> None:
     if not fits:
         said = Message(f"identify-signal-{signal.value}")
-        message = Message("identify-column-contradicts", name=column.name, unit=unit, signal=said)
-        raise InputError([Fault(where=where, message=message)])
+        raise broken("identify-column-contradicts", name=column.name, unit=unit, signal=said)
 
 
 def place_in(words: Sequence[str]) -> Sensor | None:
@@ -185,15 +185,6 @@ _SIGNALS = {_FORCE: (Signal.FORCE, False), _TORQUE: (Signal.TORQUE, True), **_RA
 
 
 @dataclass(frozen=True, slots=True)
-class SignalUnit:
-    """What a unit measures."""
-
-    signal: Signal  # A position, velocity, acceleration, force, torque or current
-    rotary: bool | None  # Whether its lengths are angles; None for a current
-    scale: float  # SI value of one such unit
-
-
-@dataclass(frozen=True, slots=True)
 class ResponseUnit:
     """What output per input measures."""
 
@@ -203,24 +194,26 @@ class ResponseUnit:
     scale: float  # SI value of one such unit; amperes stay amperes
 
 
-def read_signal_unit(text: str) -> SignalUnit | None:
+def read_signal_unit(text: str) -> Meaning | None:
     """Return what the unit of a signal measures; None if nothing that is of use here.
 
     Examples
     --------
-    >>> read_signal_unit("mm/s")
-    SignalUnit(signal=<Signal.VELOCITY: 'velocity'>, rotary=False, scale=0.001)
+    >>> (found := read_signal_unit("mm/s")).signal, found.rotary, found.scale
+    (<Signal.VELOCITY: 'velocity'>, False, 0.001)
     >>> read_signal_unit("mg").scale
     0.00980665
     """
     plain = _TURNS_PER_MINUTE.sub("rpm", text.strip())
     if match := _CURRENT.fullmatch(plain):
-        return SignalUnit(Signal.CURRENT, None, {"": 1.0, "m": 1e-3, "k": 1e3}[match[1]])
+        return Meaning(signal=Signal.CURRENT, scale={"": 1.0, "m": 1e-3, "k": 1e3}[match[1]])
     if match := _GRAVITIES.fullmatch(plain):
-        return SignalUnit(Signal.ACCELERATION, False, GRAVITY * (1e-3 if match[1] else 1.0))
+        scale = GRAVITY * (1e-3 if match[1] else 1.0)
+        return Meaning(signal=Signal.ACCELERATION, rotary=False, scale=scale)
     for unit in _meanings(plain):
         if unit.exponents in _SIGNALS:
-            return SignalUnit(*_SIGNALS[unit.exponents], unit.si_value)
+            signal, rotary = _SIGNALS[unit.exponents]
+            return Meaning(signal=signal, rotary=rotary, scale=unit.si_value)
     return None
 
 
@@ -246,7 +239,7 @@ def read_response_unit(text: str) -> ResponseUnit | None:
     for unit in _meanings(plain):
         for rate, (signal, rotary) in _RATES.items():
             force = _FORCE if per_current or not rotary else _TORQUE
-            exponents = _ratio(rate, force)
+            exponents = tuple(a - b for a, b in zip(rate, force, strict=True))
             without_radian = (*exponents[:3], 0)
             if unit.exponents == exponents or (rotary and unit.exponents == without_radian):
                 return ResponseUnit(signal, per[force], rotary, unit.si_value * factor)
@@ -258,8 +251,3 @@ def _meanings(text: str) -> tuple[Unit, ...]:
         return read_unit(text) if text else ()
     except Refused:
         return ()
-
-
-def _ratio(above: Exponents, below: Exponents) -> Exponents:
-    m, kg, s, rad = (a - b for a, b in zip(above, below, strict=True))
-    return m, kg, s, rad

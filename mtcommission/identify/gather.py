@@ -21,7 +21,13 @@ from mtcommission.identify.averaged import (
     find_period,
     prepare,
 )
-from mtcommission.identify.formats.contents import ResponseContents, TimeContents, refuse
+from mtcommission.identify.formats.contents import (
+    Item,
+    ResponseContents,
+    TimeContents,
+    refuse,
+    within,
+)
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.measurement import (
     FORCES,
@@ -120,25 +126,37 @@ def read_file(
         labels = ", ".join(item.label for item in contents.items)
         raise refuse(name, "identify-no-such-response", got=response, names=labels)
     for item in items:
-        own = replace(source, label=item.label)
         try:
-            if isinstance(item, TimeContents):
-                record = read_record(item, own, given, remarks)
-                findings += [
-                    settle(one, given) if isinstance(one, FrequencyResponse) else one
-                    for one in estimate(record, given)
-                ]
-                records.append(record)
-            elif isinstance(item, ResponseContents):
-                findings.append(read_response(item, own, given, remarks))
-            else:
-                findings.append(read_spectrum(item, own, given, remarks))
+            found, used = _read_item(item, replace(source, label=item.label), given, remarks)
+            findings += found
+            records += used
         except InputError as error:
             faults += error.faults
     # Of several records in a file (clocks of a scope) the ones that say nothing are no fault.
     if faults and not (findings and any(isinstance(i, TimeContents) for i in items)):
         raise InputError(faults)
     return tuple(findings), tuple(records)
+
+
+def _read_item(
+    item: Item, source: Source, given: Given, remarks: Sequence[Message]
+) -> tuple[list[Finding], list[TimeRecord]]:
+    """What one record, response or spectrum of a file says, and the record."""
+    if isinstance(item, TimeContents):
+        with within(source.file):
+            record = read_record(item, source, given, remarks)
+        return [_settled(one, given) for one in estimate(record, given)], [record]
+    with within(source.name):
+        if isinstance(item, ResponseContents):
+            return [read_response(item, source, given, remarks)], []
+        return [read_spectrum(item, source, given, remarks)], []
+
+
+def _settled(found: Finding, given: Given) -> Finding:
+    if not isinstance(found, FrequencyResponse):
+        return found
+    with within(found.source.name):
+        return settle(found, given)
 
 
 _NAME = re.compile(

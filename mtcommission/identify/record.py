@@ -17,14 +17,13 @@ from mtcommission.base.errors import Fault, InputError, Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import TIME, parse_quantity
 from mtcommission.identify.columns import Course, Meaning, read_columns
-from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
+from mtcommission.identify.formats.contents import Column, Lines, TimeContents, broken, within
 from mtcommission.identify.formats.table import CLOCK, SAMPLE_TIME
 from mtcommission.identify.measurement import (
     FORCES,
     MOTIONS,
     Array,
     Channel,
-    FrequencyResponse,
     Given,
     Sensor,
     Signal,
@@ -32,124 +31,24 @@ from mtcommission.identify.measurement import (
     TimeRecord,
 )
 
-Known = list[tuple[Column, Meaning]]
-
-
-def read_record(
-    contents: TimeContents, source: Source, given: Given, remarks: Sequence[Message]
-) -> TimeRecord:
-    """Return a record in SI."""
-    where, columns = source.file, contents.columns
-    clock = read_clock(contents, given.columns, where=where)
-    clock.require_even(where=where)
-    # Words alone tell no unit; and who names columns names those that count.
-    names_all = bool(set(given.columns) - {"t", "sample_time"})
-    meanings = [
-        one if one and (one.is_ours or not (one.is_assumed or names_all)) else None
-        for one in read_columns(columns, given.columns, where=where)
-    ]
-    _require_known(columns, meanings, given, where=where)
-    known = [(c, m) for c, m in zip(columns, meanings, strict=True) if m]
-    channels, said = _channels(known, clock, given)
-    slips = (
-        find_unit_slip(one.values, other.values, clock.step, name=other.name)
-        for one in channels
-        for other in channels
-        if (one.signal, other.signal) in tuple(pairwise(MOTIONS))
-        if one.sensor is other.sensor and one.rotary == other.rotary
-    )
-    clipped = (find_clipping(c.values, c.name) for c, m in known if m.seen is not Signal.REFERENCE)
-    if faults := [Fault(where=where, message=one) for one in (*slips, *clipped) if one]:
-        raise InputError(faults)
-    if ignored := tuple(c.name for c, m in zip(columns, meanings, strict=True) if m is None):
-        said.insert(0, Message("identify-ignored", names=ignored))
-    remarks = (*remarks, *clock.remarks, *said)
-    return TimeRecord(source=source, channels=channels, remarks=remarks)
-
-
-def _require_known(
-    columns: Sequence[Column], meanings: Sequence[Meaning | None], given: Given, *, where: str
-) -> None:
-    """Raise one error that shows every column where what is known does not suffice."""
-    known = [meaning for meaning in meanings if meaning]
-    signals = {meaning.seen for meaning in known}
-    has_input = bool(signals & set(FORCES)) or None not in meanings
-    has_place = all(m.sensor for m in known if m.seen is Signal.ACCELERATION)
-    missing = {
-        "identify-missing-output": not signals & set(MOTIONS),
-        "identify-missing-input": not has_input and not given.columns,
-        "identify-missing-sensor": given.sensor is None and not has_place,
-    }
-    if not any(missing.values()):
-        return
-    found = tuple(
-        Message(
-            "identify-column-found",
-            place=place,
-            name=column.name,
-            unit=column.unit or "?",
-            what=Message(f"identify-signal-{meaning.seen if meaning else 'unknown'}"),
-        )
-        for place, (column, meaning) in enumerate(zip(columns, meanings, strict=True), start=1)
-    )
-    asked = tuple(Message(kind) for kind, lacks in missing.items() if lacks)
-    raise refuse(where, "identify-columns-unknown", found=found, missing=asked)
-
-
-def _channels(
-    known: Known, clock: Clock, given: Given
-) -> tuple[tuple[Channel, ...], list[Message]]:
-    """Channels that are of use, the inputs first, and what was decided about them."""
-    forces = [pair for pair in known if pair[1].seen in FORCES]
-    acting = [pair for pair in forces if pair[1].course is Course.ACTUAL]
-    remarks = []
-    if acting:  # the force that acts says more than the one that was asked for
-        known = [pair for pair in known if pair not in forces or pair in acting]
-    else:
-        remarks = [
-            Message("identify-set-force", name=column.name)
-            for column, meaning in forces
-            if meaning.course is Course.SETPOINT
-        ]
-    if assumed := tuple(c.name for c, m in known if m.is_assumed):
-        remarks.append(Message("identify-si-assumed", names=assumed))
-    # FILE@tcp goes before a column's name.
-    is_alone = sum(m.seen in MOTIONS for _, m in known) == 1
-    channels = []
-    for column, meaning in known:
-        sensor = meaning.sensor
-        if meaning.seen in MOTIONS:
-            sensor = (given.sensor if is_alone or sensor is None else None) or sensor
-            if sensor is None:
-                sensor = Sensor.ENCODER
-                remarks.append(Message("identify-sensor-assumed", name=column.name))
-        sign = -1.0 if meaning.course is Course.ERROR else 1.0
-        scale, rotary = sign * meaning.scale, meaning.rotary
-        channels.append(
-            clock.channel(column, meaning.seen, scale=scale, sensor=sensor, rotary=rotary)
-        )
-    channels.sort(key=lambda channel: channel.signal not in FORCES)
-    return tuple(channels), remarks
-
-
 LEAST_SAMPLES = 64
 ROUNDING = 0.02
 """Distance from an even clock, as share of the step, that times printed with few digits have."""
-
 GAP = 4.0
 """Steps without a sample from which on something is missing."""
-
 JITTER = 0.5
 """Spread of the steps up to which what nothing is missing from may be interpolated."""
-
 SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
 """Other steps are no sampling of an axis but a wrong unit [s]."""
-
 LATEST = 1e12
 """Beyond it a time is a broken number [s]; a clock may count from the year 1601."""
-
 SIGMAS = 3.0
 """Standard errors that the largest error of an interpolation is taken for."""
+PLATEAU = 4
+"""Equal samples at the end of the range that no smooth signal shows."""
+FEWEST_PLATEAUS = 3
+LARGEST_SHARE = 0.35
+"""A signal that stands at its ends more often switches between two values on purpose."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -220,7 +119,7 @@ class Clock:
             error=abs(scale) * error,
         )
 
-    def require_even(self, *, where: str) -> None:
+    def require_even(self) -> None:
         """Raise InputError where samples are missing."""
         steps = np.diff(self.times)
         usual = float(np.median(steps))
@@ -228,25 +127,30 @@ class Clock:
         got, at = float(steps[worst]), float(self.times[worst])
         if not self.is_even and abs(got - usual) > JITTER * usual:
             line = _line(self.lines, worst + 1)
-            raise refuse(where, "identify-uneven", line=line, usual=usual, got=got, at=at)
+            raise broken("identify-uneven", line=line, usual=usual, got=got, at=at)
 
 
 def read_clock(contents: TimeContents, said: Mapping[str, str], *, where: str) -> Clock:
     """Return the clock of a record; ``said``: ``--columns``, which may state the sample time."""
+    with within(where):
+        return _clock(contents, said)
+
+
+def _clock(contents: TimeContents, said: Mapping[str, str]) -> Clock:
     size = contents.columns[0].values.size if contents.columns else 0
     if size < LEAST_SAMPLES:
-        raise refuse(where, "identify-too-few-samples", got=size, least=LEAST_SAMPLES)
+        raise broken("identify-too-few-samples", got=size, least=LEAST_SAMPLES)
     if contents.clock is None:
         step = contents.sample_time or _said_step(said)
         if step <= 0.0:
-            raise refuse(where, "identify-no-sample-time")
+            raise broken("identify-no-sample-time")
         times: Array = step * np.arange(size, dtype=np.float64)
     else:
-        times = _rising(contents.clock, contents.lines, where=where)
+        times = _rising(contents.clock, contents.lines)
         steps = np.diff(times)
         step = float(np.mean(steps[steps <= GAP * np.median(steps)]))
     if not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise refuse(where, "identify-step-out-of-range", step=step)
+        raise broken("identify-step-out-of-range", step=step)
     return Clock(times=times, step=step, lines=contents.lines)
 
 
@@ -258,10 +162,10 @@ def _said_step(said: Mapping[str, str]) -> float:
         raise InputError([fault]) from error
 
 
-def _rising(clock: Array, lines: Lines, *, where: str) -> Array:
+def _rising(clock: Array, lines: Lines) -> Array:
     """Times that rise; those printed with too few digits are spread evenly between."""
     if not (np.abs(clock) < LATEST).all():
-        raise refuse(where, "identify-series-not-finite", name=CLOCK)
+        raise broken("identify-series-not-finite", name=CLOCK)
     steps = np.diff(clock)
     if (steps > 0.0).all():
         return clock
@@ -269,8 +173,8 @@ def _rising(clock: Array, lines: Lines, *, where: str) -> Array:
     grain = float(steps.max())
     if steps.min() < 0.0 or grain == 0.0 or float(np.abs(clock - even).max()) > 1.5 * grain:
         at = int(np.argmax(steps <= 0.0))
-        kind, before, after = "identify-time-does-not-rise", clock[at], clock[at + 1]
-        raise refuse(where, kind, line=_line(lines, at + 1), before=before, after=after)
+        line, kind = _line(lines, at + 1), "identify-time-does-not-rise"
+        raise broken(kind, line=line, before=clock[at], after=clock[at + 1])
     return even
 
 
@@ -278,32 +182,105 @@ def _line(lines: Lines, row: int) -> int:
     return int(lines[row]) if lines.size else 0
 
 
-LEAST_LINES = 12
-LOWEST_HZ, HIGHEST_HZ = 5.0, 50_000.0
-"""The last line of a response lies between, or its unit is wrong."""
-SLACK = 1e-3
-"""How far a coherence may leave 0 to 1 by rounding."""
+def read_record(
+    contents: TimeContents, source: Source, given: Given, remarks: Sequence[Message]
+) -> TimeRecord:
+    """Return a record in SI."""
+    columns = contents.columns
+    clock = _clock(contents, given.columns)
+    clock.require_even()
+    # Words alone tell no unit; and who names columns names those that count.
+    names_all = bool(set(given.columns) - {CLOCK, SAMPLE_TIME})
+    meanings = [
+        one if one and (one.is_ours or not (one.is_assumed or names_all)) else None
+        for one in read_columns(columns, given.columns, where=source.file)
+    ]
+    _require_known(columns, meanings, given)
+    known = [(c, m) for c, m in zip(columns, meanings, strict=True) if m]
+    channels, said = _channels(known, clock, given)
+    slips = (
+        _find_unit_slip(one, other)
+        for one in channels
+        for other in channels
+        if (one.signal, other.signal) in tuple(pairwise(MOTIONS))
+        if one.sensor is other.sensor and one.rotary == other.rotary
+    )
+    clipped = (_find_clipping(c.values, c.name) for c, m in known if m.seen is not Signal.REFERENCE)
+    if faults := [Fault(where=source.file, message=one) for one in (*slips, *clipped) if one]:
+        raise InputError(faults)
+    if ignored := tuple(c.name for c, m in zip(columns, meanings, strict=True) if m is None):
+        said.insert(0, Message("identify-ignored", names=ignored))
+    remarks = (*remarks, *clock.remarks, *said)
+    return TimeRecord(source=source, channels=channels, remarks=remarks)
 
-PLATEAU = 4
-"""Equal samples at the end of the range that no smooth signal shows."""
 
-FEWEST_PLATEAUS = 3
-LARGEST_SHARE = 0.35
-"""A signal that stands at its ends more often switches between two values on purpose."""
+def _require_known(
+    columns: Sequence[Column], meanings: Sequence[Meaning | None], given: Given
+) -> None:
+    """Raise one error that shows every column where what is known does not suffice."""
+    known = [meaning for meaning in meanings if meaning]
+    signals = {meaning.seen for meaning in known}
+    has_input = bool(signals & set(FORCES)) or None not in meanings
+    has_place = all(m.sensor for m in known if m.seen is Signal.ACCELERATION)
+    missing = {
+        "identify-missing-output": not signals & set(MOTIONS),
+        "identify-missing-input": not has_input and not given.columns,
+        "identify-missing-sensor": given.sensor is None and not has_place,
+    }
+    if not any(missing.values()):
+        return
+    found = tuple(
+        Message(
+            "identify-column-found",
+            place=place,
+            name=column.name,
+            unit=column.unit or "?",
+            what=Message(f"identify-signal-{meaning.seen if meaning else 'unknown'}"),
+        )
+        for place, (column, meaning) in enumerate(zip(columns, meanings, strict=True), start=1)
+    )
+    asked = tuple(Message(kind) for kind, lacks in missing.items() if lacks)
+    raise broken("identify-columns-unknown", found=found, missing=asked)
 
-STEEPEST = -0.7
-"""Slope of the position in decades per decade of frequency that an axis with its mass stays below:
-a free mass falls by two, modes bend that by less than one on the whole."""
 
-LEAST_DECADES = 0.8
-"""Band below which a resonance alone may make a response rise."""
+def _channels(
+    known: Sequence[tuple[Column, Meaning]], clock: Clock, given: Given
+) -> tuple[tuple[Channel, ...], list[Message]]:
+    """Channels that are of use, the inputs first, and what was decided about them."""
+    forces = [pair for pair in known if pair[1].seen in FORCES]
+    acting = [pair for pair in forces if pair[1].course is Course.ACTUAL]
+    remarks = []
+    if acting:  # the force that acts says more than the one that was asked for
+        known = [pair for pair in known if pair not in forces or pair in acting]
+    else:
+        remarks = [
+            Message("identify-set-force", name=column.name)
+            for column, meaning in forces
+            if meaning.course is Course.SETPOINT
+        ]
+    if assumed := tuple(c.name for c, m in known if m.is_assumed):
+        remarks.append(Message("identify-si-assumed", names=assumed))
+    # FILE@tcp goes before a column's name.
+    is_alone = sum(m.seen in MOTIONS for _, m in known) == 1
+    channels = []
+    for column, meaning in known:
+        sensor = meaning.sensor
+        if meaning.seen in MOTIONS:
+            sensor = (given.sensor if is_alone or sensor is None else None) or sensor
+            if sensor is None:
+                sensor = Sensor.ENCODER
+                remarks.append(Message("identify-sensor-assumed", name=column.name))
+        sign = -1.0 if meaning.course is Course.ERROR else 1.0
+        scale, rotary = sign * meaning.scale, meaning.rotary
+        channels.append(
+            clock.channel(column, meaning.seen, scale=scale, sensor=sensor, rotary=rotary)
+        )
+    channels.sort(key=lambda channel: channel.signal not in FORCES)
+    return tuple(channels), remarks
 
-STEEPEST_HELD = 1.0
-"""The same of a structure that is held, seen at the tool: it stays level, then falls."""
 
-
-def find_clipping(values: Array, name: str) -> Message | None:
-    """Return what is wrong with a signal that was cut off at the end of its range.
+def _find_clipping(values: Array, name: str) -> Message | None:
+    """What is wrong with a signal that was cut off at the end of its range.
 
     A clipped signal runs into its largest value at full slope and stands there; a smooth one
     arrives slowly, and one of two values (PRBS, square) is there half of the time.
@@ -328,68 +305,16 @@ def find_clipping(values: Array, name: str) -> Message | None:
     return None
 
 
-def find_bad_lines(
-    frequency_hz: Array, lines: Lines, *, where: str, coherence: Array | None = None
-) -> Fault | None:
-    """Return the fault of frequencies that do not rise, are too few, or out of all range.
-
-    Or that of a coherence that leaves 0 to 1.
-    """
-
-    def fault(message: Message, row: int = -1) -> Fault:
-        line = int(lines[row]) if row >= 0 and lines.size else 0
-        return Fault(where=where, line=line, message=message)
-
-    f = frequency_hz
-    if f.size < LEAST_LINES:
-        kind = "identify-fewer-lines-than-needed"
-        return fault(Message(kind, got=f.size, least=LEAST_LINES))
-    steps = np.diff(f)
-    if (steps <= 0.0).any():
-        row = int(np.argmax(steps <= 0.0)) + 1
-        kind = "identify-frequency-does-not-rise"
-        return fault(Message(kind, before=f[row - 1], after=f[row]), row)
-    first, last = float(f[0]), float(f[-1])
-    if not LOWEST_HZ <= last <= HIGHEST_HZ or first < 0.0:
-        allowed = {"least": LOWEST_HZ, "most": HIGHEST_HZ}
-        return fault(Message("identify-frequency-out-of-range", first=first, last=last, **allowed))
-    if coherence is not None:
-        out = (coherence < -SLACK) | (coherence > 1.0 + SLACK)
-        if out.any():
-            row = int(np.argmax(out))
-            return fault(Message("identify-coherence-out-of-range", got=float(coherence[row])), row)
-    return None
-
-
-def find_rising(response: FrequencyResponse) -> Message | None:
-    """Return what is wrong with a response per force that rises like no mechanics do.
-
-    The position per force falls with frequency or stays; one that rises is the reciprocal
-    (columns swapped), or a derivative more than was said.
-    """
-    f, size = response.frequency_hz, np.abs(response.values)
-    good = (f > 0.0) & (size > 0.0)
-    if good.sum() < LEAST_LINES:
-        return Message("identify-all-zero")
-    decades = np.log10(f[good])
-    if decades[-1] - decades[0] < LEAST_DECADES:
-        return None
-    # Evenly over the decades: on a linear grid the high lines would outvote the low ones.
-    grid = np.linspace(decades[0], decades[-1], 200)
-    course = np.interp(grid, decades, np.log10(size[good])) - response.output.derivative * grid
-    slope = float(np.polyfit(grid, course, 1)[0])
-    most = STEEPEST_HELD if response.sensor is Sensor.TCP else STEEPEST
-    return Message("identify-rising", slope=slope) if slope > most else None
-
-
-def find_unit_slip(position: Array, velocity: Array, step: float, *, name: str) -> Message | None:
-    """Return what is wrong with a velocity that is not the position's rate; or acceleration so."""
-    rate = np.diff(position) / step
-    mean = 0.5 * (velocity[1:] + velocity[:-1])
+def _find_unit_slip(one: Channel, other: Channel) -> Message | None:
+    """What is wrong with a velocity that is not the position's rate; or acceleration so."""
+    rate = np.diff(one.values) / one.step
+    mean = 0.5 * (other.values[1:] + other.values[:-1])
     width = min(9, rate.size)
-    rate, mean = (np.convolve(one, np.ones(width) / width, "valid") for one in (rate, mean))
+    rate, mean = (np.convolve(x, np.ones(width) / width, "valid") for x in (rate, mean))
     size = float(np.linalg.norm(rate) * np.linalg.norm(mean))
     if size == 0.0 or abs(float(rate @ mean)) < 0.9 * size:
         return None
     ratio = float(np.linalg.norm(mean) / np.linalg.norm(rate))
-    return None if 0.7 < ratio < 1.4 else Message("identify-unit-slip", name=name, ratio=ratio)
+    return (
+        None if 0.7 < ratio < 1.4 else Message("identify-unit-slip", name=other.name, ratio=ratio)
+    )
