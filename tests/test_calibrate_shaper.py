@@ -246,7 +246,7 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     write(tmp_path, file.name, ONE)
     found = identify(gather([str(file)], Given()), created="2026-11-23")
     part = found.part
-    how = Writing(file="x.toml", words=Catalogue())
+    how = Writing(file="x.toml", words=lambda _: Catalogue())
     machine = parse_profile(write_profile(found, how), where="x.toml")
     near = MotionLimits(acceleration=1.0, jerk=100.0)
     first, *others = compare_shapers(machine, tune_loop(machine), near=near)

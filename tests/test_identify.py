@@ -31,7 +31,9 @@ __all__ = ["run"]
 
 
 def _how(*, tool_ratio: float | None = None) -> Writing:
-    return Writing(file="machine.toml", tool_ratio=tool_ratio, words=Catalogue())
+    return Writing(
+        file="machine.toml", tool_ratio=tool_ratio, words=lambda rotary: Catalogue(rotary=rotary)
+    )
 
 
 def table_file(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:

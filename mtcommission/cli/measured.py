@@ -133,7 +133,7 @@ def _identify(
 
     from mtcommission.base.files import write_text
     from mtcommission.cli.identified_view import describe_identified, refusal
-    from mtcommission.identify.job import identify_files, name_from
+    from mtcommission.identify.profile import Writing, identify_files, name_from
 
     output, beside = job.output, job.beside
     with show_stage() as progress:
@@ -141,18 +141,20 @@ def _identify(
         axis = identify_files(
             job.files,
             given,
-            words=lambda rotary: words(rotary=rotary),
+            Writing(
+                file=output or str(job.profile or "machine.toml"),
+                words=lambda rotary: words(rotary=rotary),
+                evidence=name_from(output, beside),
+                axis=job.axis or "X",
+                tool_ratio=ratio,
+            ),
             created=now(),
-            target=output or str(job.profile or "machine.toml"),
-            evidence=name_from(output, beside),
             before=before,
-            axis=job.axis or "X",
-            tool_ratio=ratio,
             band_hz=limits,
             count=count,
             forced=force,
         )
-    is_sound = axis.found.doubt is None or force
+    is_sound = axis.doubt is None or force
     if not is_sound:
         beside, output = job.json_file, ""
     if job.page:
@@ -165,7 +167,7 @@ def _identify(
     if beside:
         write_text(beside, axis.json)
     if "-" in (job.json_file, job.output, job.page):
-        if axis.found.doubt:
+        if axis.doubt:
             sys.stderr.write("\n".join(refusal(axis.part, forced=force)) + "\n")
         return is_sound
     show(describe_identified(axis.part, forced=force))

@@ -30,7 +30,6 @@ from mtcommission.identify.formats.contents import (
 )
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.measurement import (
-    FORCES,
     MOTIONS,
     Array,
     Channel,
@@ -223,12 +222,12 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     signal dies away, else a spectrum. Raise InputError where it says too little.
     """
     motions = [c for c in record.channels if c.signal in MOTIONS]
-    force: Array | None
+    force = record.force
     if given.input == Signal.ACCELERATION:
         force = _shaking(record)
         motions = [c for c in motions if c.sensor is Sensor.TCP]
-    else:
-        force = _force(record, given)
+    elif force and force.signal is Signal.CURRENT and given.constant is None:
+        raise _refusal(record, "identify-current-without-constant")
     if given.output is not None:
         motions = [c for c in motions if c.signal is given.output]
     motions = [c for c in motions if float(np.ptp(c.values)) > 0.0]
@@ -237,35 +236,24 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     if force is None:
         from mtcommission.identify.unforced import find_unforced  # loads scipy.signal
 
-        found = find_unforced(record, motions)
-        if not found:
-            raise _refusal(record, "identify-nothing-rings")
-        return found
-    if float(np.ptp(force)) == 0.0:
+        if unforced := find_unforced(record, motions):
+            return unforced
+        raise _refusal(record, "identify-nothing-rings")
+    if float(np.ptp(force.values)) == 0.0:
         raise _refusal(record, "identify-no-excitation")
-    return tuple(_best_of_each_sensor([_response(record, force, one, given) for one in motions]))
+    found = [_response(record, force.values, one, given) for one in motions]
+    return tuple(_best_of_each_sensor(found))
 
 
 def _refusal(record: TimeRecord, kind: str) -> InputError:
     return refuse(record.source.name, kind, found=tuple(c.name for c in record.channels))
 
 
-def _force(record: TimeRecord, given: Given) -> Array | None:
-    """The force or torque that acts [SI], None where none was recorded."""
-    channels = [c for c in record.channels if c.signal in FORCES]
-    if not channels:
-        return None
-    chosen = min(channels, key=lambda c: (c.signal != given.input, FORCES.index(c.signal)))
-    if chosen.signal is Signal.CURRENT and given.constant is None:
-        raise _refusal(record, "identify-current-without-constant")
-    return chosen.values if given.constant is None else given.constant * chosen.values
-
-
-def _shaking(record: TimeRecord) -> Array:
+def _shaking(record: TimeRecord) -> Channel:
     """The acceleration of the motor, from which the modes on a held motor are excited."""
     for channel in record.channels:
         if channel.signal is Signal.ACCELERATION and channel.sensor is Sensor.ENCODER:
-            return channel.values
+            return channel
     raise _refusal(record, "identify-no-motor-acceleration")
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from mtcommission.base.messages.message import Message
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.fit import Fitted, FittedResponse, FittedSpectrum
 from mtcommission.identify.measurement import (
-    FORCES,
     Array,
     Channel,
     Evidence,
@@ -37,7 +36,9 @@ from mtcommission.identify.states import (
     middle_of,
 )
 from mtcommission.machine.identified import MeasuredFile, ShaperProposal
+from mtcommission.record.files import dump_json
 from mtcommission.record.identified import IdentifiedPart, MeasuredResponseEntry, RecordCheckEntry
+from mtcommission.record.shape import to_plain
 
 NOT_DESCRIBED = "identify-not-described"
 """Kind of the message of a fit that misses what was measured."""
@@ -59,6 +60,18 @@ class Identified:
 
     part: IdentifiedPart  # as record, page and JSON hold it
     files: dict[str, Source]  # by name, in their order
+    profile: str = ""  # TOML; lacks what no response tells; "" where no model describes the files
+
+    @property
+    def json(self) -> str:
+        """Points, fit and advice, which the profile names as its evidence."""
+        entry: dict[str, Any] = {
+            "files": list(self.files),
+            "sensor": {one.name: one.sensor for one in self.part.sources},
+            **to_plain(self.part),
+            "profile": self.profile,
+        }
+        return dump_json(entry)
 
     @property
     def doubt(self) -> Message | None:
@@ -70,7 +83,6 @@ def identify(
     evidence: Evidence,
     *,
     created: str = "",
-    force_per_unit: float | None = None,
     band_hz: tuple[float, float] | None = None,
     count: int | None = None,
 ) -> Identified:
@@ -89,7 +101,10 @@ def identify(
     # Its smoothing is a length: it means nothing to an axis that turns.
     spectra = [one for one in measured if isinstance(one, Spectrum) and not rotary]
     proposals = list(propose_shapers([s.all_directions for s in spectra if s.all_directions]))
-    fit_again = partial(fit_states, band_hz=band_hz, count=count)
+
+    def fit_again(others: Sequence[FrequencyResponse]) -> Sequence[Fitted]:
+        return fit_states(others, band_hz=band_hz, count=count)
+
     part = IdentifiedPart(
         created=created,
         rotary=rotary,
@@ -107,13 +122,13 @@ def identify(
         states=entries,
         spread=find_spread(entries, modes),
         misfit=float(np.sqrt(np.mean(np.square(misfits)))) if misfits else None,
-        checks=check_records(evidence, fits, force_per_unit or 1.0, fit_again),
+        checks=_check_records(evidence, fits, fit_again),
         warnings=[],
         proposals=proposals,
         responses=[entry for state in states for entry in _points(state.result)],
     )
     remarks = [message for one in measured for message in one.remarks]
-    doubts = list_doubts(part, fits, evidence.records)
+    doubts = _list_doubts(part, fits, evidence.records)
     warnings = [*dict.fromkeys((*remarks, *doubts)), *_of_klipper(proposals)]
     files = {one.source.file: one.source for one in measured}
     return Identified(part=replace(part, warnings=warnings), files=files)
@@ -247,64 +262,51 @@ def _rounded(values: Array) -> list[float]:
 EDGE = 0.1
 """Share of a record that is faded in and out: what went before it is not known."""
 
-Fit = Callable[[Sequence[FrequencyResponse]], Sequence[Fitted]]
 
-
-def check_records(
-    evidence: Evidence, fits: Sequence[Fitted], force_per_unit: float, fit: Fit
+def _check_records(
+    evidence: Evidence,
+    fits: Sequence[Fitted],
+    fit: Callable[[Sequence[FrequencyResponse]], Sequence[Fitted]],
 ) -> list[RecordCheckEntry]:
-    """Return how well each output of each record follows from its force.
+    """How well each output of each record follows from its force.
 
     The last of several files is held back: a model of the others alone explains it once more.
     """
     records = evidence.records
-    check = partial(_check, force_per_unit=force_per_unit)
-    checked = [one for record in records for one in check(record, fits, held_back=False)]
+    checked = [one for record in records for one in _check(record, fits, held_back=False)]
     files = list(dict.fromkeys(record.source.file for record in records))
     last = [record for record in records if record.source.file == files[-1]]
     others = [one for one in evidence.responses if one.source.file not in files[-1:]]
     if len(files) > 1 and others:
         apart = fit(others)
-        checked += [one for record in last for one in check(record, apart, held_back=True)]
+        checked += [one for record in last for one in _check(record, apart, held_back=True)]
     return checked
 
 
 def _check(
-    record: TimeRecord, fits: Sequence[Fitted], *, force_per_unit: float, held_back: bool
+    record: TimeRecord, fits: Sequence[Fitted], *, held_back: bool
 ) -> Iterator[RecordCheckEntry]:
-    force = next((one for one in record.channels if one.signal in FORCES), None)
-    for channel in record.channels if force else ():
-        if force and (found := _model_of(channel, record, fits)):
-            scale = force_per_unit if force.signal is Signal.CURRENT else 1.0
+    """By the response from the same file, else the first one, that shows a channel."""
+    for channel in record.channels if record.force else ():
+        fitting = [
+            (one, fit.band_hz)
+            for fit in fits
+            for one in fit.responses
+            if one.response.sensor is channel.sensor and one.response.output is channel.signal
+        ]
+        own = [pair for pair in fitting if pair[0].response.source.file == record.source.file]
+        if record.force and fitting:
             yield RecordCheckEntry(
                 record=f"{record.source.file} [{channel.name}]",
-                explained=_explained(record, scale * force.values, channel.values, *found),
+                explained=_explained(record.force.values, channel, *(own or fitting)[0]),
                 held_back=held_back,
             )
 
 
-def _model_of(
-    channel: Channel, record: TimeRecord, fits: Sequence[Fitted]
-) -> tuple[FittedResponse, tuple[float, float]] | None:
-    """The response from the same file, else the first one, that shows a channel, and its band."""
-    fitting = [
-        (one, fit.band_hz)
-        for fit in fits
-        for one in fit.responses
-        if one.response.sensor is channel.sensor and one.response.output is channel.signal
-    ]
-    own = [pair for pair in fitting if pair[0].response.source.file == record.source.file]
-    return next(iter(own or fitting), None)
-
-
 def _explained(
-    record: TimeRecord,
-    force: Array,
-    measured: Array,
-    model: FittedResponse,
-    band_hz: tuple[float, float],
+    force: Array, measured: Channel, model: FittedResponse, band_hz: tuple[float, float]
 ) -> float:
-    size, step = record.size, record.sample_time
+    size, step = force.size, measured.step
     place = np.arange(size) / (size - 1)
     # Tukey's window.
     window = 0.5 - 0.5 * np.cos(np.pi * np.minimum(np.minimum(place, 1.0 - place) / EDGE, 1.0))
@@ -316,7 +318,8 @@ def _explained(
     spectrum[inside] = lines * model.model(f[inside])
     predicted = np.fft.irfft(spectrum, size) * window
     # A drifting position would leak into the band.
-    flat = measured - np.polynomial.Polynomial.fit(np.arange(size), measured, 2)(np.arange(size))
+    drift = np.polynomial.Polynomial.fit(np.arange(size), measured.values, 2)
+    flat = measured.values - drift(np.arange(size))
     seen = np.fft.irfft(np.where(inside, np.fft.rfft(flat), 0.0), size) * window
     power = float(np.vdot(seen, seen))
     return 1.0 - float(np.sum((seen - predicted) ** 2)) / power if power > 0.0 else 0.0
@@ -332,10 +335,10 @@ MOST_INCOHERENT = 0.15
 """Share of the lines that may have a coherence below one half."""
 
 
-def list_doubts(
+def _list_doubts(
     part: IdentifiedPart, fits: Sequence[Fitted], records: Sequence[TimeRecord]
 ) -> Iterator[Message]:
-    """Yield what was chosen, left out, doubtful or unknown, as advice for the next measurement."""
+    """What was chosen, left out, doubtful or unknown, as advice for the next measurement."""
     for fit in fits:
         yield from fit.notes
     for fit in fits:

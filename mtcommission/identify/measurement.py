@@ -187,7 +187,7 @@ class TimeRecord:
     """Signals over time, evenly sampled."""
 
     source: Source  # File and label
-    channels: tuple[Channel, ...]  # Of one clock and equal length
+    channels: tuple[Channel, ...]  # Of one clock and equal length, forces first; currents as these
     remarks: tuple[Message, ...] = ()  # What was done to it (resampled) and what is doubtful
 
     @property
@@ -199,6 +199,11 @@ class TimeRecord:
     def size(self) -> int:
         """Number of samples."""
         return int(self.channels[0].values.size)
+
+    @property
+    def force(self) -> Channel | None:
+        """The force, torque or current that acts; None where none was recorded."""
+        return next((one for one in self.channels if one.signal in FORCES), None)
 
     @property
     def reference(self) -> Array | None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 import tomlkit
@@ -15,7 +15,9 @@ from mtcommission.base import __version__
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.identify.identified import Identified
+from mtcommission.identify.gather import gather
+from mtcommission.identify.identified import Identified, identify
+from mtcommission.identify.measurement import Given
 from mtcommission.identify.states import FARTHEST, states_differ
 from mtcommission.machine.identified import (
     LONGEST_FILE,
@@ -61,11 +63,46 @@ class Writing:
     """How a profile is written."""
 
     file: str  # Name of the profile, for hints
-    words: Catalogue  # Language of the comments
+    words: Callable[[bool], Catalogue]  # Language of the comments, by whether the axis turns
     # Peak at the tool by peak at the motor, as the user says; None where nobody knows.
     tool_ratio: float | None = None
     evidence: str = ""  # Name of the file with its points, as seen from the profile; "" for none
     axis: str = "X"  # Letter
+
+
+def identify_files(
+    files: Sequence[str],
+    given: Given,
+    how: Writing,
+    *,
+    created: str,
+    before: str = "",
+    band_hz: tuple[float, float] | None = None,
+    count: int | None = None,
+    forced: bool = False,
+) -> Identified:
+    """Return what files say of an axis, merged into the profile ``before`` where there is one.
+
+    ``forced``: write a profile although no model fits. Raise InputError where a file cannot be
+    read, or leaves open what its columns are; or the profile is not valid.
+    """
+    found = identify(gather(files, given), created=created, band_hz=band_hz, count=count)
+    kind = tomlkit.parse(before).get("plant", {}).get("kind", "modal")
+    if kind != "modal":  # measured modes take the place of another kind of plant
+        warnings = [*found.part.warnings, Message("identify-kind-replaced", kind=str(kind))]
+        found = replace(found, part=replace(found.part, warnings=warnings))
+    if found.doubt and not forced:
+        return found
+    text = merge_profile(before, found, how) if before else write_profile(found, how)
+    return replace(found, profile=text)
+
+
+def name_from(profile: str, evidence: str) -> str:
+    """Return the name of a file as a profile states it; "" where one of them is no file."""
+    if {profile, evidence} & {"", "-"}:
+        return ""
+    place, folder = Path(evidence).resolve(), Path(profile).resolve().parent
+    return place.name if place.parent == folder else str(place)
 
 
 def evidence_file(profile: str) -> str:
@@ -79,15 +116,10 @@ def evidence_file(profile: str) -> str:
     return str(PurePath(profile).with_suffix(".identified.json"))
 
 
-def kind_replaced(text: str) -> list[Message]:
-    """Return that measured modes take the place of another kind of plant, if they do."""
-    kind = tomlkit.parse(text).get("plant", {}).get("kind", "modal")
-    return [] if kind == "modal" else [Message("identify-kind-replaced", kind=str(kind))]
-
-
 def write_profile(found: Identified, how: Writing) -> str:
     """Return a new profile: what is known with its intervals, the rest as open questions."""
-    part, text = found.part, how.words.text
+    part = found.part
+    text = how.words(part.rotary).text
     document: Any = tomlkit.document()
     document["schema"] = 1
     files = ", ".join(dict.fromkeys(name.rpartition("/")[2] for name in found.files))
@@ -168,7 +200,7 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -
         share = float(stated.removesuffix("%")) / (100.0 if stated.endswith("%") else 1.0)
         # Who stated a wider one knows more states of the machine than were measured.
         if share < spread:
-            _set(requirements, key, f"{100 * spread:.4g} %", how.words.say(why))
+            _set(requirements, key, f"{100 * spread:.4g} %", how.words(part.rotary).say(why))
     machine = document.setdefault("machine", tomlkit.table())
     machine.pop("assumed", None)
     if assumed:
@@ -257,7 +289,7 @@ def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing
 
     It is measured, by the user's word, as before, or the worst case; left out: to be asked.
     """
-    words, mass, own = how.words, part.moving_mass, mode.measured_gain
+    words, mass, own = how.words(part.rotary), part.moving_mass, mode.measured_gain
     stated = _in_plant(mode, part)
     has_none = mass and not part.base_excited and "tcp_gain" not in stated
     by_ratio = has_none and how.tool_ratio is not None and own and own.value
@@ -366,11 +398,12 @@ def _pair(one: Estimate, unit: str, *, most: float | None = None) -> list[Any]:
 
 def _heading(found: Identified, how: Writing) -> str:
     """Comments above a profile: who wrote it, from which files, and why with --force."""
-    part, text = found.part, how.words.text
-    lines = []
+    part = found.part
+    words = how.words(part.rotary)
+    text, lines = words.text, []
     if found.doubt:
         forced = text("identify-forced", **found.doubt.values)
-        lines.append(f"{forced} {how.words.say(found.doubt)}")
+        lines.append(f"{forced} {words.say(found.doubt)}")
     lines.append(text("identify-document-head", version=__version__, date=part.created[:10]))
     for file, source in found.files.items():
         dated = {"date": source.measured_on} if source.measured_on else {}

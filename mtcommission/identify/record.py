@@ -272,11 +272,18 @@ def _channels(
                 remarks.append(Message("identify-sensor-assumed", name=column.name))
         sign = -1.0 if meaning.course is Course.ERROR else 1.0
         scale, rotary = sign * meaning.scale, meaning.rotary
+        if meaning.seen in FORCES and given.constant is not None:
+            scale *= given.constant
         channels.append(
             clock.channel(column, meaning.seen, scale=scale, sensor=sensor, rotary=rotary)
         )
-    channels.sort(key=lambda channel: channel.signal not in FORCES)
-    return tuple(channels), remarks
+
+    def rank(channel: Channel) -> tuple[bool, int]:
+        is_force = channel.signal in FORCES
+        place = FORCES.index(channel.signal) if is_force else len(FORCES)
+        return not (is_force and channel.signal == given.input), place
+
+    return tuple(sorted(channels, key=rank)), remarks
 
 
 def _find_clipping(values: Array, name: str) -> Message | None:

@@ -35,7 +35,7 @@ from mtcommission.wizard.answers import OWN as OWN_TABLES
 from mtcommission.wizard.script import OWN, list_questions
 
 if TYPE_CHECKING:
-    from mtcommission.identify.job import MeasuredAxis
+    from mtcommission.identify.identified import Identified
 
 KEPT = ".answers"
 """Ending of the file beside the profile that keeps answers of an unfinished session."""
@@ -130,16 +130,15 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
 
 def measure(
     answers: Answers, *, before: str, output: Path, words: Callable[[bool], Catalogue]
-) -> MeasuredAxis:
+) -> Identified:
     """Identify an axis from the files that the answers name, as ``mtcommission identify`` does.
 
     ``before``: profile that takes the modes in; ``output``: where the profile will stand. Points
     and advice are written beside it.
     """
     from mtcommission.identify.gather import by_axis
-    from mtcommission.identify.job import identify_files
     from mtcommission.identify.measurement import Given
-    from mtcommission.identify.profile import evidence_file
+    from mtcommission.identify.profile import Writing, evidence_file, identify_files
 
     typed = answers[MEASURED]
     if before:
@@ -159,14 +158,16 @@ def measure(
     axis = identify_files(
         names,
         given,
-        words=words,
+        Writing(
+            file=str(output),
+            words=words,
+            evidence=Path(evidence).name,
+            axis=(axes and axes[0]) or "X",
+        ),
         created=datetime.now(UTC).date().isoformat(),
-        target=str(output),
-        evidence=Path(evidence).name,
         before=before,
-        axis=(axes and axes[0]) or "X",
     )
-    if axis.found.doubt:
-        raise InputError([Fault(where=typed, message=axis.found.doubt)])
+    if axis.doubt:
+        raise InputError([Fault(where=typed, message=axis.doubt)])
     write_text(evidence, axis.json)
     return axis
