@@ -64,7 +64,7 @@ def test_variances_are_those_of_the_full_jacobian_by_finite_differences() -> Non
     omega, zeta = np.array([200.0, 600.0]), np.array([0.02, 0.05])
     poles = Poles(2.0, np.array([3e-4]), np.array([5e-4]), omega, zeta)
     gains, f = [0.01, 0.02, -0.01, 1e-9], np.geomspace(2, 300, 120)
-    values = predict(f, poles, np.array(gains), place=0, derivative=1)
+    values = predict(f, poles, np.array(gains), 1)
     error = 0.01 * np.abs(values)
     lines = Lines(frequency_hz=f, values=values, error=error, derivative=1)
     found = find_variances([lines], project([lines], poles))
@@ -73,7 +73,7 @@ def test_variances_are_those_of_the_full_jacobian_by_finite_differences() -> Non
     def weighed(theta):
         at = theta * scale
         moved = Poles(at[0], at[1:2], at[2:3], np.exp(at[3:5]), np.exp(at[5:7]))
-        values = predict(lines.frequency_hz, moved, at[7:], place=0, derivative=1)
+        values = predict(lines.frequency_hz, moved, at[7:], 1)
         misfit = (values - lines.values) / lines.error
         return np.concatenate([misfit.real, misfit.imag])
 

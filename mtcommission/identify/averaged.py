@@ -304,35 +304,25 @@ def _narrowest_width(found: FrequencyResponse) -> float:
 
 QUIET = 0.05
 """Share of the largest force that counts as none."""
-
 MOST_BUSY = 0.05
 """Share of the samples with force up to which a record is one of blows."""
-
 LEAST_LIKENESS = 0.95
 """Correlation of a signal with itself one period later that makes it periodic."""
-
 SAME = 0.02
 """A shorter period is taken if its correlation is lower by no more than this."""
-
 SHORTEST = 32
 """Samples of a period."""
-
 CLIFF = 30.0
 """Fall of the input's power from five lines to the next five that ends its band, for good. Beyond
 it distortion remains, which repeats as well: 15 dB, and a multisine falls by more than 20."""
-
 SPARSE = 50.0
 """Power of the lines around over that of one which was left out on purpose."""
-
 FAINTEST = 1e-6
 """Power over the largest one below which a line is none."""
-
 PARTS = 6.0
 """Of an octave, in which the largest power is looked for."""
-
 MOSTLY = 0.7
 """Share of the lines that stand out from which a spectrum is dense."""
-
 NEIGHBOURS = 5
 """Lines over which a level, or a variance, is averaged."""
 

@@ -65,7 +65,6 @@ OWN = {
 """Our names of columns; see docs/identification.md."""
 _ANY_MOTION = ("encoder", "tcp")
 """What is seen there may be a rate, too, as its unit tells."""
-
 _WORDS = {
     Signal.POSITION: ("position", "pos", "angle", "winkel", "lage", "weg", "displacement"),
     Signal.VELOCITY: ("velocity", "vel", "speed", "drehzahl", "geschwindigkeit"),
@@ -166,14 +165,12 @@ def _any(words: Sequence[str], known: Collection[str]) -> bool:
 
 GRAVITY = 9.80665
 """Standard gravity [m/s^2]. Source: CGPM 1901."""
-
 _TURNS_PER_MINUTE = re.compile(r"(?<![\w/])(?:1/min|min\^?-1|min⁻¹|[UuR]/min)(?!\w)")
 _CURRENT = re.compile(r"(?<![A-Za-z])([mk]?)A(?:_?(?:rms|eff|pk))?(?![A-Za-z])")
 _GRAVITIES = re.compile(r"(?<![A-Za-z])(m?)g(?:_?n)?(?![A-Za-z])")
 
 Exponents = tuple[int, int, int, int]
 """Of m, kg, s and rad."""
-
 _FORCE, _TORQUE = (1, 1, -2, 0), (2, 1, -2, 0)
 _RATES: dict[Exponents, tuple[Signal, bool]] = {
     (1 - rotary, 0, -signal.derivative, int(rotary)): (signal, rotary)

@@ -62,16 +62,13 @@ class FittedResponse:
     has_rigid_body: bool
     delay: Estimate  # tau [s]
     lag: Estimate | None  # T [s]; None where none shows
-    # poles, gains: Of the model, as measured.
+    # poles, gains: Of the model of this response alone, as measured.
     poles: Poles
     gains: Array
-    place: int  # Which of the poles' delays and lags are its own
 
     def model(self, frequency_hz: Array) -> ComplexArray:
         """Return the model's response, as measured with its polarity, shape (n,)."""
-        derivative = self.response.output.derivative
-        own = self.poles, self.gains
-        return predict(frequency_hz, *own, place=self.place, derivative=derivative)
+        return predict(frequency_hz, self.poles, self.gains, self.response.output.derivative)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -80,7 +77,7 @@ class Fitted:
 
     responses: tuple[FittedResponse, ...]  # In the order given
     modes: tuple[FittedMode, ...]  # By frequency
-    drag: Estimate  # c = viscous friction by mass [1/s]
+    drag: float  # c = viscous friction by mass [1/s]
     band_hz: tuple[float, float]  # Lowest and highest line that was fitted [Hz]
     # Weighted rms of the residuals by the noise that the coherence tells; 1 = as good as that.
     misfit: float
@@ -440,11 +437,10 @@ def _collect(trial: Trial) -> Fitted:
     variances = Variances(factor**2 * plain.poles, factor**2 * plain.gains)
     friction = trial.friction
     fitted = tuple(_response(trial, place, variances, friction) for place in range(len(trial.used)))
-    modes, drag = _modes(trial, fitted, variances, friction), variances.poles[0, 0]
     return Fitted(
         responses=fitted,
-        modes=modes,
-        drag=Estimate(value=fit.poles.drag, sigma=float(np.sqrt(drag))),
+        modes=_modes(trial, fitted, variances, friction),
+        drag=fit.poles.drag,
         band_hz=ends_of(trial.base),
         misfit=trial.misfit,
         model_error=found.model_error,
@@ -482,9 +478,8 @@ def _response(
         has_rigid_body=is_rigid and response.input is Signal.FORCE,
         delay=Estimate(value=delay, sigma=delay_sigma),
         lag=Estimate(value=lag, sigma=lag_sigma) if lag else None,
-        poles=fit.poles,
+        poles=fit.poles.of(place),
         gains=gains,
-        place=place,
     )
 
 
@@ -500,9 +495,9 @@ def _modes(
         gains = tuple(
             Estimate(
                 value=one.polarity * float(one.gains[1 + k]),
-                sigma=float(variances.each_gain[one.place, 1 + k]),
+                sigma=float(variances.each_gain[place, 1 + k]),
             )
-            for one in fitted
+            for place, one in enumerate(fitted)
         )
         modes.append(
             FittedMode(

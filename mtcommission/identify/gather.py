@@ -206,10 +206,8 @@ def of_axis(file: str, axis: str) -> str:
 
 _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
 """What is said of a force in a loop, and of one that is held between samples."""
-
 LEAST_COHERENCE = 0.3
 """Median coherence below which a record has not measured the response of the input."""
-
 HOLD = 0.078
 """Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
 

@@ -412,7 +412,7 @@ def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> Iterator[Message
     if not is_driven or not fit.modes or (swings and max(swings)[0] < LEAST_REVERSED):
         return
     low = fit.band_hz[0] if any(not one.is_used[0] for one in fit.responses) else 0.0
-    drag = fit.drag.value / (2 * np.pi)
+    drag = fit.drag / (2 * np.pi)
     shifts = [
         (0.5 * max(drag / f.value, (low / f.value) ** 2), f)
         for f in (mode.frequency_hz for mode in fit.modes)

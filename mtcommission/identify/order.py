@@ -398,7 +398,8 @@ def _align(responses: Sequence[Lines], poles: Poles) -> Poles:
     for place, lines in enumerate(responses):
         unit = 1.0 / (16.0 * lines.frequency_hz[-1])
         tried = delays[place] + unit * np.array([0, *AROUND])
-        costs = [project([lines], poles.of(place, delay=d)).cost for d in tried]
+        alone = poles.of(place)
+        costs = [project([lines], replace(alone, delays=np.array([d]))).cost for d in tried]
         delays[place] = tried[int(np.argmin(costs))]
     return replace(poles, delays=delays)
 

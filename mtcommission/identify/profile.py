@@ -53,7 +53,6 @@ TO_ASK = (
     "requirements.tcp_deviation",
 )
 """What no response tells, and no profile can do without."""
-
 Stated = dict[str, tuple[Estimate, str, int]]
 """Estimates of a mode by their keys in a profile, with their unit there and digits."""
 

@@ -176,25 +176,10 @@ class Poles:
         """Return the poles without one mode."""
         return replace(self, omega=np.delete(self.omega, mode), zeta=np.delete(self.zeta, mode))
 
-    def of(self, place: int, *, delay: float) -> Poles:
-        """Return the poles for one response alone, with another delay."""
-        return replace(self, delays=np.array([delay]), lags=self.lags[place : place + 1])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Projected:
-    """The best that some poles can do."""
-
-    poles: Poles
-    gains: Array  # b, g_k and R of each response, shape (n_responses, n_modes + 2)
-    residuals: tuple[ComplexArray, ...]  # (model - measured) / standard error of each response
-    cost: float  # Sum of their squared magnitudes
-
-    @property
-    def parameters(self) -> int:
-        """How many numbers were fitted."""
-        poles, lags = self.poles, int(np.count_nonzero(self.poles.lags))
-        return 1 + poles.delays.size + lags + self.gains.size + 2 * poles.omega.size
+    def of(self, place: int) -> Poles:
+        """Return the poles for one response alone."""
+        own = slice(place, place + 1)
+        return replace(self, delays=self.delays[own], lags=self.lags[own])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -208,6 +193,36 @@ class _Basis:
     gains: Array
     residual: ComplexArray
     cost: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Projected:
+    """The best that some poles can do."""
+
+    poles: Poles
+    bases: tuple[_Basis, ...]  # Of each response
+
+    @property
+    def gains(self) -> Array:
+        """b, g_k and R of each response, shape (n_responses, n_modes + 2)."""
+        return np.array([basis.gains for basis in self.bases])
+
+    @property
+    def residuals(self) -> list[ComplexArray]:
+        """(model - measured) / standard error of each response."""
+        return [basis.residual for basis in self.bases]
+
+    @property
+    def cost(self) -> float:
+        """Sum of their squared magnitudes."""
+        return sum(basis.cost for basis in self.bases)
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers were fitted."""
+        poles, lags = self.poles, int(np.count_nonzero(self.poles.lags))
+        count = poles.omega.size
+        return 1 + poles.delays.size + lags + len(self.bases) * (count + 2) + 2 * count
 
 
 def _inner(one: ComplexArray, other: ComplexArray) -> Array:
@@ -252,22 +267,13 @@ def _solve(lines: Lines, shapes: ComplexArray, weight: ComplexArray) -> _Basis:
 
 def project(responses: Sequence[Lines], poles: Poles) -> Projected:
     """Return masses, gains and residual terms that fit best for some poles."""
-    return _projected(poles, _solve_all(responses, poles))
-
-
-def _solve_all(responses: Sequence[Lines], poles: Poles) -> list[_Basis]:
     known = {id(one.frequency_hz): one.s for one in responses}
     shapes = {grid: _shapes(s, poles) for grid, s in known.items()}
-    return [
+    bases = (
         _solve(lines, shapes[id(lines.frequency_hz)], _weight(lines, poles, place))
         for place, lines in enumerate(responses)
-    ]
-
-
-def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
-    gains = np.array([basis.gains for basis in bases])
-    residuals = tuple(basis.residual for basis in bases)
-    return Projected(poles, gains, residuals, sum(basis.cost for basis in bases))
+    )
+    return Projected(poles, tuple(bases))
 
 
 def _slopes(lines: Lines, poles: Poles, place: int, basis: _Basis) -> ComplexArray:
@@ -317,10 +323,9 @@ def _bounds(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array, Arr
     return np.array(low), np.array(high), np.array(reach)
 
 
-def _normal(
-    responses: Sequence[Lines], poles: Poles, bases: Sequence[_Basis]
-) -> tuple[Array, Array, list[ComplexArray]]:
+def _normal(responses: Sequence[Lines], fit: Projected) -> tuple[Array, Array, list[ComplexArray]]:
     """Jᵀ J and Jᵀ r of the projected residuals, and the slopes of each response."""
+    poles, bases = fit.poles, fit.bases
     size = 1 + 2 * len(responses) + 2 * poles.omega.size
     square, slope, rates = np.zeros((size, size)), np.zeros(size), []
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
@@ -345,11 +350,9 @@ def refine(
     n = len(responses)
     low, high, reach = _bounds(responses, poles)
     theta = np.clip(_pack(poles), low, high)
-    poles = _unpack(theta, n)
-    bases = _solve_all(responses, poles)
-    best, damping = _projected(poles, bases), 1e-3
+    best, damping = project(responses, _unpack(theta, n)), 1e-3
     for _ in range(steps):
-        square, slope, _ = _normal(responses, best.poles, bases)
+        square, slope, _ = _normal(responses, best)
         diagonal = np.diag(square)
         free = ~(((theta <= low) & (slope > 0)) | ((theta >= high) & (slope < 0)))
         free[1 : 1 + n] &= not holds_delay
@@ -361,12 +364,10 @@ def refine(
             tried = theta.copy()
             tried[free] += np.clip(step, -reach[free], reach[free])
             tried = np.clip(tried, low, high)
-            poles = _unpack(tried, n)
-            at = _solve_all(responses, poles)
-            new = _projected(poles, at)
+            new = project(responses, _unpack(tried, n))
             if new.cost < best.cost:
                 lowered = (best.cost - new.cost) / best.cost
-                theta, bases, best = tried, at, new
+                theta, best = tried, new
                 damping = max(damping * 0.1, 1e-9)
                 break
             damping *= 8.0
@@ -410,8 +411,8 @@ def find_variances(
     Of the full Jacobian: the poles' part is the inverse of its Schur complement, which is that of
     the projected one; the gains carry the poles' errors along.
     """
-    bases = _solve_all(responses, fit.poles)
-    square, _, rates = _normal(responses, fit.poles, bases)
+    bases = fit.bases
+    square, _, rates = _normal(responses, fit)
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
     with np.errstate(over="ignore"):  # a pole that no line sees
         related = np.nan_to_num(square / np.outer(scale, scale))
@@ -442,10 +443,8 @@ def find_variances(
     return Variances(covariance, gains)
 
 
-def predict(
-    frequency_hz: Array, poles: Poles, gains: Array, *, place: int, derivative: int
-) -> ComplexArray:
-    """Return H of one response, shape (n,)."""
+def predict(frequency_hz: Array, poles: Poles, gains: Array, derivative: int) -> ComplexArray:
+    """Return H of the one response of some poles, shape (n,)."""
     values, error = np.zeros(frequency_hz.size, dtype=complex), np.ones(frequency_hz.size)
     lines = Lines(frequency_hz=frequency_hz, values=values, error=error, derivative=derivative)
-    return np.asarray(gains @ weighed_rows(lines, poles, place))
+    return np.asarray(gains @ weighed_rows(lines, poles, 0))

@@ -42,10 +42,8 @@ APART = 3.0
 """Difference of two states in its standard errors from which each is judged by itself."""
 STEP = 0.005
 """Spreads are rounded up to it."""
-
 Chain = dict[int, MeasuredMode]
 """One mode in each state where it was seen."""
-
 _ESTIMATES = ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain")
 
 

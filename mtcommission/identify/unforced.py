@@ -36,34 +36,26 @@ MOST_SAMPLES = 1500
 MOST_MODES = 6
 LEAST_GAIN = 10.0
 """Fall of the information criterion for which a further mode is kept."""
-
 BAND_SHARE = 0.99
 """Share of the energy of a signal's rate below the frequency up to which it is looked at."""
-
 LARGEST_DAMPING = 0.3
 ENDS = (0.3, 3.0)
 """Factors on a starting frequency between which it is fitted."""
 SMALLEST_AMPLITUDE = 0.02
 """Share of the largest amplitude below which a mode is left out."""
-
 FEWEST_CYCLES = 2.0
 LEAST_DECAY = 3.0
 """Factor by which what rings must fall from the first quarter of the record to the last."""
-
 CALM = 0.3
 """Share of the vibration that may be there before it, if it is a free one."""
-
 SIGNIFICANT = 4.0
 """Amplitude over its standard error."""
-
 FEWEST = 64
 """Samples of a decay."""
-
 KLIPPER_RAW = "identify-format-klipper-raw"
 KLIPPER_WINDOW, KLIPPER_KAISER = 0.5, 6.0
 """Least length of Klipper's window [s], rounded up to a power of two of samples, and its shape:
 klippy/extras/shaper_calibrate.py at 84104bbb."""
-
 WINDOW = 1.0
 """Length of the window [s], if the record has four of them: lines 1 Hz apart."""
 

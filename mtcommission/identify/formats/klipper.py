@@ -24,13 +24,10 @@ from mtcommission.identify.measurement import AllDirections, Array, Sensor
 
 HALF_POWER_BINS = 1.41
 """Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""
-
 ROUNDING_HZ = 0.06
 """Half of the last decimal with which frequencies are printed, and a bit [Hz]."""
-
 RESPONSE_WORDS = frozenset({"re", "im", "real", "imag", "magnitude", "mag", "phase", "gain"})
 """Words of another table that begins with a frequency."""
-
 _AXES = ("psd_x", "psd_y", "psd_z")
 _SUM = "psd_xyz"
 _NO_SPECTRA = (_SUM, "accel_per_hz")

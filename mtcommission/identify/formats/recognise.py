@@ -20,10 +20,8 @@ from mtcommission.identify.formats.uff import is_uff, read_uff
 
 LARGEST_FILE = 64_000_000
 """Bytes; a minute of ten signals at 8 kHz has half of it."""
-
 LONGEST_LINE = 20_000
 """Characters; keeps a file without line ends from costing memory."""
-
 _MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _BINARY = (
     (b"PK\x03\x04", "xlsx, zip"), (b"%PDF", "PDF"), (b"\x1f\x8b", "gzip"), (b"TDSm", "TDMS"),

@@ -37,16 +37,12 @@ MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController"
 PLANT, COHERENCE = "m_pPlant", "m_pMeasCoherence"
 SETPOINT = "setpoint"
 """Input of a response that is measured from the setpoint of a loop, not from a force."""
-
 MOSTLY_GOOD = 0.9
 """Share of lines with numbers that a response must have."""
-
 ABSURD = 1e100
 """Beyond it a number is a broken one."""
-
 AT_NYQUIST = 0.02
 """Relative distance of a session's last line from half the sampling rate."""
-
 UNITY = 0.25
 """How far a loop's response from its setpoint may be from 1 at low frequency."""
 

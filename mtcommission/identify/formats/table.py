@@ -22,7 +22,6 @@ COMMENT_MARKS = "#%!"
 MOST_COLUMNS = 400
 SAMPLE = 40
 """Lines from which separator and decimal mark are found."""
-
 LAST_LINE = "eof"
 _END_QUOTES = "\"' \t"
 _BLANK_HEAD = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")

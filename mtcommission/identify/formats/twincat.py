@@ -23,10 +23,8 @@ STEP = "SampleTime[ms]"
 HEAD_LINES = 60
 TICK = 1e-7
 """Time stamps count 100 ns from the year 1601 where the full ones are exported."""
-
 Rows = dict[int, list[str]]
 """Cells of rows by their lines in the file."""
-
 _FULL_STAMP = 10**15
 _NO_UNIT = frozenset({"", "(none)", "none"})
 

@@ -34,7 +34,6 @@ _PLAIN = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N"}
 _FORCES = (9, 13)
 _TURNING_FROM = 4
 """Directions 4 to 6 are rotations."""
-
 Set = Mapping[str, Any]
 
 
