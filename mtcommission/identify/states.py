@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, product
+from itertools import combinations
 from math import ceil, log
 from typing import Any
 
@@ -52,26 +52,23 @@ def match_modes(
 ) -> tuple[list[MeasuredMode], list[MeasuredStateEntry]]:
     """Return the modes over all states, and the states with the modes named by them.
 
-    The state with most modes leads; modes that it does not have are added. Modes that no state has
-    both of are one, if states between them lead from one to the other. Values are the middle of the
-    states, with a standard error of at least a quarter of their range.
+    The nearest two are one first, and never two of one state; states between lead from one to the
+    other. Values are the middle of the states, with a standard error of at least a quarter of their
+    range.
     """
-    chains: list[Chain] = []
-    for i, state in sorted(enumerate(states), key=lambda one: -len(one[1].modes)):
-        left = dict(enumerate(state.modes))
-        if left and chains:
-            from scipy.optimize import linear_sum_assignment  # slow to load, rarely needed
-
-            centres = [_centre(chain) for chain in chains]
-            cost = np.array([[abs(_log(mode) - c) for mode in state.modes] for c in centres])
-            for row, column in zip(*linear_sum_assignment(np.minimum(cost, 1.0)), strict=True):
-                if cost[row, column] < FARTHEST:
-                    chains[row][i] = left.pop(int(column))
-        chains += [{i: mode} for mode in left.values()]
-    chains = sorted(_joined(chains), key=_centre)
+    each = [(i, mode) for i, state in enumerate(states) for mode in state.modes]
+    logs = [log(mode.frequency_hz.value) for _, mode in each]
+    chains: list[Chain] = [{i: mode} for i, mode in each]  # of each mode
+    pairs = ((abs(logs[a] - logs[b]), a, b) for a, b in combinations(range(len(each)), 2))
+    for _, a, b in sorted(pair for pair in pairs if pair[0] < FARTHEST):
+        one, other = chains[a], chains[b]
+        if not one.keys() & other.keys():
+            both = one | other
+            chains = [both if own is one or own is other else own for own in chains]
     named: list[list[MeasuredMode]] = [[] for _ in states]
     found = []
-    for number, chain in enumerate(chains, start=1):
+    different = sorted({id(chain): chain for chain in chains}.values(), key=_centre)
+    for number, chain in enumerate(different, start=1):
         seen = {i: replace(mode, name=f"mode{number}") for i, mode in chain.items()}
         for i, mode in seen.items():
             named[i].append(mode)
@@ -82,34 +79,9 @@ def match_modes(
     return found, [replace(state, modes=own) for state, own in zip(states, named, strict=True)]
 
 
-def _joined(chains: list[Chain]) -> list[Chain]:
-    """The nearest first; one file in the middle may have come last."""
-    while True:
-        near = [
-            (distance, a, b)
-            for (a, one), (b, other) in combinations(enumerate(chains), 2)
-            if not one.keys() & other.keys() and (distance := _distance(one, other)) < FARTHEST
-        ]
-        if not near:
-            return chains
-        _, a, b = min(near)
-        joined = chains[a] | chains[b]
-        chains = [chain for k, chain in enumerate(chains) if k not in (a, b)] + [joined]
-
-
-def _log(mode: MeasuredMode) -> float:
-    return log(mode.frequency_hz.value)
-
-
-def _distance(one: Chain, other: Chain) -> float:
-    """Between the nearest two of two chains, in ln f."""
-    pairs = product(one.values(), other.values())
-    return min(abs(_log(a) - _log(b)) for a, b in pairs)
-
-
 def _centre(chain: Chain) -> float:
     """Middle of a chain, in ln f."""
-    logs = [_log(mode) for mode in chain.values()]
+    logs = [log(mode.frequency_hz.value) for mode in chain.values()]
     return 0.5 * (min(logs) + max(logs))
 
 

@@ -10,7 +10,7 @@ Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824; G. Schwarz, An
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sqrt
 from typing import Any
 
@@ -87,18 +87,16 @@ def _find_ringing(record: TimeRecord, motion: Channel) -> FreeVibration | None:
     is_free = reference is not None or _begins(motion.values, start)
     if rest.size < FEWEST or not is_free or not _is_decay(rest):
         return None
-    found = fit_ringing(rest, record.sample_time)
-    if not found.modes:
+    modes, said = _fit_ringing(rest, record.sample_time, start)
+    if not modes:
         return None
-    how = {"start": start * record.sample_time, "duration": found.duration}
-    said = [Message("identify-by-decay", explained=found.explained, **how)]
     if reference is not None:
         said.append(Message("identify-loop-in-decay"))
     return FreeVibration(
         source=record.source_of(motion),
         sensor=motion.sensor or Sensor.ENCODER,
         rotary=bool(motion.rotary),
-        modes=found.modes,
+        modes=tuple(modes),
         remarks=(*record.remarks, *said),
     )
 
@@ -139,17 +137,9 @@ def _is_decay(values: Array) -> bool:
     return first > LEAST_DECAY * last > 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ringing:
-    """What was found in a decay."""
-
-    modes: tuple[FreeMode, ...]  # The largest amplitude first; () where nothing rings
-    duration: float  # Looked at [s]
-    explained: float  # Share of the variance that the modes explain
-
-
-def fit_ringing(values: Array, step: float) -> Ringing:
-    """Return the modes in a free vibration."""
+def _fit_ringing(values: Array, step: float, start: int) -> tuple[list[FreeMode], list[Message]]:
+    """The modes in a free vibration, the largest amplitude first, and how much they explain."""
+    begin = start * step
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
     duration, total = float(t[-1]), _power(y)
@@ -176,7 +166,8 @@ def fit_ringing(values: Array, step: float) -> Ringing:
     ]
     modes.sort(key=lambda mode: -mode.amplitude)
     explained = 1.0 - float(best.rest @ best.rest) / total if best.modes else 0.0
-    return Ringing(modes=tuple(modes), duration=duration, explained=explained)
+    how = {"start": begin, "duration": duration, "explained": explained}
+    return modes, [Message("identify-by-decay", **how)]
 
 
 def _thinned(values: Array, step: float) -> tuple[Array, float]:
