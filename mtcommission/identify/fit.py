@@ -84,6 +84,19 @@ class Fitted:
     model_error: float  # Share of |H| that the model misses beyond noise [-]
     notes: tuple[Message, ...] = ()  # What was chosen, left out and doubtful
 
+    @property
+    def leading(self) -> FittedResponse:
+        """The first response of the encoder, else of the tool."""
+        return min(self.responses, key=lambda one: one.response.sensor is Sensor.TCP)
+
+    @property
+    def moving_mass(self) -> Estimate | None:
+        """The mass that the force moves; None where no response shows one."""
+        rigid = (one for one in self.responses if one.has_rigid_body)
+        one = min(rigid, key=lambda one: one.response.sensor is Sensor.TCP, default=None)
+        b = one and one.inverse_mass
+        return Estimate(value=1 / b.value, sigma=b.sigma / b.value**2) if b else None
+
     def has(self, sensor: Sensor) -> bool:
         """Return whether one of the responses shows a sensor."""
         return any(one.response.sensor is sensor for one in self.responses)

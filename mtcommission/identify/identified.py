@@ -29,6 +29,8 @@ from mtcommission.identify.measurement import (
 )
 from mtcommission.identify.projection import spacing_at
 from mtcommission.identify.states import (
+    State,
+    describe_state,
     find_spread,
     find_states,
     fit_states,
@@ -92,9 +94,9 @@ def identify(
     """
     states = find_states(evidence, band_hz=band_hz, count=count)
     measured = evidence.findings
-    fits = [one.result for one in states if isinstance(one.result, Fitted)]
+    fits = [one for one in states if isinstance(one, Fitted)]
     _require_collocated(fits)
-    modes, entries = match_modes([state.entry for state in states])
+    modes, entries = match_modes(list(map(describe_state, states)))
     inputs = {one.response.input for fit in fits for one in fit.responses}
     bands, misfits = [fit.band_hz for fit in fits], [fit.misfit for fit in fits]
     rotary = any(one.rotary for one in measured)
@@ -115,9 +117,9 @@ def identify(
         ],
         formats={one.source.name: one.source.format for one in measured},
         band_hz=[min(low for low, _ in bands), max(high for _, high in bands)] if bands else None,
-        moving_mass=middle_of([state.entry.moving_mass for state in states]),
-        delay=middle_of([state.delay for state in states]),
-        lag=middle_of([state.lag for state in states]),
+        moving_mass=middle_of([fit.moving_mass for fit in fits]),
+        delay=middle_of([fit.leading.delay for fit in fits]),
+        lag=middle_of([fit.leading.lag for fit in fits]),
         modes=modes,
         states=entries,
         spread=find_spread(entries, modes),
@@ -125,7 +127,7 @@ def identify(
         checks=_check_records(evidence, fits, fit_again),
         warnings=[],
         proposals=proposals,
-        responses=[entry for state in states for entry in _points(state.result)],
+        responses=[entry for state in states for entry in _points(state)],
     )
     remarks = [message for one in measured for message in one.remarks]
     doubts = _list_doubts(part, fits, evidence.records)
@@ -174,7 +176,7 @@ def _of_klipper(proposals: Sequence[ShaperProposal]) -> list[Message]:
 # Points and curves to be drawn
 
 
-def _points(result: object) -> Iterator[MeasuredResponseEntry]:
+def _points(result: State) -> Iterator[MeasuredResponseEntry]:
     if isinstance(result, FittedSpectrum):
         yield _of_spectrum(result)
     elif isinstance(result, Fitted):

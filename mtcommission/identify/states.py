@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from math import ceil, log
 from typing import Any
@@ -18,7 +18,6 @@ from mtcommission.identify.measurement import (
     FrequencyResponse,
     Sensor,
     Signal,
-    Source,
     Spectrum,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
@@ -42,6 +41,12 @@ APART = 3.0
 """Difference of two states in its standard errors from which each is judged by itself."""
 STEP = 0.005
 """Spreads are rounded up to it."""
+SAME = 3.0
+"""Responses whose poles differ by less, in standard errors, are of one state."""
+OUTLIER = 3.0
+"""Model error of a point in the typical one beyond which it is left out."""
+LARGEST_ERROR = 0.3
+"""Model error that a point may have in any case [-]."""
 Chain = dict[int, MeasuredMode]
 """One mode in each state where it was seen."""
 _ESTIMATES = ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain")
@@ -149,23 +154,8 @@ def states_differ(states: Sequence[MeasuredStateEntry], modes: Sequence[Measured
     )
 
 
-SAME = 3.0
-"""Responses whose poles differ by less, in standard errors, are of one state."""
-OUTLIER = 3.0
-"""Model error of a point in the typical one beyond which it is left out."""
-LARGEST_ERROR = 0.3
-"""Model error that a point may have in any case [-]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class State:
-    """What was found in one state of the machine."""
-
-    entry: MeasuredStateEntry  # its modes by frequency, without names yet
-    result: Fitted | FittedSpectrum | FreeVibration  # where they come from
-    # delay, lag: None without phase; no lag where none shows.
-    delay: Estimate | None = None
-    lag: Estimate | None = None
+State = Fitted | FittedSpectrum | FreeVibration
+"""What was found in one state of the machine."""
 
 
 def find_states(
@@ -178,7 +168,7 @@ def find_states(
     fits = fit_states(evidence.responses, band_hz=band_hz, count=count)
     spectra = [one for one in evidence.findings if isinstance(one, Spectrum)]
     vibrations = [one for one in evidence.findings if isinstance(one, FreeVibration)]
-    return [*map(_of_fit, fits), *_of_spectra(spectra), *map(_of_vibration, vibrations)]
+    return [*fits, *_fit_spectra(spectra), *vibrations]
 
 
 def fit_states(
@@ -242,25 +232,31 @@ def _agree(one: Fitted, other: Fitted) -> bool:
     )
 
 
-def _of_fit(fit: Fitted) -> State:
-    files = dict.fromkeys(one.response.source.file for one in fit.responses)
-    responses = sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
-    masses = [
-        Estimate(value=1 / b.value, sigma=b.sigma / b.value**2)
-        for b in (one.inverse_mass for one in responses if one.has_rigid_body)
-    ]
-    modes = [
-        MeasuredMode(
-            frequency_hz=mode.frequency_hz,
-            damping_ratio=mode.damping_ratio,
-            measured_gain=_gain(fit, mode, Sensor.ENCODER),
-            tcp_gain=_gain(fit, mode, Sensor.TCP),
-        )
-        for mode in fit.modes
-    ]
-    name = fit.responses[0].response.source.state or ", ".join(files)
-    entry = MeasuredStateEntry(name=name, moving_mass=masses[0] if masses else None, modes=modes)
-    return State(entry=entry, result=fit, delay=responses[0].delay, lag=responses[0].lag)
+def describe_state(one: State) -> MeasuredStateEntry:
+    """Return what was found in a state as the record holds it, its modes without names yet."""
+    if isinstance(one, Fitted):
+        files = dict.fromkeys(own.response.source.file for own in one.responses)
+        modes = [
+            MeasuredMode(
+                frequency_hz=mode.frequency_hz,
+                damping_ratio=mode.damping_ratio,
+                measured_gain=_gain(one, mode, Sensor.ENCODER),
+                tcp_gain=_gain(one, mode, Sensor.TCP),
+            )
+            for mode in one.modes
+        ]
+        name = one.responses[0].response.source.state or ", ".join(files)
+        return MeasuredStateEntry(name=name, moving_mass=one.moving_mass, modes=modes)
+    if isinstance(one, FittedSpectrum):
+        source, modes = one.spectrum.source, list(one.modes)
+    else:
+        ordered = sorted(one.modes, key=lambda mode: mode.frequency_hz.value)
+        source = one.source
+        modes = [
+            MeasuredMode(frequency_hz=mode.frequency_hz, damping_ratio=mode.damping_ratio)
+            for mode in ordered
+        ]
+    return MeasuredStateEntry(name=source.state or source.name, moving_mass=None, modes=modes)
 
 
 def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
@@ -273,7 +269,7 @@ def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
     return min(found, key=lambda gain: gain.relative, default=None)
 
 
-def _of_spectra(spectra: Sequence[Spectrum]) -> list[State]:
+def _fit_spectra(spectra: Sequence[Spectrum]) -> list[FittedSpectrum]:
     """Of the directions in one file, the one with the most power: that was shaken."""
     if not spectra:
         return []
@@ -284,20 +280,4 @@ def _of_spectra(spectra: Sequence[Spectrum]) -> list[State]:
         other = best.get(one.spectrum.source.file)
         if one.modes and (other is None or one.power > other.power):
             best[one.spectrum.source.file] = one
-    return [_without_mass(one.spectrum.source, one.modes, one) for one in best.values()]
-
-
-def _of_vibration(one: FreeVibration) -> State:
-    modes = [
-        MeasuredMode(frequency_hz=mode.frequency_hz, damping_ratio=mode.damping_ratio)
-        for mode in sorted(one.modes, key=lambda mode: mode.frequency_hz.value)
-    ]
-    return _without_mass(one.source, modes, one)
-
-
-def _without_mass(
-    source: Source, modes: Sequence[MeasuredMode], result: FittedSpectrum | FreeVibration
-) -> State:
-    name = source.state or source.name
-    entry = MeasuredStateEntry(name=name, moving_mass=None, modes=list(modes))
-    return State(entry=entry, result=result)
+    return list(best.values())

@@ -137,9 +137,9 @@ def _is_decay(values: Array) -> bool:
     return first > LEAST_DECAY * last > 0.0
 
 
-def _fit_ringing(values: Array, step: float, start: int) -> tuple[list[FreeMode], list[Message]]:
+def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode], list[Message]]:
     """The modes in a free vibration, the largest amplitude first, and how much they explain."""
-    begin = start * step
+    told = {"start": begin * step}
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
     duration, total = float(t[-1]), _power(y)
@@ -166,8 +166,8 @@ def _fit_ringing(values: Array, step: float, start: int) -> tuple[list[FreeMode]
     ]
     modes.sort(key=lambda mode: -mode.amplitude)
     explained = 1.0 - float(best.rest @ best.rest) / total if best.modes else 0.0
-    how = {"start": begin, "duration": duration, "explained": explained}
-    return modes, [Message("identify-by-decay", **how)]
+    told |= {"duration": duration, "explained": explained}
+    return modes, [Message("identify-by-decay", **told)]
 
 
 def _thinned(values: Array, step: float) -> tuple[Array, float]:
