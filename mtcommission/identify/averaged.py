@@ -339,16 +339,7 @@ def find_blows(force: Array, step: float) -> list[int]:
 
 
 def find_period(values: Array) -> int:
-    """Return the period of a signal in samples; 0 if it has none that is recorded twice.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> find_period(np.tile(rng.standard_normal(100), 5))
-    100
-    >>> find_period(rng.standard_normal(500))
-    0
-    """
+    """Return the period of a signal in samples; 0 if it has none that is recorded twice."""
     size = values.size
     if size < 2 * SHORTEST:
         return 0
@@ -377,12 +368,6 @@ def excited_band(power: Array) -> NDArray[np.bool_]:
     A loop makes the input's power fall slowly, a resonance digs a hole that ends; only where the
     power falls off a cliff and never recovers does the excitation end. Where most lines stand far
     below their neighbours, only some are excited (odd ones, or so many per octave).
-
-    Examples
-    --------
-    >>> power = np.full(60, 1e-4); power[10:40] = 1.0
-    >>> np.flatnonzero(excited_band(power))[[0, -1]]
-    array([10, 39])
     """
     band = np.zeros(power.size, dtype=np.bool_)
     stands_out = power * SPARSE > _envelope(power)

@@ -148,13 +148,7 @@ def _require(fits: bool, column: Column, unit: str, signal: Signal) -> None:
 
 
 def place_in(words: Sequence[str]) -> Sensor | None:
-    """Return where the words of a name say that it was measured; None if they do not.
-
-    Examples
-    --------
-    >>> place_in(("motor", "speed"))
-    <Sensor.ENCODER: 'encoder'>
-    """
+    """Return where the words of a name say that it was measured; None if they do not."""
     at_encoder = Sensor.ENCODER if _any(words, _AT_ENCODER) else None
     return Sensor.TCP if _any(words, _AT_TCP) else at_encoder
 

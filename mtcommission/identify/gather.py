@@ -82,15 +82,7 @@ class FileName(NamedTuple):
 
 
 def split_name(text: str) -> FileName:
-    """Return the name of a file, and which of its responses and which sensor is said behind it.
-
-    Examples
-    --------
-    >>> split_name("a@b.csv@tcp")
-    FileName(name='a@b.csv', response='', sensor=<Sensor.TCP: 'tcp'>)
-    >>> split_name("a.xml@m_pPlant[1]")
-    FileName(name='a.xml', response='m_pPlant[1]', sensor=None)
-    """
+    """Return the name of a file, and which of its responses and which sensor is said behind it."""
     name, _, said = text.rpartition("@")
     sensor = Sensor(said) if name and said in tuple(Sensor) else None
     text = name if sensor else text
@@ -173,13 +165,6 @@ def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
     ------
     InputError
         A file was recorded along a belt.
-
-    Examples
-    --------
-    >>> by_axis(["resonances_x_1.csv", "resonances_y_1.csv"])
-    {'X': ['resonances_x_1.csv'], 'Y': ['resonances_y_1.csv']}
-    >>> by_axis(["drive.csv", "resonances_y_1.csv"])
-    {'': ['drive.csv', 'resonances_y_1.csv']}
     """
     belts = [file for file in files if _BELT.search(PurePath(file).name)]
     if belts:
@@ -193,13 +178,7 @@ def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
 
 
 def of_axis(file: str, axis: str) -> str:
-    """Return the name of a file that is written for one of several axes.
-
-    Examples
-    --------
-    >>> of_axis("printer.toml", "X")
-    'printer-x.toml'
-    """
+    """Return the name of a file that is written for one of several axes."""
     path = PurePath(file)
     return str(path.with_name(f"{path.stem}-{axis.lower()}{path.suffix}")) if file else ""
 

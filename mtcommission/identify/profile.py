@@ -105,13 +105,7 @@ def name_from(profile: str, evidence: str) -> str:
 
 
 def evidence_file(profile: str) -> str:
-    """Return the name of the file with points and advice that belongs beside a profile.
-
-    Examples
-    --------
-    >>> evidence_file("axes/x.toml")
-    'axes/x.identified.json'
-    """
+    """Return the name of the file with points and advice that belongs beside a profile."""
     return str(PurePath(profile).with_suffix(".identified.json"))
 
 

@@ -43,13 +43,7 @@ class Head(NamedTuple):
 
 
 def split_head(head: str) -> Head:
-    """Return name and unit of a column's head.
-
-    Examples
-    --------
-    >>> [tuple(split_head(head)) for head in ("F [N]", "re [(m/s)/A]", "Kraft in N", "t / s")]
-    [('F', 'N'), ('re', '(m/s)/A'), ('Kraft', 'N'), ('t', 's')]
-    """
+    """Return name and unit of a column's head."""
     for form in (_IN_BRACKETS, _IN_PARENTHESES, _AFTER_SLASH):
         if match := form.match(head.strip()):
             return Head(match["name"].strip(), match["unit"].strip())
@@ -57,25 +51,13 @@ def split_head(head: str) -> Head:
 
 
 def words_of(name: str) -> tuple[str, ...]:
-    """Return the words of a name, in small letters.
-
-    Examples
-    --------
-    >>> words_of("joint.0.motorPos-fb")
-    ('joint', '0', 'motor', 'pos', 'fb')
-    """
+    """Return the words of a name, in small letters."""
     spaced = _CAMEL.sub(" ", name)
     return tuple(re.findall(r"[a-zäöüßζγ²]+|[0-9]+", spaced.casefold()))
 
 
 def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
-    """Return the place of a column that ``--columns`` names, and the unit that it gives it.
-
-    Examples
-    --------
-    >>> find_column(["t", "pos"], "pos [mm]")
-    (1, 'mm')
-    """
+    """Return the place of a column that ``--columns`` names, and the unit that it gives it."""
     if wanted in names:
         return names.index(wanted), None
     name, unit = split_head(wanted)
@@ -110,13 +92,7 @@ class Dialect:
     decimal: str  # Point or comma
 
     def split(self, line: str) -> list[str]:
-        """Return the cells of a line, without quotes; an empty last one is none.
-
-        Examples
-        --------
-        >>> Dialect(";", ".").split('"t [s]"; F ;')
-        ['t [s]', 'F']
-        """
+        """Return the cells of a line, without quotes; an empty last one is none."""
         if not self.separator:
             return line.split()
         quoted = next(csv.reader([line], delimiter=self.separator)) if '"' in line else None
@@ -124,13 +100,7 @@ class Dialect:
         return cells[:-1] if cells and not cells[-1] else cells
 
     def number(self, cell: str) -> float | None:
-        """Return the number in a cell; None if it has none.
-
-        Examples
-        --------
-        >>> Dialect(";", ",").number("-1,5E3")
-        -1500.0
-        """
+        """Return the number in a cell; None if it has none."""
         if self.decimal == ",":
             if "." in cell:
                 return None
