@@ -38,9 +38,8 @@ from mtcommission.identify.states import (
     middle_of,
 )
 from mtcommission.machine.identified import MeasuredFile, ShaperProposal
-from mtcommission.record.files import dump_json
 from mtcommission.record.identified import IdentifiedPart, MeasuredResponseEntry, RecordCheckEntry
-from mtcommission.record.shape import to_plain
+from mtcommission.record.shape import dump_json, to_plain
 
 NOT_DESCRIBED = "identify-not-described"
 """Kind of the message of a fit that misses what was measured."""
