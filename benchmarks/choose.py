@@ -57,13 +57,13 @@ def examine_verdict(seed: int, *, grid: bool = True) -> VerdictRow | None:
     try:
         tuned = tune_loop(machine)
         begun = time.process_time()
-        choice = choose_limits(machine, plant, tuned)
+        choice = choose_limits(machine, tuned)
     except ComputationError:
         return None
     spent = time.process_time() - begun
 
     def meets(limits: MotionLimits) -> bool:
-        return evaluate(machine, plant, tuned, limits).assessment.is_met
+        return evaluate(machine, tuned, limits).assessment.is_met
 
     gentler = on_grid = None
     a, j = choice.limits.acceleration, choice.limits.jerk

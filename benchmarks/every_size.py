@@ -327,9 +327,9 @@ class Row:
 
 def measure(machine: Machine, points: int) -> Row:
     """Return the choice of limits and the refined grid's on one machine."""
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     begun = time.process_time()
-    choice = choose_limits(machine, plant, tuned)
+    choice = choose_limits(machine, tuned)
     spent = time.process_time() - begun
     # Where nothing is met, whatever the grid finds counts, reserve or not.
     whole = choice.reserve_used or not choice.meets_requirements

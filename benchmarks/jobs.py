@@ -156,16 +156,15 @@ def parts(repeats: int) -> list[Job]:
     """Single parts, warm."""
     from mtcommission.limits.choose import choose_limits
     from mtcommission.loop.tuning.tuning import tune_loop
-    from mtcommission.machine.plant.plant import build_plant
     from mtcommission.machine.profile.read import read_profile
 
     machine = read_profile(PROFILE)
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     calls: dict[str, Callable[[], object]] = {
         "tune the cascade": lambda: tune_loop(machine),
-        "search for limits": lambda: choose_limits(machine, plant, tuned),
+        "search for limits": lambda: choose_limits(machine, tuned),
         "search for limits and the map to be printed": lambda: choose_limits(
-            machine, plant, tuned
+            machine, tuned
         ).chart(),
     }
     return [_job(name, "part", _times(call, repeats)) for name, call in calls.items()]

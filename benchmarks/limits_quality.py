@@ -95,16 +95,16 @@ def score_machine(seed: int) -> list[Score]:
         )
 
     start = process_time()
-    searched = choose_limits(machine, plant, tuned).limits
+    searched = choose_limits(machine, tuned).limits
     taken = process_time() - start
-    note(SEARCH, evaluate(machine, plant, tuned, searched), taken)
+    note(SEARCH, evaluate(machine, tuned, searched), taken)
     start = process_time()
-    by_hand = apply_commissioning_rule(machine, plant, tuned).limits
+    by_hand = apply_commissioning_rule(machine, tuned).limits
     taken = process_time() - start
-    note(RULE, evaluate(machine, plant, tuned, by_hand), taken)
+    note(RULE, evaluate(machine, tuned, by_hand), taken)
     for rule in apply_rules_of_thumb(machine, plant):
         name = Catalogue().say(rule.name).split(" (")[0]
-        note(name, evaluate(machine, plant, tuned, rule.limits), 0.0)
+        note(name, evaluate(machine, tuned, rule.limits), 0.0)
     start = process_time()
     free = replace(machine, control=replace(machine.control, kind=STATE_SPACE))  # has all shapers
     shaped = compare_shapers(free, tuned, near=searched)
@@ -129,7 +129,7 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidat
             points.append((is_missed, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])
     for _, _, limits in points[:TRIES]:
-        candidate = evaluate(machine, plant, tuned, limits)
+        candidate = evaluate(machine, tuned, limits)
         if candidate.assessment.is_met:
             break
     return candidate

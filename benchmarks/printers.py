@@ -29,7 +29,6 @@ from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.measurement import AllDirections
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import shape
@@ -196,8 +195,7 @@ def compare(seed: int) -> dict[str, object]:
     axis = random_axis(seed)
     machine = parse_profile(axis.profile, where=f"axis {seed}")
     begun = perf_counter()
-    plant = build_plant(machine)
-    choice = choose_limits(machine, plant, tune_loop(machine))
+    choice = choose_limits(machine, tune_loop(machine))
     took = perf_counter() - begun
     limits = choice.limits
     item = limits.setpoint_filter or SetpointFilter(kind="none")
@@ -244,7 +242,7 @@ def beside_klipper(seed: int) -> dict[str, object]:
     measured = AllDirections(frequency_hz=lines, density=power, is_divided=False)
     (theirs,) = [one for one in propose_shapers([measured]) if one.is_recommended]
     machine = parse_profile(axis.profile, where=f"axis {seed}")
-    limits = choose_limits(machine, build_plant(machine), tune_loop(machine)).limits
+    limits = choose_limits(machine, tune_loop(machine)).limits
     ours = limits.setpoint_filter
     delays, shares = ours.impulses if ours else ((0.0,), (1.0,))
     copies = shape(theirs.shaper, frequency_hz=theirs.frequency_hz, damping_ratio=0.1)

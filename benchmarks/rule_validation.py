@@ -90,7 +90,7 @@ def validate(seed: int) -> Row:
         tuned = tune_loop(machine)
     except ComputationError as error:
         return describe(seed, machine, plant, outcome=error.outcome.name)
-    limits = choose_limits(machine, plant, tuned).limits
+    limits = choose_limits(machine, tuned).limits
     return compare(describe(seed, machine, plant, outcome=""), machine, plant, tuned, limits)
 
 
@@ -110,11 +110,11 @@ def describe(seed: int, machine: Machine, plant: Plant, *, outcome: str) -> Row:
 def compare(
     row: Row, machine: Machine, plant: Plant, tuned: TunedLoop, searched: MotionLimits
 ) -> Row:
-    by_search = evaluate(machine, plant, tuned, searched)
+    by_search = evaluate(machine, tuned, searched)
     heaviest = max(moving_mass(machine) + corner.payload for corner in corners(machine))
     a = machine.drive.motion_force / (1.2 * heaviest)
     naive = MotionLimits(acceleration=a, jerk=a * dominant_mode(plant).frequency_hz)
-    textbook = evaluate(machine, plant, tuned, naive)
+    textbook = evaluate(machine, tuned, naive)
     return replace(
         apply_rule(row, machine, plant, tuned),
         search_met=by_search.assessment.is_met,
@@ -127,8 +127,8 @@ def compare(
 
 def apply_rule(row: Row, machine: Machine, plant: Plant, tuned: TunedLoop) -> Row:
     """The row with what the rule does; the other columns stay."""
-    found = apply_commissioning_rule(machine, plant, tuned)
-    by_rule = evaluate(machine, plant, tuned, found.limits)
+    found = apply_commissioning_rule(machine, tuned)
+    by_rule = evaluate(machine, tuned, found.limits)
     sizes = {check.requirement: check.value for check in by_rule.sizes}
     return replace(
         row,

@@ -11,7 +11,6 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import SETTLING_TIME, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from tests.machines import paper_machine
@@ -29,16 +28,16 @@ def asked(
 
 
 def attainable(machine: Machine) -> dict[str, Attainable]:
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned)
+    tuned = tune_loop(machine)
+    choice = choose_limits(machine, tuned)
     assert not choice.meets_requirements
     found = find_attainable(machine, tuned, choice)
     return {item.requirement.key: item for item in found}
 
 
 def is_met(machine: Machine, item: Attainable) -> bool:
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    return evaluate(machine, plant, tuned, item.limits).assessment.is_met
+    tuned = tune_loop(machine)
+    return evaluate(machine, tuned, item.limits).assessment.is_met
 
 
 def test_impossible_settling_time() -> None:
@@ -80,21 +79,21 @@ def test_two_requirements_must_give_way_together() -> None:
     assert 0.1 < peak.value < 0.12
     # A little less time, with the peak eased as far, is out of reach: the factor was the least.
     tight = asked(settling=0.85 * time.value, peaks=(eased,))
-    plant, tuned = build_plant(tight), tune_loop(tight)
-    assert not choose_limits(tight, plant, tuned).meets_requirements
+    tuned = tune_loop(tight)
+    assert not choose_limits(tight, tuned).meets_requirements
 
 
 def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     """If it failed, "what could be met" would be far from the best that can be had."""
     machine = asked(band=1e-9)
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     found = find_least_residual(machine, tuned)
     assert found is not None
     assert found.unit == "m"
-    candidate = evaluate(machine, plant, tuned, found.limits)
+    candidate = evaluate(machine, tuned, found.limits)
     assert candidate.residual_deviation == pytest.approx(found.value, rel=1e-9)
     others = [
-        evaluate(machine, plant, tuned, replace(found.limits, jerk=f * found.limits.jerk))
+        evaluate(machine, tuned, replace(found.limits, jerk=f * found.limits.jerk))
         for f in (0.5, 1.5, 2.0, 4.0)
     ]
     assert sum(found.value < item.residual_deviation for item in others) >= 3
@@ -103,9 +102,9 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
 def test_no_worse_than_the_recommendation_itself() -> None:
     """If it failed, the sheet would ask for more time than the limits printed beside it take."""
     machine = asked(settling=0.075)
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned)
+    tuned = tune_loop(machine)
+    choice = choose_limits(machine, tuned)
     found = find_attainable(machine, tuned, choice)
     slower = next(item for item in found if item.requirement == SETTLING_TIME)
-    recommended = evaluate(machine, plant, tuned, choice.limits)
+    recommended = evaluate(machine, tuned, choice.limits)
     assert slower.value <= recommended.settling_time

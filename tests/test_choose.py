@@ -86,7 +86,7 @@ class Case:
 
 def solve(machine: Machine) -> Case:
     plant, tuned = build_plant(machine), tune_loop(machine)
-    choice = choose_limits(machine, plant, tuned)
+    choice = choose_limits(machine, tuned)
     responses = []
     for move in machine.moves:
         setpoint = plan_within(machine, choice.limits)(move)
@@ -249,12 +249,12 @@ def test_search_never_settles_later_than_what_is_known(seed: int) -> None:
     machine = random_machine(seed)
     plant, tuned = build_plant(machine), tune_loop(machine)
     named = [rule.limits for rule in apply_rules_of_thumb(machine, plant)]
-    named.append(apply_commissioning_rule(machine, plant, tuned).limits)
-    found = choose_limits(machine, plant, tuned)
-    ours = evaluate(machine, plant, tuned, found.limits)
+    named.append(apply_commissioning_rule(machine, tuned).limits)
+    found = choose_limits(machine, tuned)
+    ours = evaluate(machine, tuned, found.limits)
     assert ours.assessment.is_met
     for limits in named:
-        theirs = evaluate(machine, plant, tuned, limits)
+        theirs = evaluate(machine, tuned, limits)
         if theirs.assessment.is_met:
             assert ours.settling_time <= 1.002 * theirs.settling_time
 
@@ -271,9 +271,9 @@ def test_no_force_at_all_ends_in_a_verdict_not_in_a_crash() -> None:
 def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) -> None:
     """If it failed, a creeping axis would end in a program error instead of limits."""
     machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=step),))
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    limits = choose_limits(machine, plant, tuned).limits
-    candidate = evaluate(machine, plant, tuned, limits)
+    tuned = tune_loop(machine)
+    limits = choose_limits(machine, tuned).limits
+    candidate = evaluate(machine, tuned, limits)
     assert candidate.assessment.is_met
     # Such a step cannot leave the band: nothing need be slower than the quickest setpoint.
     assert candidate.settling_time < tuned.controller.reference_delay + 2e-3
@@ -287,7 +287,7 @@ def test_no_better_limits_lie_beside_what_is_tried(seed: int, latest: float) -> 
     third a ramp of less than a cycle must become longer, not the acceleration less.
     """
     machine = parse_profile(draw_profile(seed), where="drawn")
-    choice = choose_limits(machine, build_plant(machine), tune_loop(machine))
+    choice = choose_limits(machine, tune_loop(machine))
     assert choice.meets_requirements
     assert choice.candidate.settling_time < latest
 
@@ -295,6 +295,6 @@ def test_no_better_limits_lie_beside_what_is_tried(seed: int, latest: float) -> 
 def test_the_proof_takes_little_from_what_is_allowed() -> None:
     """With long cycles and slow decay it once took a twentieth of the band, and 2 % of time."""
     machine = parse_profile(draw_profile(225), where="drawn")
-    choice = choose_limits(machine, build_plant(machine), tune_loop(machine))
+    choice = choose_limits(machine, tune_loop(machine))
     residual = choice.candidate.sizes[0]
     assert residual.value < residual.bound < 1.01 * residual.value

@@ -19,7 +19,6 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
@@ -89,12 +88,11 @@ def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> Non
     machine = MACHINES[name]
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=60.0, setpoint_filter=FILTERS[filter_name])
-    plant = build_plant(machine)
-    seen = check_of(judge_sizes(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    seen = check_of(judge_sizes(machine, tuned, limits), RESIDUAL_DEVIATION)
     # Near its band a residual is known closely; far above it need not be.
     needs = replace(machine.requirements, tcp_deviation=seen.value)
     machine = replace(machine, requirements=needs)
-    found = check_of(judge_sizes(machine, plant, tuned, limits), RESIDUAL_DEVIATION)
+    found = check_of(judge_sizes(machine, tuned, limits), RESIDUAL_DEVIATION)
     assert found.value == pytest.approx(seen.value, rel=COARSE)
     listed = size_of(machine.moves[0])
     generator = np.random.default_rng(len(name) + len(filter_name))
@@ -114,7 +112,7 @@ def test_force_is_the_largest_of_the_sizes() -> None:
     machine = MACHINES["velocity step"]
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.8, jerk=400.0)
-    found = check_of(judge_sizes(machine, build_plant(machine), tuned, limits), SET_FORCE)
+    found = check_of(judge_sizes(machine, tuned, limits), SET_FORCE)
     drive = replace(machine.drive, max_force=1e12)
     forces = [
         simulate(
@@ -153,9 +151,9 @@ def test_sizes_are_planned_as_the_control_plans_them(move: Move, filter_name: st
 def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
     """Time would be given away at every move of the machine."""
     machine = quiet_copy(MACHINES[name], setpoint_filter=FILTERS[filter_name])
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     (move,), needs = machine.moves, machine.requirements
-    found = explore(build_bench(machine, plant, tuned))
+    found = explore(build_bench(machine, tuned))
     best = min(item.duration for item in found)
     a_max = machine.drive.motion_force / moving_mass(machine)
     sooner = []
@@ -164,7 +162,7 @@ def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
             item = FILTERS[filter_name]
             limits = MotionLimits(acceleration=a, jerk=a / t_j, setpoint_filter=item)
             if plan_setpoint(move, limits).duration < best / 1.02:
-                checks = judge_sizes(machine, plant, tuned, limits)
+                checks = judge_sizes(machine, tuned, limits)
                 residual = check_of(checks, RESIDUAL_DEVIATION).value
                 force = check_of(checks, SET_FORCE).value
                 if residual <= needs.tcp_deviation and force <= machine.drive.motion_force:

@@ -21,7 +21,6 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.record import Record
@@ -225,7 +224,7 @@ def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
 def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> None:
     machine = _machine(profile)
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned)
+    choice = choose_limits(machine, tuned)
     freed = value_tool_sensor(machine, tuned, choice)
     assert freed is not None
     assert freed.modes == ("mode1", "mode2")
@@ -234,7 +233,7 @@ def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> 
     assert isinstance(machine.mechanics, Modal)
     modes = tuple(replace(mode, tcp_gain=0.0) for mode in machine.mechanics.modes)
     still = replace(machine, mechanics=replace(machine.mechanics, modes=modes))
-    least = choose_limits(still, build_plant(still), tune_loop(still))
+    least = choose_limits(still, tune_loop(still))
     assert freed.least == pytest.approx(least.candidate.settling_time, rel=0.03)
     known = replace(machine, assumed=())
     assert value_tool_sensor(known, tuned, choice) is None

@@ -94,7 +94,7 @@ class Course:
             responses=closed.responses[1:],
             analyses=closed.analyses[1:],
         )
-        return evaluate(self.true, plant, alone, limits)
+        return evaluate(self.true, alone, limits)
 
 
 def _complete(profile: str, *, force_lag: float) -> Machine:
@@ -134,7 +134,7 @@ def _course(run: Run, folder: Path) -> Course:
     assert lag == pytest.approx(LAG, rel=0.05)
     machine = _complete(profile.read_text(), force_lag=lag)
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned)
+    choice = choose_limits(machine, tuned)
     return Course(true=true, machine=machine, tuned=tuned, choice=choice)
 
 

@@ -12,7 +12,6 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.loops import LoopChoice
@@ -23,7 +22,7 @@ SETTINGS = TuningSettings()
 def improvements_of(machine: Machine) -> tuple[float, dict[str, Improvement]]:
     """Settling time with the loop by the classic rule, and what changes would bring, in order."""
     tuned = tune_loop(machine)
-    choice = choose_limits(machine, build_plant(machine), tuned)
+    choice = choose_limits(machine, tuned)
     found = find_improvements(machine, LoopChoice(tuned=tuned), choice, SETTINGS)
     return choice.candidate.settling_time, {item.change.kind: item for item in found}
 
@@ -50,7 +49,7 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
     in_drive = replace(machine, control=replace(machine.control, position_loop=PositionLoop.DRIVE))
     for kind, changed in (("change-feedforward", fed), ("change-dsc", in_drive)):
         tuned = tune_loop(changed)
-        own = choose_limits(changed, build_plant(changed), tuned)
+        own = choose_limits(changed, tuned)
         # Kp differs by its first try; a number of another machine does more.
         assert found[kind].settling_time == pytest.approx(own.candidate.settling_time, rel=0.05)
     assert found["change-feedforward"].saved > 0.0
@@ -72,7 +71,7 @@ def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:
     for factor, is_enough in ((1.0, True), (0.8, False)):
         moves = tuple(replace(m, dwell=factor * dwell) for m in machine.moves)
         rested = replace(hot, moves=moves)
-        choice = choose_limits(rested, build_plant(rested), tune_loop(rested))
+        choice = choose_limits(rested, tune_loop(rested))
         assert (choice.candidate.settling_time <= 1.001 * item.settling_time) is is_enough
 
 

@@ -15,7 +15,6 @@ from mtcommission.loop.tuning.tuned import TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.study.loops import (
     LoopChoice,
     say_settling,
@@ -41,8 +40,8 @@ def test_the_classic_loop_is_bettered_in_both_respects() -> None:
     """A second program found 6 to 9 % on this machine where Tn and Kv do not hang on Kp."""
     choice = chosen_cascade()
     machine = cascade()
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    classic = choose_limits(machine, plant, tuned)
+    tuned = tune_loop(machine)
+    classic = choose_limits(machine, tuned)
     used = choice.used
     assert used is not None
     assert used.candidate.settling_time < 0.94 * classic.candidate.settling_time

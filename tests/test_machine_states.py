@@ -57,10 +57,10 @@ def test_limits_are_judged_in_a_state_as_on_the_machine_that_is_always_in_it() -
     alone = replace(machine, mechanics=machine.mechanics_in("far end"), states=())
     bench = corner_plants(alone)
     bench = replace(bench, corners=(Corner(), *bench.corners), plants=(plant, *bench.plants))
-    apart = evaluate(alone, plant, close_loop(bench, tuned.controller), limits)
+    apart = evaluate(alone, close_loop(bench, tuned.controller), limits)
     without = corner_plants(replace(machine, states=()))
-    near = evaluate(machine, plant, close_loop(without, tuned.controller), limits)
-    both = evaluate(machine, plant, tuned, limits)
+    near = evaluate(machine, close_loop(without, tuned.controller), limits)
+    both = evaluate(machine, tuned, limits)
     for whole, *parts in zip(
         both.assessment.checks, apart.assessment.checks, near.assessment.checks, strict=True
     ):

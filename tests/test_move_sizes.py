@@ -14,7 +14,6 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.smaller_moves import resize
@@ -35,7 +34,7 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     """Settling time and residual of one size, by the full simulation in every corner."""
     move = resize(item.move, float(item.size[index]))
     one = replace(machine, moves=(move,))
-    candidate = evaluate(one, build_plant(one), tuned, item.limits)
+    candidate = evaluate(one, tuned, item.limits)
     return candidate.settling_time, candidate.residual_deviation
 
 

@@ -24,7 +24,7 @@ from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import Plant, build_plant
+from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.ranges import VELOCITIES
 from mtcommission.machine.requirements import Requirements
@@ -81,14 +81,14 @@ def axis(monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 def test_the_search_keeps_it_with_its_reserve_and_names_it(axis: Machine) -> None:
     """It holds the limits back, more than without it, and the sheet says so."""
-    plant, tuned = build_plant(axis), tune_loop(axis)
-    choice = choose_limits(axis, plant, tuned)
+    tuned = tune_loop(axis)
+    choice = choose_limits(axis, tuned)
     check = choice.candidate.assessment.check_of(RIPPLE)
     assert choice.meets_requirements
     assert (check.unit, check.limit) == ("m/s", BOUND)
     assert 0.7 < check.value / BOUND <= axis.requirements.reserve.band
     assert RIPPLE.message in parts_of(choice.bound_by)
-    free = choose_limits(with_ripple(axis, inf), plant, tuned)
+    free = choose_limits(with_ripple(axis, inf), tuned)
     assert free.candidate.settling_time < choice.candidate.settling_time
     assert [item.key for item in register.requirements_of(with_ripple(axis, inf))] == [
         item.requirement.key for item in free.candidate.assessment.checks
@@ -97,9 +97,9 @@ def test_the_search_keeps_it_with_its_reserve_and_names_it(axis: Machine) -> Non
 
 def test_no_size_in_no_corner_leaves_its_bound(axis: Machine) -> None:
     """The bound between two sizes that were looked at is derived for any signal."""
-    plant, tuned = build_plant(axis), tune_loop(axis)
+    tuned = tune_loop(axis)
     limits = MotionLimits(acceleration=9.0, jerk=280.0)
-    checks = judge_sizes(axis, plant, tuned, limits)
+    checks = judge_sizes(axis, tuned, limits)
     found = next(item for item in checks if item.requirement == RIPPLE)
     worst = 0.0
     for share in np.geomspace(0.003, 1.0, 60):

@@ -167,8 +167,8 @@ def test_choice_beats_the_printer_firmware_of_the_issue() -> None:
     Both judged by the same second program on the nominal structure.
     """
     machine = printer()
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    found = find_typed(keep_reserve(machine), plant, tuned)
+    tuned = tune_loop(machine)
+    found = find_typed(keep_reserve(machine), tuned)
     assert found is not None
     move = machine.moves[0]
     assert isinstance(move, Positioning)

@@ -116,10 +116,10 @@ def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
         requirements=needs,
         drive=replace(machine.drive, continuous_force=900.0, encoder_resolution=resolution),
     )
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     found = respond_varied(machine, tuned, limits, corners(machine))
-    checks = evaluate(machine, plant, tuned, limits).assessment.checks
+    checks = evaluate(machine, tuned, limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     assert shares["contour deviation"] > 0.01
     for check, values in zip(checks, found.values.T, strict=True):
@@ -135,12 +135,12 @@ def test_frequency_error_names_the_range_that_is_kept() -> None:
     """If it failed, the sheet would promise a margin of frequency that is not there."""
     machine = spread_paper_machine()
     machine = replace(machine, requirements=replace(machine.requirements, frequency_spread=0.0))
-    plant, tuned = build_plant(machine), tune_loop(machine)
+    tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=0.9, jerk=15.0)
     settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
     found = find_frequency_error(machine, tuned, limits, settings)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
-    nominal = evaluate(machine, plant, tuned, limits)
+    nominal = evaluate(machine, tuned, limits)
     assert nominal.assessment.is_met
     assert found.residual_deviation[15] == pytest.approx(nominal.residual_deviation, rel=1e-6)
     kept = found.residual_deviation <= machine.requirements.tcp_deviation
@@ -156,8 +156,8 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
     machine = spread_paper_machine()
     needs = replace(machine.requirements, frequency_spread=0.02, damping_spread=0.0)
     machine = replace(machine, requirements=needs)
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    limits = choose_limits(machine, plant, tuned).limits
+    tuned = tune_loop(machine)
+    limits = choose_limits(machine, tuned).limits
     found = find_damping_range(machine, tuned, limits)
     assert 0.3 < found.kept_from <= 1.0 <= found.kept_to
     for factor, is_kept in ((found.kept_from, True), (found.kept_from - 0.1, False)):

@@ -78,13 +78,13 @@ def worst_residual(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> 
     """Proven residual of the worst of all sizes [m]."""
     needs = replace(machine.requirements, every_size=True)
     machine = replace(machine, requirements=needs)
-    checks = judge_sizes(machine, build_plant(machine), tuned, limits)
+    checks = judge_sizes(machine, tuned, limits)
     return next(c.bound for c in checks if c.requirement is RESIDUAL_DEVIATION)
 
 
 def apply(machine: Machine) -> tuple[RuleResult, TunedLoop]:
     tuned = tune_loop(machine)
-    return apply_commissioning_rule(machine, build_plant(machine), tuned), tuned
+    return apply_commissioning_rule(machine, tuned), tuned
 
 
 @pytest.mark.parametrize(("cycles", "damping"), [(0.3, 0.0), (0.8, 0.02), (1.0, 0.05), (2.1, 0.1)])
@@ -130,7 +130,7 @@ def test_rule_keeps_all_at_every_size_on_random_machines(seed: int) -> None:
     """If it failed, the sheet would print a rule that does not do what it is for."""
     machine = for_every_size(random_machine(seed))
     found, tuned = apply(machine)
-    candidate = evaluate(machine, build_plant(machine), tuned, found.limits)
+    candidate = evaluate(machine, tuned, found.limits)
     assert candidate.assessment.is_met
     worst = next(c for c in candidate.sizes if c.requirement is RESIDUAL_DEVIATION)
     assert worst.bound <= RESERVE * found.best.residual_deviation
@@ -224,7 +224,7 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
     machine = example_of_the_document(tmp_path)
     plant = build_plant(machine)
     found, tuned = apply(machine)
-    candidate = evaluate(machine, plant, tuned, found.limits)
+    candidate = evaluate(machine, tuned, found.limits)
     force = next(check for check in candidate.assessment.checks if check.name == "set force")
     text = " ".join(DOC.read_text(encoding="utf-8").split())
     assert (
@@ -232,8 +232,8 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
         f"{1e6 * worst_residual(machine, tuned, found.limits):.2f} µm, "
         f"{force.value:.0f} N of 2000 N."
     ) in text
-    searched = choose_limits(machine, plant, tuned).limits
-    best = evaluate(machine, plant, tuned, searched).settling_time
+    searched = choose_limits(machine, tuned).limits
+    best = evaluate(machine, tuned, searched).settling_time
     cost = 100.0 * (candidate.settling_time / best - 1.0)
     assert (
         f"The search finds {1e3 * best:.1f} ms with {searched.acceleration:g} m/s², "
@@ -244,7 +244,7 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
         for item in apply_rules_of_thumb(machine, plant)
         if item.name.kind == "rule-of-thumb-periods"
     )
-    other = evaluate(machine, plant, tuned, naive.limits)
+    other = evaluate(machine, tuned, naive.limits)
     assert (
         f"leaves {1e6 * other.residual_deviation:.1f} µm and settles after "
         f"{1e3 * other.settling_time:.1f} ms"

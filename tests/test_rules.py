@@ -51,7 +51,7 @@ def test_a_row_is_judged_like_the_recommendation(acceleration: float, jerk: floa
     machine = replace(machine, requirements=needs)
     tuned, limits = tune_loop(machine), MotionLimits(acceleration=acceleration, jerk=jerk)
     found = judge(Row(label=Message("x"), machine=machine, tuned=tuned, limits=limits))
-    own = evaluate(machine, build_plant(machine), tuned, limits)
+    own = evaluate(machine, tuned, limits)
     assert found.settling_time == own.settling_time
     assert found.residual_deviation == own.residual_deviation
     assert found.assessment.is_met == own.assessment.is_met

@@ -41,8 +41,8 @@ def broken_requirements(machine: Machine, shares: Sequence[float] = (1.0,)) -> l
     """
     plant = build_plant(machine)
     tuned = settle_on_loop(machine).tuned
-    limits = choose_limits(machine, plant, tuned).limits
-    if not evaluate(machine, plant, tuned, limits).assessment.is_met:
+    limits = choose_limits(machine, tuned).limits
+    if not evaluate(machine, tuned, limits).assessment.is_met:
         return None
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []

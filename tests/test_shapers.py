@@ -16,7 +16,6 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.moves import Positioning, VelocityStep
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
@@ -133,7 +132,7 @@ def test_comparison_on_the_papers_machine() -> None:
     control = Control(kind=KINDS["state-space"], state_feedback=StateFeedback.OFF)
     machine = replace(machine, requirements=needs, control=control)
     tuned = tune_loop(machine)
-    near = choose_limits(machine, build_plant(machine), tuned).limits
+    near = choose_limits(machine, tuned).limits
     trials = compare_shapers(machine, tuned, near=near)
     assert [Catalogue().say(trial.name).split()[0] for trial in trials] == [
         "ZV",

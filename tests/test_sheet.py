@@ -424,7 +424,7 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     """The rule is to be used with a calculator, so no letter may be left to guess."""
     record = example_record()
     machine = read_shipped("milling-manipulator").machine
-    rule = apply_commissioning_rule(machine, build_plant(machine), tune_loop(machine))
+    rule = apply_commissioning_rule(machine, tune_loop(machine))
     record["limits"]["rule"]["steps"] = [
         {
             "name": to_plain(step.name),

@@ -20,7 +20,6 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.profile import shipped
 from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
@@ -79,9 +78,9 @@ def test_limits_exist_that_meet_all_requirements(name: str) -> None:
         control=replace(machine.control, state_feedback=StateFeedback.OFF),
         requirements=replace(machine.requirements, every_size=False),
     )
-    plant, tuned = build_plant(machine), tune_loop(plain)
-    choice = choose_limits(plain, plant, tuned)
-    assert evaluate(plain, plant, tuned, choice.limits).assessment.is_met
+    tuned = tune_loop(plain)
+    choice = choose_limits(plain, tuned)
+    assert evaluate(plain, tuned, choice.limits).assessment.is_met
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Today
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import TodaysValues, judge_today
@@ -47,7 +46,7 @@ def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> Non
     )
     other = replace(machine, control=own)
     limits = MotionLimits(acceleration=1.2, jerk=30.0)
-    twin = evaluate(other, build_plant(other), tune_loop(other), limits)
+    twin = evaluate(other, tune_loop(other), limits)
     assert found.judged.settling_time == pytest.approx(twin.settling_time, rel=1e-9)
     assert found.judged.residual_deviation == pytest.approx(twin.residual_deviation, rel=1e-6)
 

@@ -70,10 +70,10 @@ def recommend(
     progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, settings.tuning)
     progress(Message("limits-name"))
-    choice = loop.choice or choose_limits(machine, plant, loop.tuned)
+    choice = loop.choice or choose_limits(machine, loop.tuned)
     announce(choice.candidate)
     progress(Message("stage-responses"))
-    rule = apply_commissioning_rule(machine, plant, loop.tuned) if with_rules else None
+    rule = apply_commissioning_rule(machine, loop.tuned) if with_rules else None
     return Recommendation(
         machine=machine,
         plant=plant,

@@ -70,7 +70,7 @@ class Held:
         if mode is not None:
             needs = replace(machine.requirements, tcp_deviation=mode.band)
             machine = replace(machine, requirements=needs)
-        return evaluate(machine, build_plant(machine), self.tuned, limits)
+        return evaluate(machine, self.tuned, limits)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -32,7 +32,6 @@ from mtcommission.loop.respond import (
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 from mtcommission.setpoint.smaller_moves import size_of
@@ -87,10 +86,10 @@ class Bench:
         return Use(bench=self, behind=self.behind[item], t_j=np.asarray(t_j))
 
 
-def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop) -> Bench:
+def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
     """Return the bench of a machine, encoder noise taken off what is allowed."""
     noise = worst_noise(tuned.loops, machine.drive.encoder_resolution)
-    poles, asked = find_poles(tuned.loops), sort_requirements(machine, plant)
+    poles, asked = find_poles(tuned.loops), sort_requirements(machine, tuned.plant)
 
     def left(requirements: Iterable[Requirement]) -> Array:
         none = np.zeros(1)

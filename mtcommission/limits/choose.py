@@ -22,7 +22,6 @@ from mtcommission.limits.requirements import Requirement, Yields, keep_reserve, 
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling
-from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.requirements import Reserve
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -83,7 +82,6 @@ class Choice:
 
 def choose_limits(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     *,
     near: MotionLimits | None = None,
@@ -100,10 +98,10 @@ def choose_limits(
     """
     strict, best = keep_reserve(machine), None
     for allowed in dict.fromkeys((strict, machine)):
-        typed = find_typed(allowed, plant, tuned, near=near, found=found, largest_jerk=largest_jerk)
+        typed = find_typed(allowed, tuned, near=near, found=found, largest_jerk=largest_jerk)
         found = ()
         if typed is not None:
-            choice = _judged(machine, allowed, plant, tuned, typed, largest_jerk)
+            choice = _judged(machine, allowed, tuned, typed, largest_jerk)
             if choice.meets_requirements:
                 return choice
             best = best or choice
@@ -116,12 +114,12 @@ def choose_limits(
         for item in requirements_of(machine):
             if item.yields is Yields.FIRST:
                 wider = item.with_bound(wider, factor * item.bound(machine))
-        typed = find_typed(wider, plant, tuned, near=None, largest_jerk=largest_jerk)
+        typed = find_typed(wider, tuned, near=None, largest_jerk=largest_jerk)
         if typed is not None:
             break
     else:
-        typed = type_in_at_least(machine, plant, tuned)
-    return _judged(machine, machine, plant, tuned, typed, largest_jerk)
+        typed = type_in_at_least(machine, tuned)
+    return _judged(machine, machine, tuned, typed, largest_jerk)
 
 
 def may_be_in_time(machine: Machine, settling_time: float) -> bool:
@@ -132,14 +130,13 @@ def may_be_in_time(machine: Machine, settling_time: float) -> bool:
 def _judged(
     machine: Machine,
     allowed: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     typed: Typed,
     largest_jerk: float,
 ) -> Choice:
     """The verdict on limits by the requirements as they stand; ``allowed``: what they keep."""
     moves = simulate_moves(machine, tuned, typed.limits)
-    candidate = evaluate_moves(machine, plant, tuned, moves, sizes=typed.sizes)
+    candidate = evaluate_moves(machine, tuned, moves, sizes=typed.sizes)
     met = candidate.assessment.is_met
     return Choice(
         candidate=candidate,
@@ -147,8 +144,8 @@ def _judged(
         reserve=machine.requirements.reserve,
         ceiling=_say_ceiling(allowed, typed.limits),
         reserve_used=met and allowed is machine and keep_reserve(machine) is not machine,
-        explain=cache(partial(_explain, allowed, plant, tuned, candidate, moves, largest_jerk)),
-        chart=cache(partial(chart_landscape, machine, plant, tuned, typed.limits)),
+        explain=cache(partial(_explain, allowed, tuned, candidate, moves, largest_jerk)),
+        chart=cache(partial(chart_landscape, machine, tuned, typed.limits)),
     )
 
 
@@ -163,7 +160,6 @@ def _say_ceiling(machine: Machine, limits: MotionLimits) -> tuple[Message, ...]:
 
 def _explain(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     candidate: Candidate,
     moves: Sequence[MoveResult],
@@ -179,7 +175,7 @@ def _explain(
         if j * limits.jerk > largest_jerk:
             return Message("bound-by-jerk-in-proportion", jerk=largest_jerk)
         raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
-        for check in judge_sizes(machine, plant, tuned, raised):
+        for check in judge_sizes(machine, tuned, raised):
             if check.share(machine) > 1.0:
                 broken.setdefault(check.requirement, check.corner.state)
     named = [_in_state(item.message, state) for item, state in broken.items()]

@@ -168,18 +168,17 @@ class AxisEstimate:
     servo: ServoEstimate
 
 
-def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -> RuleResult:
+def apply_commissioning_rule(machine: Machine, tuned: TunedLoop) -> RuleResult:
     """Return limits and filter by the rule, from the gains of a loop, with the hand calculation.
 
     >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from mtcommission.machine.plant.plant import build_plant
     >>> from mtcommission.machine.profile.shipped import read_shipped
     >>> machine = read_shipped("modal-two-modes").machine
-    >>> found = apply_commissioning_rule(machine, build_plant(machine), tune_loop(machine))
+    >>> found = apply_commissioning_rule(machine, tune_loop(machine))
     >>> found.best.residual_deviation <= machine.requirements.tcp_deviation
     True
     """
-    axis = estimate_axis(machine, plant, tuned.controller)
+    axis = estimate_axis(machine, tuned.plant, tuned.controller)
     tried = tuple(_try_filter(axis, item) for item in _filters(axis))
     best = min(tried, key=lambda item: item.duration)
     return RuleResult(

@@ -37,7 +37,6 @@ from mtcommission.loop.respond import (
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning
-from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -94,7 +93,6 @@ class SizeCheck:
 
 def judge_sizes(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     limits: MotionLimits,
     *,
@@ -106,7 +104,7 @@ def judge_sizes(
     What counts from t_e + τ on comes first; ``only_if_kept``: the rest is looked at only if no size
     may leave that.
     """
-    resolution, asked = machine.drive.encoder_resolution, sort_requirements(machine, plant)
+    resolution, asked = machine.drive.encoder_resolution, sort_requirements(machine, tuned.plant)
     sizes = _Sizes(
         machine=machine,
         limits=limits,

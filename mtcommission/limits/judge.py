@@ -164,7 +164,7 @@ def simulate_moves(
     machine: Machine, tuned: TunedLoop, limits: MotionLimits
 ) -> tuple[MoveResult, ...]:
     """Return every move with these limits, simulated in every corner."""
-    resolution, plant = machine.drive.encoder_resolution, tuned.loops[0].plant
+    resolution, plant = machine.drive.encoder_resolution, tuned.plant
     noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
     plan = plan_within(machine, limits)
 
@@ -193,14 +193,13 @@ def simulate_moves(
     return tuple(found)
 
 
-def evaluate(machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits) -> Candidate:
+def evaluate(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> Candidate:
     """Return what some limits do in the same loop, corners and judgement as all others."""
-    return evaluate_moves(machine, plant, tuned, simulate_moves(machine, tuned, limits))
+    return evaluate_moves(machine, tuned, simulate_moves(machine, tuned, limits))
 
 
 def evaluate_moves(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     moves: Sequence[MoveResult],
     *,
@@ -215,12 +214,12 @@ def evaluate_moves(
     if not machine.requirements.every_size:
         sizes = ()
     elif sizes is None:
-        sizes = judge_sizes(machine, plant, tuned, limits)
+        sizes = judge_sizes(machine, tuned, limits)
     return Candidate(
         limits=limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),
-        assessment=assess(machine, plant, tuned.corners, values, sizes=sizes),
+        assessment=assess(machine, tuned.plant, tuned.corners, values, sizes=sizes),
         sizes=tuple(sizes),
     )

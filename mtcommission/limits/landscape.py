@@ -11,7 +11,7 @@ from mtcommission.limits.bench import build_bench
 from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
-from mtcommission.machine.plant.plant import Plant, longest_period
+from mtcommission.machine.plant.plant import longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import filter_steps, jerk_steps
 
@@ -35,15 +35,13 @@ class Landscape:
     usage: Array  # largest share of force, peaks and RMS force, shape (n, n) [-]
 
 
-def chart_landscape(
-    machine: Machine, plant: Plant, tuned: TunedLoop, chosen: MotionLimits
-) -> Landscape:
+def chart_landscape(machine: Machine, tuned: TunedLoop, chosen: MotionLimits) -> Landscape:
     """Return the map about the limits that were chosen, behind their setpoint filter."""
     listed = replace(machine.requirements, every_size=False)
-    bench = build_bench(replace(machine, requirements=listed), plant, tuned)
+    bench = build_bench(replace(machine, requirements=listed), tuned)
     largest = max(largest_acceleration(machine), 1.05 * chosen.acceleration)
     a = np.geomspace(min(0.05 * largest, chosen.acceleration / AROUND), largest, POINTS)
-    longest = max(1.5 * longest_period(plant), AROUND * chosen.jerk_time)
+    longest = max(1.5 * longest_period(tuned.plant), AROUND * chosen.jerk_time)
     shortest = min(chosen.jerk_time / AROUND, 0.2 * longest)
     t_j = np.geomspace(shortest, longest, POINTS)
     a_all, t_all = (axis.ravel() for axis in np.meshgrid(a, t_j, indexing="ij"))

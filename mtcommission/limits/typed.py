@@ -14,7 +14,6 @@ from mtcommission.limits.every_size import SizeCheck, judge_sizes
 from mtcommission.limits.explore import LEAST_GROWTH, REFINED, Found, explore
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration
-from mtcommission.machine.plant.plant import Plant
 from mtcommission.setpoint.duration import longest_move, require_short
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint
@@ -53,7 +52,6 @@ class Typed:
 
 def find_typed(
     machine: Machine,
-    plant: Plant,
     tuned: TunedLoop,
     *,
     near: MotionLimits | None = None,
@@ -70,14 +68,14 @@ def find_typed(
     typed: list[Typed] = []
     for _ in range(ROUNDS):
         if not found:
-            bench = build_bench(stricter, plant, tuned)
+            bench = build_bench(stricter, tuned)
             found = explore(bench, largest_jerk=largest_jerk, near=near, refined=refined)
         best = min((item.duration for item in typed), default=inf)
         first: tuple[SizeCheck, ...] = ()
         for item in found[:most]:
             if item.duration >= min(best, longest_move(machine)):
                 break
-            nearest, used = _type_in(machine, plant, tuned, item, latest=best)
+            nearest, used = _type_in(machine, tuned, item, latest=best)
             first = used if item is found[0] else first
             if nearest is not None:
                 typed.append(nearest)
@@ -100,12 +98,12 @@ def find_typed(
     more = round_limits(machine, a, limits.jerk_time)
     more = replace(more, setpoint_filter=limits.setpoint_filter)
     if more.jerk <= largest_jerk and _duration(machine, more) < NOTICEABLE * best_typed.duration:
-        raised, share = _judged(machine, plant, tuned, more)
+        raised, share = _judged(machine, tuned, more)
         return raised if share <= 1.0 else best_typed
     return best_typed
 
 
-def type_in_at_least(machine: Machine, plant: Plant, tuned: TunedLoop) -> Typed:
+def type_in_at_least(machine: Machine, tuned: TunedLoop) -> Typed:
     """Return limits that hardly move the axis, where the search finds none at all.
 
     Raises
@@ -115,12 +113,12 @@ def type_in_at_least(machine: Machine, plant: Plant, tuned: TunedLoop) -> Typed:
     """
     limits = round_limits(machine, 1e-3 * largest_acceleration(machine), 0.1)
     require_short(_duration(machine, limits), velocity_cycle=machine.control.velocity_cycle)
-    sizes = judge_sizes(machine, plant, tuned, limits)
+    sizes = judge_sizes(machine, tuned, limits)
     return Typed(limits=limits, sizes=sizes, duration=_duration(machine, limits))
 
 
 def _type_in(
-    machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, *, latest: float
+    machine: Machine, tuned: TunedLoop, found: Found, *, latest: float
 ) -> tuple[Typed | None, tuple[SizeCheck, ...]]:
     """The nearest limits that can be typed in and hold, and what the found ones use.
 
@@ -137,7 +135,7 @@ def _type_in(
     for _ in range(MOST_SCALED):
         if _duration(machine, limits) >= latest:
             break
-        typed, used = _judged(machine, plant, tuned, limits)
+        typed, used = _judged(machine, tuned, limits)
         first = first or typed.sizes
         if used <= 1.0:
             return typed, first
@@ -151,7 +149,7 @@ def _type_in(
         ramp = limits.jerk_time * used / JUST_LESS
         gentler = typed_in(a, ramp)
         if _duration(machine, gentler) < min(WELL_SOONER * _duration(machine, slower), latest):
-            typed, left = _judged(machine, plant, tuned, gentler)
+            typed, left = _judged(machine, tuned, gentler)
             if left <= 1.0:
                 return typed, first
             if left < used:
@@ -161,11 +159,9 @@ def _type_in(
     return None, first
 
 
-def _judged(
-    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
-) -> tuple[Typed, float]:
+def _judged(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[Typed, float]:
     """Limits, judged exactly, and the largest share of a bound that they use [-]."""
-    sizes = judge_sizes(machine, plant, tuned, limits, only_if_kept=True)
+    sizes = judge_sizes(machine, tuned, limits, only_if_kept=True)
     typed = Typed(limits=limits, sizes=sizes, duration=_duration(machine, limits))
     return typed, max(check.share(machine) for check in sizes)
 

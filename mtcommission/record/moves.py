@@ -148,7 +148,7 @@ def simulation_part(
 ) -> SimulationPart:
     """Return what ``simulate --json`` prints, judged like a recommendation; a result each move."""
     entries = [move_entry(plant, tuned, result) for result in results]
-    verdict = evaluate_moves(machine, plant, tuned, results).assessment
+    verdict = evaluate_moves(machine, tuned, results).assessment
     return entry_of(
         SimulationPart, entries[0], moves=entries, warnings=tuned.warnings, assessment=verdict
     )

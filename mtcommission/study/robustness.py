@@ -175,14 +175,14 @@ def respond_varied(
 ) -> VariedResponse:
     """Return what limits do to the listed moves on varied machines under the same controller."""
     requirements, plan = requirements_of(machine), plan_within(machine, limits)
-    model, band = tuned.loops[0].plant, machine.requirements.tcp_deviation
-    bench = build_bench(machine, model, tuned)
+    band = machine.requirements.tcp_deviation
+    bench = build_bench(machine, tuned)
     settling, residual = np.zeros((2, len(places)))
     values = np.zeros((len(places), len(requirements)))
     for start in range(0, len(places), STUDY.together):
         part = slice(start, start + STUDY.together)
         plants = [build_plant(vary(machine, place)) for place in places[part]]
-        loops = tuple(build_loop(each, tuned.controller, model=model) for each in plants)
+        loops = tuple(build_loop(each, tuned.controller, model=tuned.plant) for each in plants)
         poles = find_poles.__wrapped__(loops)
         grid = lay_grid(poles, STUDY.samples)
         for place, move in enumerate(machine.moves):

@@ -15,7 +15,6 @@ from mtcommission.limits.judge import Candidate, evaluate_moves, simulate_moves
 from mtcommission.limits.requirements import keep_reserve
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import STUDY
@@ -46,17 +45,17 @@ def judge(row: Row) -> Candidate:
     if row.limits is None:
         found = choose(row).candidate
     else:
-        plant, moves = build_plant(row.machine), simulate_moves(row.machine, row.tuned, row.limits)
-        found = evaluate_moves(row.machine, plant, row.tuned, moves, sizes=())
+        moves = simulate_moves(row.machine, row.tuned, row.limits)
+        found = evaluate_moves(row.machine, row.tuned, moves, sizes=())
         if found.assessment.is_met:
-            found = evaluate_moves(row.machine, plant, row.tuned, moves)
+            found = evaluate_moves(row.machine, row.tuned, moves)
     return replace(found, name=row.label, source=row.source)
 
 
 def look(row: Row) -> tuple[Found, ...]:
     """Return limits that the search sees for a row, the best first; empty where it sees none."""
     return explore(
-        build_bench(keep_reserve(row.machine), build_plant(row.machine), row.tuned),
+        build_bench(keep_reserve(row.machine), row.tuned),
         largest_jerk=row.largest_jerk,
         near=row.near,
         beside=row.beside,
@@ -69,7 +68,6 @@ def choose(row: Row) -> Choice:
     """Return the limits that the one search finds for a row."""
     return choose_limits(
         row.machine,
-        build_plant(row.machine),
         row.tuned,
         near=row.near,
         found=row.found or (look(row) if row.beside else ()),

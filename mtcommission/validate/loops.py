@@ -40,7 +40,7 @@ class Loop:
 def solve_loop(machine: Machine, others: Sequence[MotionLimits] = ()) -> Loop:
     """Return the loop of a machine with its setpoints."""
     plant, tuned = build_plant(machine), settle_on_loop(machine).tuned
-    chosen = choose_limits(machine, plant, tuned).limits
+    chosen = choose_limits(machine, tuned).limits
     (rectangular, trapezoidal), *compared = (
         compare_controls(machine, tuned, machine.moves[0], limits=limits, optima=())
         for limits in (chosen, *others)

@@ -121,14 +121,18 @@ class TunedLoop:
     warnings: tuple[Message, ...] = ()  # what is poor about the loop; belongs beside the verdict
 
     @property
+    def plant(self) -> Plant:
+        """The nominal plant."""
+        return self.loops[0].plant
+
+    @property
     def model(self) -> Any:
         """The nominal loop as a ``control.StateSpace``, see ``build_model``."""
         from mtcommission.loop.model import diagram  # python-control takes a second
 
         if self.controller.follows:
             return diagram.as_open_loop_model(self.loops[0].lifted)
-        plant = self.loops[0].plant
-        return diagram.build_model(plant, self.controller, model=plant)
+        return diagram.build_model(self.plant, self.controller, model=self.plant)
 
     @property
     def nominal(self) -> LoopAnalysis:
@@ -181,7 +185,7 @@ def close_loop(
 
 def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
     """Return a loop with one corner more, ``place``, of the nominal machine behind its own."""
-    plants = tuned.loops[0].plant, build_plant(vary(machine, place))
+    plants = tuned.plant, build_plant(vary(machine, place))
     beside = CornerPlants(corners=(tuned.corners[0], place), plants=plants)
     added = close_loop(beside, tuned.controller)
     names = ("corners", "loops", "responses", "analyses")
