@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.limits.condense import condense
+from mtcommission.limits.optima import condense
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.optimal.control import Trajectory
 from tests.independent_loop import profile_of

@@ -27,7 +27,6 @@ from mtcommission.loop.respond import (
     free_motion,
     lay_grid,
     set_in_motion,
-    where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -66,12 +65,6 @@ class Bench:
     def delay(self) -> float:
         """τ [s]."""
         return self.poles.delay
-
-    def where_to_look(self, swings: Swings) -> tuple[LoopPoles, Cycles]:
-        """Corners and velocity cycles; what follows the setpoint is off most in any corner."""
-        if swings.less is None:
-            return where_signals_lead(self.poles, swings.rows)
-        return self.poles, np.zeros(1, np.int64)
 
     def durations(self, item: SetpointFilter | None, a: Array, t_j: Array | float) -> Array:
         """Return t_e of the slowest listed move, shape of ``a`` [s]."""
@@ -145,7 +138,7 @@ class BehindFilter:
 
     def worst_during(self, swings: Swings, steps: JerkSteps) -> Array:
         """Return the largest of swings looked at together, worst corner, (n_setpoints, n_rows)."""
-        poles, parts = self.bench.where_to_look(swings)
+        poles, parts = swings.where_to_look(self.bench.poles)
         motions = set_in_motion(poles, filter_steps(steps, self.item))
         grid = lay_grid(poles, SAMPLES)
         found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less)

@@ -32,7 +32,6 @@ from mtcommission.loop.respond import (
     free_motion,
     lay_grid,
     set_in_motion,
-    where_signals_lead,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -215,26 +214,15 @@ class _Sizes:
 
     def worst_during(self, place: int, swings: Swings) -> list[SizeCheck]:
         """Return the worst of swings looked at together, of some sizes."""
-        steps = self._some(swings.moves[place])
-        grid, every = lay_grid(self.poles, 12), np.arange(self.poles.cycles)
-        if swings.less is not None:  # what follows the setpoint is off most in any corner
-            motions = set_in_motion(self.poles, steps)
-            found = extremes(motions, grid, swings.rows, parts=every, less=swings.less)
-        else:
-            own, parts = where_signals_lead(self.poles, swings.rows)
-            motions, own_grid = set_in_motion(own, steps), lay_grid(own, 12)
-            found = extremes(motions, own_grid, swings.rows, parts=parts)
-        checks = []
+        steps, (own, parts) = self._some(swings.moves[place]), swings.where_to_look(self.poles)
+        motions, grid = set_in_motion(own, steps), lay_grid(own, 12)
+        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less).max(axis=1)
+        grid, every, checks = lay_grid(self.poles, 12), np.arange(self.poles.cycles), []
         for k, requirement in enumerate(swings.requirements):
-            if swings.less is not None:
-                values = requirement.noisy(found[..., k], self.noises)
-                worst = int(values.max(axis=1).argmax())
-                values = values[worst]
-            else:
-                worst = int(found[..., k].max(axis=1).argmax())
-                alone, row = set_in_motion(self.poles, _only(steps, worst)), swings.rows[k : k + 1]
-                peaks = extremes(alone, grid, row, parts=every)
-                values = requirement.noisy(peaks[0, :, 0], self.noises)
+            worst = int(found[:, k].argmax())
+            alone, row = set_in_motion(self.poles, _only(steps, worst)), swings.rows[k : k + 1]
+            peaks = extremes(alone, grid, row, parts=every, less=swings.less)
+            values = requirement.noisy(peaks[0, :, 0], self.noises)
             checks.append(self._check(place, requirement, values, worst))
         return checks
 

@@ -26,6 +26,7 @@ from mtcommission.loop.respond import (
     outputs_at,
     set_in_motion,
     tool_deviation,
+    where_signals_lead,
 )
 from mtcommission.loop.simulate import LoopResponse, rms_force, window_shares
 from mtcommission.machine.machine import Machine, heaviest_mass
@@ -356,6 +357,12 @@ class Swings:
     rows: Array  # over the outputs of a velocity cycle, (n_requirements, n_outputs)
     less: int | None  # see ``Signal``
     moves: tuple[Move, ...]  # each listed one, as it is judged
+
+    def where_to_look(self, poles: LoopPoles) -> tuple[LoopPoles, NDArray[np.int64]]:
+        """Return corners, and velocity cycles; what follows the setpoint may be off most in any."""
+        if self.less is None:
+            return where_signals_lead(poles, self.rows)
+        return poles, np.zeros(1, np.int64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

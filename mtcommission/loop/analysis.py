@@ -46,8 +46,9 @@ REFINED_POINTS = 15
 and what is interpolated on it is right to 1e-6 (tested against root finding). Odd, so that the
 middle, perhaps an undamped resonance, is left out."""
 
-STEADY, RIGID = 1e-9, 2
-"""Distance from the unit circle of a pole that decays, and poles of a rigid body."""
+STEADY, RIGID = 1e-10, 2
+"""A pole this close to the unit circle does not decay: rounding, not damping; and how many poles a
+rigid body has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -300,9 +301,6 @@ DEAD_TIME_RADIUS = 1e-3
 
 NOTABLE_SHARE = 0.1
 """A pair of poles that holds less of a mode than this is not counted as the mode's (empirical)."""
-
-STEADY = 1e-10
-"""A pole this close to the unit circle does not decay: rounding, not damping."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

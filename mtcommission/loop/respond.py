@@ -378,16 +378,7 @@ def free_motion(motions: Motions, grid: Grid, *, signal: Signal | None = None) -
     if np.any(v_end):
         e += v_end[:, None, None] * coasting[:, part]
     until = t_e + tau
-    own = until - end * T
-    begin = np.searchsorted(instants, own - INSTANT)
-    each, prior = np.arange(len(e)), np.maximum(begin - 1, 0)
-    share = (own - instants[prior]) / np.maximum(instants[begin] - instants[prior], INSTANT)
-    at_end = e[each, :, prior]
-    at_end = at_end + share[:, None] * (e[each, :, begin] - at_end)
-    np.abs(e, out=e)
-    head = int(begin.max(initial=0))
-    e[:, :, :head] *= np.arange(head) >= prior[:, None, None]
-    e[each, :, prior] = np.abs(at_end)
+    keep_from(instants, e, until - end * T)
     return FreeMotion(
         instants=instants,
         ended=np.asarray(end * T),
@@ -396,6 +387,24 @@ def free_motion(motions: Motions, grid: Grid, *, signal: Signal | None = None) -
         motions=motions,
         offset=v_end[:, None, None] * coasting,
     )
+
+
+def keep_from(instants: Array, e: Array, begin: Array) -> None:
+    """Turn signals into their magnitudes from the beginning of free motion on, in place.
+
+    ``instants``: shape (n,) [s]; ``e``: by what coasts or rests after it, shape (n_setpoints,
+    n_corners, n); ``begin``: of each setpoint [s]. What comes before is 0; the instant just before
+    it stands for ``begin`` itself, interpolated.
+    """
+    first, each = np.searchsorted(instants, begin - INSTANT), np.arange(len(e))
+    prior = np.maximum(first - 1, 0)
+    share = (begin - instants[prior]) / np.maximum(instants[first] - instants[prior], INSTANT)
+    at_begin = e[each, :, prior]
+    at_begin = at_begin + share[:, None] * (e[each, :, first] - at_begin)
+    np.abs(e, out=e)
+    head = int(first.max(initial=0))
+    e[:, :, :head] *= np.arange(head) >= prior[:, None, None]
+    e[each, :, prior] = np.abs(at_begin)
 
 
 BETWEEN = 6

@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import SampledLoop, discretise_disturbance
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.poles import Cycles, LoopPoles, find_poles
 from mtcommission.loop.respond import (
     FORCE,
@@ -40,6 +41,7 @@ from mtcommission.loop.respond import (
     TOOL,
     Motions,
     free_motion,
+    keep_from,
     last_crossing,
     lay_grid,
     outputs_at,
@@ -47,7 +49,7 @@ from mtcommission.loop.respond import (
 )
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.setpoint.setpoint import Setpoint, knots_of, sample_setpoint
+from mtcommission.setpoint.setpoint import INSTANT, Setpoint, knots_of, sample_setpoint
 
 Array = NDArray[np.float64]
 
@@ -257,6 +259,28 @@ def simulate_corners(
     ]
 
 
+def simulate_rubbing(
+    loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float, followed: float
+) -> LoopResponse:
+    """Return the response with the drive's friction, stepped for a while after its end [s].
+
+    What is off by then is "not settled".
+    """
+    gains = loop.controller
+    step, cycle = gains.velocity_cycle, gains.position_cycle
+    friction = find_friction(
+        loop.plant, coulomb=drive.coulomb_friction, viscous=drive.viscous_friction, step=step
+    )
+    until = setpoint.duration + gains.reference_delay + followed
+    n = np.arange(ceil(until / cycle))
+    references, limit = sample_setpoint(setpoint, np.asarray(n * cycle)), drive.usable_force
+    outputs = drive_loop(loop, references, force_limit=limit, friction=friction)
+    late = _delayed(setpoint, gains, n)
+    settles = bool(abs(outputs[-1, TOOL] - late[-1]) <= band)
+    seen = _Seen(n=n, late=late, outputs=outputs, settles=settles)
+    return _judge(loop, setpoint, seen, drive=drive, band=band)
+
+
 def _end(setpoint: Setpoint, poles: LoopPoles) -> int:
     """The first position cycle after the delayed setpoint."""
     return ceil((setpoint.duration + poles.delay) / poles.dt) + 1
@@ -273,15 +297,15 @@ def _respond(poles: LoopPoles, setpoint: Setpoint, band: float) -> list[_Seen]:
         found = outputs_at(motions, some[None], np.eye(poles.outputs))[0]
         part = slice(start * poles.cycles, (start + len(some)) * poles.cycles)
         outputs[:, part] = found.reshape(len(outputs), -1, poles.outputs)
-    late = _delayed(setpoint, poles, n)
+    late = _delayed(setpoint, poles.loops[0].controller, n)
     pairs = zip(outputs, decayed.tolist(), strict=True)
     return [_Seen(n=n, late=late, outputs=own, settles=settles) for own, settles in pairs]
 
 
-def _delayed(setpoint: Setpoint, poles: LoopPoles, n: Cycles) -> Array:
+def _delayed(setpoint: Setpoint, gains: Controller, n: Cycles) -> Array:
     """Position of the delayed setpoint at each velocity cycle of some position cycles [m]."""
-    t = (n[:, None] * poles.cycles + np.arange(poles.cycles)) * poles.velocity_cycle
-    return sample_setpoint(setpoint, np.asarray(t.ravel() - poles.delay))[:, 0]
+    t = (n[:, None] * gains.cycles + np.arange(gains.cycles)) * gains.velocity_cycle
+    return sample_setpoint(setpoint, np.asarray(t.ravel() - gains.reference_delay))[:, 0]
 
 
 TOGETHER = 200
@@ -349,7 +373,8 @@ def _step_saturated(
 
     What asks for more force than there is until the horizon does not settle.
     """
-    T, X, outputs = poles.dt, np.zeros((len(loops), len(loops[0].lifted.A))), list[Array]()
+    T, gains, outputs = poles.dt, loops[0].controller, list[Array]()
+    X = np.zeros((len(loops), len(loops[0].lifted.A)))
     k, stop = 0, _end(setpoint, poles)
     end, last = stop, stop + min(ceil(HORIZON / T), STEPPED // poles.cycles)
     while k < last:
@@ -357,7 +382,7 @@ def _step_saturated(
         references = sample_setpoint(setpoint, np.asarray(n * T))
         X, Y = step_through(loops, X, references, force_limit=limit)
         outputs.append(Y)
-        off = np.abs(Y[:, :, TOOL] - _delayed(setpoint, poles, n)).max(axis=1)
+        off = np.abs(Y[:, :, TOOL] - _delayed(setpoint, gains, n)).max(axis=1)
         is_free = np.abs(Y[:, :, FORCE]).max(axis=1) < limit
         settles = is_free & (off <= band)
         is_long = is_free.all() and (k - end) * T >= FOLLOWED
@@ -365,7 +390,7 @@ def _step_saturated(
             break
         k, stop = stop, min(stop + ceil(STRETCH / T), last)
     every = np.arange(sum(Y.shape[1] for Y in outputs) // poles.cycles)
-    late = _delayed(setpoint, poles, every)
+    late = _delayed(setpoint, gains, every)
     both = np.concatenate(outputs, axis=1), settles.tolist()
     return [
         _Seen(n=every, late=late, outputs=own, settles=rests)
@@ -379,20 +404,16 @@ def _judge(
     n, outputs, settles = seen.n, seen.outputs, seen.settles
     gains, t_e = loop.controller, setpoint.duration
     until, T_v = t_e + gains.reference_delay, gains.velocity_cycle
-    t = ((n[:, None] * gains.cycles + np.arange(gains.cycles)) * T_v).ravel()
+    t = np.asarray((n[:, None] * gains.cycles + np.arange(gains.cycles)) * T_v).ravel()
     tool, force, states = outputs[:, TOOL], outputs[:, FORCE], outputs[:, OUTPUTS:]
-    deviation, begin = tool - seen.late, int(np.argmax(t >= until - 1e-12))
-    # The judgement begins between two samples: there the tool is interpolated against the
-    # setpoint that by then rests or coasts.
+    deviation, begin = tool - seen.late, int(np.argmax(t >= until - INSTANT))
+    # By then the setpoint rests or coasts, also where it is asked for between two samples.
     end, speed = sample_setpoint(setpoint, np.array([t_e]))[0, :2]
-    before = tool[begin - 1] - end - speed * (t[begin - 1] - until)
-    share = (until - t[begin - 1]) / (t[begin] - t[begin - 1])
-    at_end = before + share * (deviation[begin] - before)
-    judged = np.abs(np.append(at_end, deviation[begin:]))
-    settling = until
-    if settles and np.max(judged) > band:
-        at = np.append(until, t[begin:])
-        settling = float(last_crossing(at, judged[None], band, begin=at[:1])[1][0])
+    free, own = (tool - end - speed * (t - until))[None, None], np.array([until])
+    keep_from(t, free, own)
+    settling, residual = until, float(np.max(free))
+    if settles and residual > band:
+        settling = float(last_crossing(t, free[0], band, begin=own)[1][0])
     window, motor = t_e + setpoint.move.dwell, outputs[:, -1]
     shares = window_shares(n, window, step=T_v, cycles=gains.cycles).ravel()
     integrals = np.asarray(shares @ motor), np.asarray(shares @ motor**2)
@@ -405,7 +426,7 @@ def _judge(
         states=states,
         t_end=until,
         settling_time=settling if settles else inf,
-        residual_deviation=float(np.max(judged)) if settles else inf,
+        residual_deviation=residual if settles else inf,
         peak_deviation=float(np.max(np.abs(deviation))),
         mode_amplitudes=_mode_amplitudes(loop, states[begin]),
         peaks=signals,

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
-from math import ceil, inf, nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -26,17 +26,17 @@ from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.bench import build_bench
 from mtcommission.limits.judge import MoveResult
 from mtcommission.limits.requirements import Requirement, requirements_of
-from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
-from mtcommission.loop.simulate import drive_loop, find_friction
+from mtcommission.loop.simulate import simulate_rubbing
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, knots_of, plan_within, sample_setpoint
+from mtcommission.setpoint.setpoint import knots_of, plan_within
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
 from mtcommission.study.settings import STUDY, RobustnessSettings
 
@@ -196,7 +196,7 @@ def respond_varied(
             for requirement, signal in bench.asked.after:
                 found[requirement] = free_motion(motions, grid, signal=signal).residual[0]
             for swings in bench.asked.during:
-                _, parts = bench.where_to_look(swings)
+                _, parts = swings.where_to_look(bench.poles)
                 judged = set_in_motion(poles, knots_of(plan(swings.moves[place])))
                 peaks = extremes(judged, grid, swings.rows, parts=parts, less=swings.less)[0]
                 found.update(zip(swings.requirements, peaks.T, strict=True))
@@ -291,7 +291,7 @@ class FrictionEffect:
     number: int  # of the move, from 1
     settling_time: float  # [s]; inf: not settled while it was followed
     without_friction: float  # [s]
-    residual_deviation: float  # [m]
+    residual_deviation: float  # [m]; inf likewise
     max_force: float  # set force, friction included [N]
     is_kept: bool  # band, settling time and force
 
@@ -302,10 +302,21 @@ def examine_friction(
     """Return what friction does to each move with the recommended limits; nothing if unstated."""
     if not machine.drive.has_friction:
         return ()
-    needs, effects = machine.requirements, []
+    needs, drive, effects = machine.requirements, machine.drive, []
     for number, result in enumerate(moves, start=1):
-        rows = [_follow(machine, loop, result.setpoint) for loop in tuned.loops]
-        settling, residual, force = (max(column) for column in zip(*rows, strict=True))
+        rubbed = [
+            simulate_rubbing(
+                loop,
+                result.setpoint,
+                drive=drive,
+                band=needs.tcp_deviation,
+                followed=STUDY.followed,
+            )
+            for loop in tuned.loops
+        ]
+        settling = max(one.settling_time for one in rubbed)
+        residual = max(one.residual_deviation for one in rubbed)
+        force = max(one.max_force for one in rubbed)
         kept = residual <= needs.tcp_deviation and settling <= needs.max_settling_time
         effects.append(
             FrictionEffect(
@@ -314,27 +325,7 @@ def examine_friction(
                 without_friction=max(one.settling_time for one in result.responses),
                 residual_deviation=residual,
                 max_force=force,
-                is_kept=kept and force < machine.drive.usable_force,
+                is_kept=kept and force < drive.usable_force,
             )
         )
     return tuple(effects)
-
-
-def _follow(machine: Machine, loop: SampledLoop, setpoint: Setpoint) -> tuple[float, float, float]:
-    """Settling time, residual deviation and largest set force of one move."""
-    drive, tau = machine.drive, loop.controller.reference_delay
-    step, cycle = loop.controller.velocity_cycle, loop.controller.position_cycle
-    friction = find_friction(
-        loop.plant, coulomb=drive.coulomb_friction, viscous=drive.viscous_friction, step=step
-    )
-    until = setpoint.duration + tau
-    count = ceil((until + STUDY.followed) / cycle)
-    references = sample_setpoint(setpoint, cycle * np.arange(count, dtype=np.float64))
-    outputs = drive_loop(loop, references, force_limit=drive.usable_force, friction=friction)
-    t = step * np.arange(len(outputs), dtype=np.float64)
-    late = t >= until - 1e-12
-    deviation = np.abs(outputs[:, 0] - sample_setpoint(setpoint, t - tau)[:, 0])[late]
-    outside = np.flatnonzero(deviation > machine.requirements.tcp_deviation)
-    times = [until, *t[late].tolist(), inf]
-    settling = times[outside[-1] + 2] if outside.size else until
-    return settling, float(deviation.max()), float(np.abs(outputs[:, 2]).max())

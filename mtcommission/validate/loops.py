@@ -10,7 +10,7 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.condense import condense
+from mtcommission.limits.optima import condense
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import build_plant
