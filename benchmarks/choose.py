@@ -21,7 +21,8 @@ from benchmarks.population import demanding_machine
 from mtcommission.base.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -27,7 +27,8 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits

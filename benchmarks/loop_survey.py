@@ -24,12 +24,12 @@ import numpy as np
 
 from benchmarks.population import random_machine
 from mtcommission.base.errors import ComputationError
-from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
+from mtcommission.loop.tuning.tuned import TUNING, TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from tests.machines import random_modal_machine
 
-WANTED = TuningSettings()
 ROUNDING = 1e-3
 """A margin read between the samples of the frequency response may differ by so much (relative)."""
 
@@ -87,9 +87,9 @@ def examine(tuned: TunedLoop, tally: Tally, *, where: str) -> None:
     gain = min(analysis.gain_margin_db for analysis in tuned.analyses)
     is_kept = (
         radius < 1.0
-        and peak <= WANTED.sensitivity_peak * (1.0 + ROUNDING)
-        and phase >= WANTED.phase_margin_deg * (1.0 - ROUNDING)
-        and gain >= WANTED.gain_margin_db
+        and peak <= TUNING.sensitivity_peak * (1.0 + ROUNDING)
+        and phase >= TUNING.phase_margin_deg * (1.0 - ROUNDING)
+        and gain >= TUNING.gain_margin_db
     )
     if not is_kept:
         raise SystemExit(f"{where}: radius {radius}, peak {peak}, phase {phase}, gain {gain} dB")

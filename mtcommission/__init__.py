@@ -16,18 +16,17 @@ if TYPE_CHECKING:
     from mtcommission.commission.commission import Commissioning
     from mtcommission.machine.machine import Machine
     from mtcommission.record.record import Record
-    from mtcommission.study.settings import Settings
 
 __all__ = ["__version__", "make_record", "run"]
 
 
-def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> Commissioning:
+def run(profile: Path | str | Machine) -> Commissioning:
     """Return optima, recommended limits, their response and the verdict.
 
     Like the commands in one thread of BLAS, whatever the process allows: the order of summation
     changes with their number, and so would the last digits. ``profile`` is a file, or a machine
-    that was read from one and changed; ``settings`` are numerical ones, None the defaults.
-    docs/python.md tells what is returned, and the shape and unit of every time series.
+    that was read from one and changed. docs/python.md tells what is returned, and the shape and
+    unit of every time series.
 
     Raises
     ------
@@ -48,7 +47,7 @@ def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> C
         source = read_source(profile)
         machine = parse_profile(source.text, where=str(profile))
     with threadpool_limits(limits=1, user_api="blas"):
-        return commission(machine, profile=source, settings=settings)
+        return commission(machine, profile=source)
 
 
 def make_record(found: Commissioning) -> Record:

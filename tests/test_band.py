@@ -22,10 +22,7 @@ from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum
 from mtcommission.optimal.modes import free_peaks, free_row, free_waves, in_moments
 from mtcommission.study.optimum import find_within_band
-from mtcommission.study.settings import BandSettings
 from tests.machines import paper_machine, random_modal_machine
-
-STANDARD = BandSettings()
 
 
 def optimum_of(machine: Machine, move: Move, *, band: float) -> tuple[float, BandForce]:
@@ -193,7 +190,7 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw(name: str) ->
     plant = build_plant(machine)
     move = machine.moves[-1]
     optima = find_optima(machine, plant, move)
-    found = find_within_band(replace(machine, moves=(move,)), optima, STANDARD)
+    found = find_within_band(replace(machine, moves=(move,)), optima)
     assert found.robust is not None
     assert found.optimum is not None
     assert found.remarks == ()
@@ -219,7 +216,7 @@ def test_without_spread_there_is_no_robust_force() -> None:
     machine = replace(machine, requirements=needs)
     plant = build_plant(machine)
     optima = find_optima(machine, plant, machine.moves[0])
-    found = find_within_band(machine, optima, STANDARD)
+    found = find_within_band(machine, optima)
     assert found.optimum is not None
     assert found.robust is None
     assert found.remarks == ()
@@ -231,7 +228,7 @@ def test_damping_known_to_a_spread_alone_asks_for_a_robust_force() -> None:
     needs = replace(machine.requirements, frequency_spread=0.0, damping_spread=0.3)
     machine = replace(machine, requirements=needs)
     optima = find_optima(machine, build_plant(machine), machine.moves[0])
-    found = find_within_band(machine, optima, STANDARD)
+    found = find_within_band(machine, optima)
     assert found.robust is not None
     for factor in (0.7, 1.0, 1.3):
         moved = vary(machine, Corner(damping_factor=factor))
@@ -246,7 +243,7 @@ def test_a_band_wider_than_the_move_has_no_optimum() -> None:
     machine = replace(machine, moves=(move,), requirements=needs)
     plant = build_plant(machine)
     optima = find_optima(machine, plant, move)
-    found = find_within_band(machine, optima, STANDARD)
+    found = find_within_band(machine, optima)
     assert found.optimum is None
     assert found.robust is None
     assert [remark.kind for remark in found.remarks] == ["band-wider-than-move"]
@@ -261,7 +258,7 @@ def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number(
     monkeypatch.setattr("mtcommission.study.optimum.find_band_optimum", gives_up)
     machine = paper_machine()
     optima = find_optima(machine, build_plant(machine), machine.moves[0])
-    found = find_within_band(machine, optima, STANDARD)
+    found = find_within_band(machine, optima)
     assert found.optimum is None
     assert [remark.kind for remark in found.remarks] == ["band-optimum-failed"]
 
@@ -273,7 +270,7 @@ def test_what_a_band_saves_is_not_asked_of_a_move_of_hundreds_of_periods() -> No
     machine = replace(machine, moves=(long,))
     plant = build_plant(machine)
     optima = find_optima(machine, plant, long)
-    found = find_within_band(machine, optima, STANDARD)
+    found = find_within_band(machine, optima)
     assert [remark.kind for remark in found.remarks] == ["band-saves-nothing"]
     assert found.optimum is None
     assert optima.time.t_f < 1.01 * (1.0 / 0.2 + 0.2 / machine.drive.motion_force)

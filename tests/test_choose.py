@@ -26,7 +26,8 @@ from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.simulate import LoopResponse, simulate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant

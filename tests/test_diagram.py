@@ -20,7 +20,7 @@ from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.gains import add_state_feedback, design_observer, is_seen
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.machine.machine import Machine
@@ -72,7 +72,7 @@ def tuned_member(seed: int) -> TunedLoop:
     seen = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
     if not seen or seed % 2 == 0:
         return tuned
-    observer = design_observer(machine, plant, cascade, settings=TuningSettings())
+    observer = design_observer(machine, plant, cascade)
     controller = add_state_feedback(machine, plant, cascade, weight=0.3, observer=observer)
     return close_loop(corner_plants(machine), controller)
 

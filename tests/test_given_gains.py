@@ -12,7 +12,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.loop.tuning.family import cascade_family, propose_cascades
 from mtcommission.loop.tuning.gains import symmetrical_optimum
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
@@ -25,7 +25,6 @@ from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
 ENGLISH = Catalogue()
-WANTED = TuningSettings()
 
 
 def cascade(**changes: object) -> Machine:
@@ -33,7 +32,7 @@ def cascade(**changes: object) -> Machine:
 
 
 def has_all_margins(tuned: TunedLoop) -> bool:
-    return all(has_margins(analysis, settings=WANTED) for analysis in tuned.analyses)
+    return tuned.keeps_margins
 
 
 @pytest.mark.parametrize(
@@ -148,7 +147,7 @@ def test_chosen_loops_keep_the_minimum_bandwidth() -> None:
 
 def test_state_feedback_is_tried_where_the_cascade_is_too_slow() -> None:
     """A machine that state feedback makes fast enough would be refused."""
-    fastest = propose_cascades(cascade_family(cascade(), WANTED)).fastest_hz
+    fastest = propose_cascades(cascade_family(cascade())).fastest_hz
     least = 1.02 * fastest
     machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=least)
     choice = choose(machine)

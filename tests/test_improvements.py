@@ -9,21 +9,18 @@ import pytest
 
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
-from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.loops import LoopChoice
 
-SETTINGS = TuningSettings()
-
 
 def improvements_of(machine: Machine) -> tuple[float, dict[str, Improvement]]:
     """Settling time with the loop by the classic rule, and what changes would bring, in order."""
     tuned = tune_loop(machine)
     choice = choose_limits(machine, tuned)
-    found = find_improvements(machine, LoopChoice(tuned=tuned), choice, SETTINGS)
+    found = find_improvements(machine, LoopChoice(tuned=tuned), choice)
     return choice.candidate.settling_time, {item.change.kind: item for item in found}
 
 

@@ -11,7 +11,6 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import GENERIC
 from mtcommission.limits.choose import choose_limits
-from mtcommission.loop.tuning.tuned import TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
@@ -24,8 +23,6 @@ from mtcommission.study.loops import (
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
-SETTINGS = TuningSettings()
-
 
 def cascade() -> Machine:
     return quiet_copy(paper_machine(), kind=GENERIC, state_feedback=StateFeedback.OFF)
@@ -33,7 +30,7 @@ def cascade() -> Machine:
 
 @cache
 def chosen_cascade() -> LoopChoice:
-    return settle_on_loop(cascade(), SETTINGS)
+    return settle_on_loop(cascade())
 
 
 def test_the_classic_loop_is_bettered_in_both_respects() -> None:
@@ -47,7 +44,7 @@ def test_the_classic_loop_is_bettered_in_both_respects() -> None:
     assert used.candidate.settling_time < 0.94 * classic.candidate.settling_time
     assert used.tuned.least_stiffness > 1.05 * tuned.least_stiffness
     assert choice.tuned.controller is used.tuned.controller
-    assert all(has_margins(one, settings=SETTINGS) for one in used.tuned.analyses)
+    assert used.tuned.keeps_margins
 
 
 def test_the_choice_is_as_its_sentence_says() -> None:
@@ -65,7 +62,7 @@ def test_the_choice_is_as_its_sentence_says() -> None:
 def test_state_feedback_is_shown_beside_and_not_used() -> None:
     """A control without it must not get its numbers."""
     machine, choice = cascade(), chosen_cascade()
-    shown = show_state_feedback(machine, choice, SETTINGS)
+    shown = show_state_feedback(machine, choice)
     assert shown.tuned is choice.tuned
     assert [item.is_used for item in shown.variants] == [True, False]
     assert shown.variants[1].tuned.controller.state_gains.any()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.disturbance import simulate_disturbance
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from tests.independent_loop import Profile, quiet_copy, run

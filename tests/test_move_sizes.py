@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mtcommission.limits.judge import evaluate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode

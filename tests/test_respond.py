@@ -14,7 +14,8 @@ from mtcommission.loop import poles as pole_module
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
 from mtcommission.loop.simulate import LoopResponse, simulate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep

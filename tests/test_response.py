@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.simulate import DECAYED, HORIZON, LoopResponse, simulate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.loop.tuning import gains
 from mtcommission.loop.tuning.gains import observer_gains, regulator_gains
-from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback, TcpSensor
 from mtcommission.machine.profile.read import read_profile
 from tests.independent_loop import quiet_copy
@@ -46,7 +46,7 @@ def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.Monkey
     monkeypatch.setattr(gains, "regulator_gains", regulator)
     monkeypatch.setattr(gains, "observer_gains", observer)
     auto = quiet_copy(MACHINES[name], state_feedback=StateFeedback.AUTO)
-    tune_loop(auto, settings=TuningSettings(mode_weights=(0.1, 10.0)))
+    tune_loop(auto)
     assert len(asked) >= 3  # the observer and both weights
     assert max(asked) < 1e-8
 

@@ -28,6 +28,7 @@ from mtcommission.machine.variations import (
 )
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
+from mtcommission.study import robustness
 from mtcommission.study.robustness import (
     KeptRange,
     find_damping_range,
@@ -131,14 +132,14 @@ def test_use_of_the_bounds_is_that_of_the_simulation(resolution: float) -> None:
         assert missed[:, [check.name for check in checks].index(name)].any()
 
 
-def test_frequency_error_names_the_range_that_is_kept() -> None:
+def test_frequency_error_names_the_range_that_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """If it failed, the sheet would promise a margin of frequency that is not there."""
     machine = spread_paper_machine()
     machine = replace(machine, requirements=replace(machine.requirements, frequency_spread=0.0))
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=0.9, jerk=15.0)
-    settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
-    found = find_frequency_error(machine, tuned, limits, settings)
+    monkeypatch.setattr(robustness, "ROBUSTNESS", RobustnessSettings(frequency_range=0.3))
+    found = find_frequency_error(machine, tuned, limits)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
     nominal = evaluate(machine, tuned, limits)
     assert nominal.assessment.is_met

@@ -27,7 +27,8 @@ from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine, moving_mass

@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 from mtcommission.controls.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop.model.assembly import delay_weights, discretise
 from mtcommission.loop.simulate import LoopResponse, simulate
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep

@@ -16,15 +16,12 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import TodaysValues, judge_today
-from mtcommission.study.settings import RobustnessSettings
 from tests.machines import paper_machine
-
-COARSE = RobustnessSettings(frequency_points=4)
 
 
 def judged(machine: Machine, today: Today | None) -> TodaysValues | None:
     stated = replace(machine, today=today)
-    return judge_today(stated, tune_loop(stated), COARSE)
+    return judge_today(stated, tune_loop(stated))
 
 
 def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> None:

@@ -24,8 +24,8 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import CLASSIC, build_cascade, design_observer, is_seen
-from mtcommission.loop.tuning.tuned import close_loop, corner_plants
-from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
+from mtcommission.loop.tuning.tuned import TUNING, TunedLoop, close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import (
     StateFeedback,
     StateGain,
@@ -44,7 +44,6 @@ PROFILES = [
     for path in sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
     if not read_profile(path).drive.follows  # no loop: tests/test_position_source.py
 ]
-WANTED = TuningSettings()
 
 
 @cache
@@ -65,11 +64,11 @@ def assert_tuned(tuned: TunedLoop) -> None:
     for loop, response, analysis in zip(tuned.loops, tuned.responses, tuned.analyses, strict=True):
         assert np.max(np.abs(np.linalg.eigvals(loop.lifted.A))) < 1.0
         assert loop.controller is tuned.controller
-        assert analysis.gain_margin_db >= WANTED.gain_margin_db
-        assert analysis.phase_margin_deg >= WANTED.phase_margin_deg
+        assert analysis.gain_margin_db >= TUNING.gain_margin_db
+        assert analysis.phase_margin_deg >= TUNING.phase_margin_deg
         peak = np.max(1.0 / np.abs(1.0 + response.open_loop))
         assert peak == pytest.approx(analysis.sensitivity_peak)
-        assert peak <= WANTED.sensitivity_peak
+        assert peak <= TUNING.sensitivity_peak
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -221,7 +220,7 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) ->
         "tower": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
         "random": random_modal_machine(3, n_modes=1),
     }[name]
-    tuned = tune_loop(machine, settings=TuningSettings(mode_weights=(0.1,)))
+    tuned = tune_loop(machine)
     observer, plant = tuned.controller.observer, tuned.loops[0].plant
     assert observer.states
     own = np.linalg.eigvals(observer.A - observer.L @ observer.C)
@@ -245,7 +244,7 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) ->
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
 def test_state_feedback_keeps_the_same_margins_and_what_the_cascade_had(path: Path) -> None:
     """Otherwise the comparison of settling times is one of margins."""
-    family = cascade_family(read_profile(path), WANTED)
+    family = cascade_family(read_profile(path))
     classic = tune_shape(family, CLASSIC, largest=1.0)
     assert classic is not None
     for proposal in propose_feedback(family, classic, [CLASSIC]).loops:
@@ -257,14 +256,14 @@ def test_state_feedback_keeps_the_same_margins_and_what_the_cascade_had(path: Pa
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
 def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> None:
     """A loop that settles sooner but yields to the cutting force would be recommended."""
-    found = propose_cascades(cascade_family(read_profile(path), WANTED))
+    found = propose_cascades(cascade_family(read_profile(path)))
     assert found.classic is not None
     assert found.loops[0].tuned is found.classic
     for proposal in found.loops:
         assert_tuned(proposal.tuned)
         assert proposal.tuned.least_stiffness >= found.classic.least_stiffness
         share = integral_gain(proposal.tuned.controller) / integral_gain(found.classic.controller)
-        assert share >= WANTED.least_integral_share
+        assert share >= TUNING.least_integral_share
 
 
 def test_integral_gain_is_what_a_lasting_force_displaces_over_time() -> None:
@@ -310,7 +309,7 @@ def test_observer_is_found_beside_a_force_without_inertia() -> None:
     """In SI units this Riccati equation defeats scipy: the run ended as an internal error."""
     machine = swift_belt()
     cascade = build_cascade(machine, build_plant(machine), fraction=1.0)
-    found = design_observer(machine, build_plant(machine), cascade, settings=WANTED)
+    found = design_observer(machine, build_plant(machine), cascade)
     assert np.all(np.abs(np.linalg.eigvals(found.A - found.L @ found.C)) < 1.0)
 
 
@@ -321,7 +320,7 @@ def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyP
         raise np.linalg.LinAlgError("ill-conditioned")
 
     monkeypatch.setattr(gains, "observer_gains", fail)
-    found = propose_feedback(cascade_family(paper_machine(), WANTED), None, [CLASSIC])
+    found = propose_feedback(cascade_family(paper_machine()), None, [CLASSIC])
     assert found.loops == ()
     assert found.remark is not None
     assert Catalogue().say(found.remark) == "No state feedback: observer: ill-conditioned."

@@ -44,7 +44,6 @@ from mtcommission.study.robustness import (
     examine_robustness,
 )
 from mtcommission.study.rules import TodaysValues, compare_shapers
-from mtcommission.study.settings import Settings
 from mtcommission.study.variations import Row, judge, serve_listed
 
 if TYPE_CHECKING:
@@ -57,7 +56,6 @@ class Commissioning:
 
     machine: Machine  # nominal
     plant: Plant
-    settings: Settings
     optima: tuple[Optima, ...]  # one for each move
     within_band: tuple[WithinBand, ...]  # the fastest controls that leave the tool in the band
     loop: LoopChoice  # the one that is used, and its variants
@@ -80,7 +78,7 @@ class Commissioning:
     @property
     def improvements(self) -> tuple[Improvement, ...]:
         """What single changes would bring, the most first; computed when asked for."""
-        return find_improvements(self.machine, self.loop, self.choice, self.settings.tuning)
+        return find_improvements(self.machine, self.loop, self.choice)
 
     @property
     def tuned(self) -> TunedLoop:
@@ -126,7 +124,6 @@ def commission(
     machine: Machine,
     *,
     profile: ProfileSource | None = None,
-    settings: Settings | None = None,
     progress: Progress = lambda _: None,
     announce: Announce = lambda _: None,
 ) -> Commissioning:
@@ -141,16 +138,13 @@ def commission(
     ComputationError
         A stage ended with a named outcome; the message tells the remedy.
     """
-    settings = settings or Settings()
-    answer = recommend(
-        machine, with_rules=True, settings=settings, progress=progress, announce=announce
-    )
+    answer = recommend(machine, with_rules=True, progress=progress, announce=announce)
     plant, tuned, choice, rule = answer.plant, answer.tuned, answer.choice, answer.rule
     assert rule is not None  # asked for
-    loop = show_state_feedback(machine, answer.loop, settings.tuning)
+    loop = show_state_feedback(machine, answer.loop)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    within_band = tuple(find_within_band(machine, item, settings.band) for item in optima)
+    within_band = tuple(find_within_band(machine, item) for item in optima)
     listed = serve_listed(machine, tuned, choice, loop.filters)
     progress(Message("stage-responses"))
     alternatives = [
@@ -175,7 +169,6 @@ def commission(
     return Commissioning(
         machine=machine,
         plant=plant,
-        settings=settings,
         optima=optima,
         within_band=within_band,
         loop=loop,
@@ -187,7 +180,7 @@ def commission(
         comparisons=comparisons,
         modes=modes,
         rule=rule,
-        robustness=examine_robustness(machine, tuned, choice.limits, settings.robustness),
+        robustness=examine_robustness(machine, tuned, choice.limits),
         move_sizes=compare_move_sizes(machine, tuned, sized),
         attainable=attainable,
         friction=examine_friction(machine, tuned, choice.moves),

@@ -19,7 +19,6 @@ from mtcommission.machine.rigid_body import require_force
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.loops import LoopChoice, settle_on_loop
 from mtcommission.study.rules import TodaysValues, evaluate_rules, judge_today
-from mtcommission.study.settings import Settings
 
 Progress = Callable[[Message], None]
 
@@ -49,7 +48,6 @@ def recommend(
     machine: Machine,
     *,
     with_rules: bool = False,
-    settings: Settings | None = None,
     progress: Progress = lambda _: None,
     announce: Announce = lambda _: None,
 ) -> Recommendation:
@@ -63,12 +61,11 @@ def recommend(
     ComputationError
         A stage ended with a named outcome; the message tells the remedy.
     """
-    settings = settings or Settings()
     require_force(machine)
     require_short_moves(machine)
     plant = build_plant(machine)
     progress(Message("stage-feedback-loop"))
-    loop = settle_on_loop(machine, settings.tuning)
+    loop = settle_on_loop(machine)
     progress(Message("limits-name"))
     choice = loop.choice or choose_limits(machine, loop.tuned)
     announce(choice.candidate)
@@ -79,7 +76,7 @@ def recommend(
         plant=plant,
         loop=loop,
         choice=choice,
-        today=judge_today(machine, loop.tuned, settings.robustness),
+        today=judge_today(machine, loop.tuned),
         rule=rule,
         rules=evaluate_rules(machine, loop.tuned, rule) if rule else (),
     )

@@ -13,11 +13,10 @@ from mtcommission.controls.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGE
 from mtcommission.controls.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate
-from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
-from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, describe_margins, has_margins
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.read_back import close_as_held

@@ -12,7 +12,6 @@ from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import build_cascade, given_state_feedback
 from mtcommission.loop.tuning.tuned import (
     TunedLoop,
-    TuningSettings,
     close_loop,
     corner_plants,
     follow,
@@ -99,7 +98,7 @@ def held_controller(machine: Machine, plant: Plant) -> Controller:
     controller = build_cascade(machine, plant, fraction=1.0)
     if machine.control.state_feedback is not StateFeedback.GIVEN:
         return controller
-    return given_state_feedback(machine, plant, controller, settings=TuningSettings())
+    return given_state_feedback(machine, plant, controller)
 
 
 def close_as_held(machine: Machine) -> TunedLoop:

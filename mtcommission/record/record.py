@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from math import isinf
 from pathlib import Path
@@ -41,6 +41,7 @@ from mtcommission.record.shape import (
     to_entry,
     to_plain,
 )
+from mtcommission.study.settings import PRINTED
 
 if TYPE_CHECKING:
     from mtcommission.commission.commission import Commissioning
@@ -145,7 +146,7 @@ def build_record(
         profile=profile,
         machine=entry_of(MachineEntry, machine),
         data=list_data(machine, plant, profile.text),
-        settings=_settings(found),
+        settings=_settings(),
         assumptions=[*list_assumptions(machine), *_friction(found, is_kept=True)],
         warnings=[
             *warnings,
@@ -190,11 +191,11 @@ def _friction(found: Commissioning, *, is_kept: bool) -> list[Message]:
     ]
 
 
-def _settings(found: Commissioning) -> dict[str, float | str]:
+def _settings() -> dict[str, float | str]:
     """Every numerical setting, with the name of its group."""
     return {
         f"{group}.{name}": value if isinstance(value, int | float) else ", ".join(map(str, value))
-        for group, values in asdict(found.settings).items()
+        for group, values in PRINTED.items()
         for name, value in values.items()
     }
 

@@ -25,7 +25,7 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import CLASSIC
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import TUNING, TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.study.loops import WITH, LoopChoice, with_filters
@@ -50,16 +50,15 @@ def find_improvements(
     machine: Machine,
     loop: LoopChoice,
     choice: Choice,
-    settings: TuningSettings,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first; what has no number comes last."""
     used = loop.used
     shape = used.shape if used else CLASSIC
     # The classic rule begins with the symmetrical optimum, all other loops with more.
-    largest = 1.0 if used is None or used.is_classic else settings.largest_fraction
+    largest = 1.0 if used is None or used.is_classic else TUNING.largest_fraction
 
     def family(changed: Machine) -> LoopFamily:
-        cascades = cascade_family(changed, settings)
+        cascades = cascade_family(changed)
         return (feedback_family(cascades) if shape.mode_weight else None) or cascades
 
     def tune(changed: Machine) -> TunedLoop | None:

@@ -30,7 +30,7 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import CLASSIC, Shape
-from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings
+from mtcommission.loop.tuning.tuned import TUNING, TunedLoop
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
@@ -123,7 +123,7 @@ def say_settling(candidate: Candidate) -> Message:
     return Message("time-value", time=time) if isfinite(time) else Message("not-settled")
 
 
-def settle_on_loop(machine: Machine, settings: TuningSettings | None = None) -> LoopChoice:
+def settle_on_loop(machine: Machine) -> LoopChoice:
     """Return the loop that serves the moves best, with state feedback only where that pays.
 
     By the least price (``priced``); by the classic rule where given gains keep no margins. Filters
@@ -137,10 +137,9 @@ def settle_on_loop(machine: Machine, settings: TuningSettings | None = None) -> 
     """
     if machine.drive.follows:
         return LoopChoice(tuned=tune_loop(machine))
-    settings = settings or TuningSettings()
-    family, remarks = cascade_family(machine, settings), list[Message]()
+    family, remarks = cascade_family(machine), list[Message]()
     if machine.control.seeks_force_filters:
-        base = tune_shape(family, CLASSIC, largest=settings.largest_fraction)
+        base = tune_shape(family, CLASSIC, largest=TUNING.largest_fraction)
         filtered = find_filters(family, CLASSIC) if base else None
         if base and filtered:
             family = filtered.family
@@ -151,13 +150,13 @@ def settle_on_loop(machine: Machine, settings: TuningSettings | None = None) -> 
     choice, fastest_hz = _try_all(cascades), cascades.fastest_hz
     if machine.control.state_feedback is StateFeedback.AUTO:
         near = choice.used.shape if choice and choice.used else CLASSIC
-        shapes = feedback_shapes(settings, near=near)
+        shapes = feedback_shapes(near)
         proposals = propose_feedback(family, cascades.classic, shapes)
         choice = _weigh_state_feedback(choice, _try_all(proposals), proposals.remark)
         fastest_hz = max(fastest_hz, proposals.fastest_hz)
     if choice is None:  # no loop keeps the margins
         require_bandwidth(family.machine, fastest_hz or inf)
-        choice = LoopChoice(tuned=tune_loop(family.machine, settings=settings))
+        choice = LoopChoice(tuned=tune_loop(family.machine))
     return replace(choice, remarks=(*choice.remarks, *remarks))
 
 
@@ -301,9 +300,7 @@ def with_filters(machine: Machine, tuned: TunedLoop) -> Machine:
     return replace(machine, control=replace(machine.control, force_filters=filters))
 
 
-def show_state_feedback(
-    machine: Machine, choice: LoopChoice, settings: TuningSettings
-) -> LoopChoice:
+def show_state_feedback(machine: Machine, choice: LoopChoice) -> LoopChoice:
     """Return the same choice with what state feedback would add where it is not used.
 
     The loop that is used stays; variants are added unless the sensors see no mode or nothing keeps
@@ -315,7 +312,7 @@ def show_state_feedback(
     machine = with_filters(machine, choice.tuned)
     used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=choice.tuned))
     classic = used.tuned if used.is_classic else None
-    found = propose_feedback(cascade_family(machine, settings), classic, [used.shape])
+    found = propose_feedback(cascade_family(machine), classic, [used.shape])
     if found.remark is not None:
         return replace(choice, remarks=(*choice.remarks, found.remark))
     near = used.candidate.limits

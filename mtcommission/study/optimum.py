@@ -31,7 +31,7 @@ from mtcommission.optimal.control import AnyOptimum, sample_trajectory
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.setpoint.smaller_moves import size_of
-from mtcommission.study.settings import STUDY, BandSettings
+from mtcommission.study.settings import BAND, STUDY
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class WithinBand:
     remarks: tuple[Message, ...] = ()  # what was left out, and why
 
 
-def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -> WithinBand:
+def find_within_band(machine: Machine, optima: Optima) -> WithinBand:
     """Return the fastest controls of one move that leave the tool within the permitted deviation.
 
     ``tcp_deviation`` as stated is the band, without reserve.
@@ -56,8 +56,8 @@ def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -
         return WithinBand(remarks=(Message("band-wider-than-move", distance=size, band=band),))
     rigid = least_motion_time(move, force / moving_mass(machine))
     left = 1.0 - rigid / optima.time.t_f
-    is_long = optima.time.t_f > settings.many_periods * longest_period(plant)
-    if is_long and left < settings.worthwhile:
+    is_long = optima.time.t_f > BAND.many_periods * longest_period(plant)
+    if is_long and left < BAND.worthwhile:
         return WithinBand(remarks=(Message("band-saves-nothing", rigid=rigid, share=left),))
     optimum, robust, failed = None, None, "band-optimum-failed"
     try:
@@ -70,7 +70,7 @@ def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -
         )
         failed = "robust-force-failed"
         if needs.frequency_spread or needs.damping_spread:
-            places = _over_spread(machine, settings)
+            places = _over_spread(machine)
             robust = find_robust_force(
                 [driven_at_once(build_plant(vary(machine, place))) for place in places],
                 move,
@@ -84,10 +84,10 @@ def find_within_band(machine: Machine, optima: Optima, settings: BandSettings) -
     return WithinBand(optimum=optimum, robust=robust)
 
 
-def _over_spread(machine: Machine, settings: BandSettings) -> list[Corner]:
+def _over_spread(machine: Machine) -> list[Corner]:
     """Machines over the frequency spread, at both ends and the middle of damping, each once."""
     needs = machine.requirements
-    frequency = np.linspace(-1.0, 1.0, settings.checked_frequencies) * needs.frequency_spread
+    frequency = np.linspace(-1.0, 1.0, BAND.checked_frequencies) * needs.frequency_spread
     damping = np.array([-1.0, 0.0, 1.0]) * needs.damping_spread
     pairs = product(dict.fromkeys(damping.tolist()), dict.fromkeys(frequency.tolist()))
     return [Corner(frequency_factor=1.0 + f, damping_factor=1.0 + d) for d, f in pairs]

@@ -38,7 +38,7 @@ from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import knots_of, plan_within
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
-from mtcommission.study.settings import STUDY, RobustnessSettings
+from mtcommission.study.settings import ROBUSTNESS, STUDY
 
 Array = NDArray[np.float64]
 
@@ -82,11 +82,9 @@ class Robustness:
     warnings: tuple[Message, ...]
 
 
-def examine_robustness(
-    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
-) -> Robustness:
+def examine_robustness(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> Robustness:
     """Return how limits fare where the machine differs a little."""
-    error = find_frequency_error(machine, tuned, limits, settings)
+    error = find_frequency_error(machine, tuned, limits)
     return Robustness(
         frequency_error=error,
         damping_range=find_damping_range(machine, tuned, limits),
@@ -94,12 +92,10 @@ def examine_robustness(
     )
 
 
-def find_frequency_error(
-    machine: Machine, tuned: TunedLoop, limits: MotionLimits, settings: RobustnessSettings
-) -> KeptRange:
+def find_frequency_error(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> KeptRange:
     """Return what the same limits do where all eigenfrequencies are off by a common factor."""
-    needs, count = machine.requirements, settings.frequency_points
-    reach = max(settings.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
+    needs, count = machine.requirements, ROBUSTNESS.frequency_points
+    reach = max(ROBUSTNESS.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
     factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * count + 1)
     known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
     return _find_range(known, tuned, limits, factor, of="frequency_factor")
@@ -291,7 +287,7 @@ class FrictionEffect:
     number: int  # of the move, from 1
     settling_time: float  # [s]; inf: not settled while it was followed
     without_friction: float  # [s]
-    residual_deviation: float  # [m]; inf likewise
+    residual_deviation: float  # [m]
     max_force: float  # set force, friction included [N]
     is_kept: bool  # band, settling time and force
 
@@ -315,7 +311,9 @@ def examine_friction(
             for loop in tuned.loops
         ]
         settling = max(one.settling_time for one in rubbed)
-        residual = max(one.residual_deviation for one in rubbed)
+        # As far as it was followed, also where the axis sticks outside the band.
+        left = [np.abs(one.deviation[one.t >= one.t_end]).max() for one in rubbed]
+        residual = float(max(left))
         force = max(one.max_force for one in rubbed)
         kept = residual <= needs.tcp_deviation and settling <= needs.max_settling_time
         effects.append(

@@ -23,7 +23,6 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.robustness import KeptRange, find_frequency_error
-from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.variations import Row, judge
 
 SOURCES = {
@@ -134,9 +133,7 @@ class TodaysValues:
         return Message("today-in-mixed-loop", stated=self.stated, others=others)
 
 
-def judge_today(
-    machine: Machine, tuned: TunedLoop, settings: RobustnessSettings
-) -> TodaysValues | None:
+def judge_today(machine: Machine, tuned: TunedLoop) -> TodaysValues | None:
     """Return what today's values do, or None where the profile states none.
 
     Whatever is not known of today's loop is taken from the recommended one. With one gain of
@@ -170,7 +167,7 @@ def judge_today(
             failure = Message("today-unstable", **gained, corner=place)
         else:
             candidate = judge(Row(machine=filtered, tuned=loop, limits=limits))
-            error = find_frequency_error(filtered, loop, limits, settings)
+            error = find_frequency_error(filtered, loop, limits)
     except ComputationError as fault:
         failure = Message("today-not-judged", why=fault.message)
     return TodaysValues(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 
-from mtcommission.loop.tuning.tuned import TuningSettings
+from mtcommission.loop.tuning.tuned import TUNING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,13 +25,10 @@ class BandSettings:
     checked_frequencies: int = 81  # of the spread, on which a robust force keeps the band
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """Numerical settings, all printed on the sheet."""
+ROBUSTNESS, BAND = RobustnessSettings(), BandSettings()
 
-    tuning: TuningSettings = field(default_factory=TuningSettings)
-    robustness: RobustnessSettings = field(default_factory=RobustnessSettings)
-    band: BandSettings = field(default_factory=BandSettings)
+PRINTED = {"tuning": asdict(TUNING), "robustness": asdict(ROBUSTNESS), "band": asdict(BAND)}
+"""Numerical settings that stand on the sheet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

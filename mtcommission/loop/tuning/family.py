@@ -31,9 +31,9 @@ from mtcommission.loop.tuning.gains import (
 )
 from mtcommission.loop.tuning.tuned import (
     SEARCH,
+    TUNING,
     CornerPlants,
     TunedLoop,
-    TuningSettings,
     close_loop,
     corner_plants,
 )
@@ -49,13 +49,12 @@ class LoopFamily:
 
     machine: Machine  # nominal
     bench: CornerPlants  # in every corner
-    settings: TuningSettings  # required margins, and the shapes tried
     grids: tuple[GainGrid, ...]  # in every corner, with the observer and all filters
     base: Controller  # of which the observer counts, and state gains where these are given
     damps: bool = False  # whether state feedback by weight is built
 
 
-def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
+def cascade_family(machine: Machine) -> LoopFamily:
     """Return the cascades of a machine, with its state gains where these are given.
 
     Raises
@@ -66,9 +65,9 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
     bench = corner_plants(machine)
     base = build_cascade(machine, bench.model, fraction=1.0)
     if machine.control.state_feedback is StateFeedback.GIVEN:
-        base = given_state_feedback(machine, bench.model, base, settings=settings)
+        base = given_state_feedback(machine, bench.model, base)
     grids = lay_grids(bench.plants, base)
-    return LoopFamily(machine=machine, bench=bench, settings=settings, grids=grids, base=base)
+    return LoopFamily(machine=machine, bench=bench, grids=grids, base=base)
 
 
 def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
@@ -85,7 +84,7 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     machine, bench, base = cascades.machine, cascades.bench, cascades.base
     if not moving_modes(bench.model, base.sensors):
         return None
-    observer = design_observer(machine, bench.model, base, settings=cascades.settings)
+    observer = design_observer(machine, bench.model, base)
     base = replace(base, observer=observer)
     return replace(cascades, grids=lay_grids(bench.plants, base), base=base, damps=True)
 
@@ -114,18 +113,16 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
     return add_state_feedback(machine, model, cascade, weight=weight, observer=observer)
 
 
-def find_largest(
-    keeps: Callable[[float], bool], begin: float, settings: TuningSettings, *, least: float
-) -> float | None:
+def find_largest(keeps: Callable[[float], bool], begin: float, *, least: float) -> float | None:
     """Return the largest value up to some that keeps what it must; None where that is too small."""
     low = begin
     while not keeps(low):
         if low <= least:
             return None
-        low *= settings.reduction
+        low *= TUNING.reduction
     if low == begin:
         return begin
-    high = low / settings.reduction
+    high = low / TUNING.reduction
     for _ in range(SEARCH.bisections):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if keeps(middle) else (low, middle)
@@ -141,7 +138,7 @@ def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop
     fraction = tune_on_grid(family, shape, largest=largest)
     while fraction is not None and fraction > SEARCH.least:
         tuned = close_loop(family.bench, build(family, shape, fraction=fraction), family.grids)
-        if tuned.keeps_margins(family.settings):
+        if tuned.keeps_margins:
             return tuned
         if family.machine.control.velocity_gain is not None:
             return None
@@ -157,14 +154,14 @@ def tune_on_grid(family: LoopFamily, shape: Shape, *, largest: float) -> float |
 
     def seems(fraction: float) -> bool:
         controller = build(family, shape, fraction=fraction)
-        return all(seems_to_keep(grid, controller, family.settings) for grid in family.grids)
+        return all(seems_to_keep(grid, controller) for grid in family.grids)
 
     if family.machine.control.velocity_gain is not None:
         return largest if seems(largest) else None
-    return find_largest(seems, largest, family.settings, least=SEARCH.least)
+    return find_largest(seems, largest, least=SEARCH.least)
 
 
-def seems_to_keep(grid: GainGrid, controller: Controller, settings: TuningSettings) -> bool:
+def seems_to_keep(grid: GainGrid, controller: Controller) -> bool:
     """Return whether a controller keeps the margins on a plant, as far as the grid tells.
 
     Stability by the turns of 1 + L about the origin (Nyquist): three quarters for the three
@@ -172,13 +169,13 @@ def seems_to_keep(grid: GainGrid, controller: Controller, settings: TuningSettin
     """
     L = grid.open_loop(controller)
     away = 1.0 + L
-    if np.abs(away).min() * settings.sensitivity_peak < 1.0:
+    if np.abs(away).min() * TUNING.sensitivity_peak < 1.0:
         return False
     size = np.abs(L) - 1.0
     crossing = np.flatnonzero(size[:-1] * size[1:] < 0.0)
     share = size[crossing] / (size[crossing] - size[crossing + 1])
     at = L[crossing] + share * (L[crossing + 1] - L[crossing])
-    least = 2.0 * sin(0.5 * radians(settings.phase_margin_deg))
+    least = 2.0 * sin(0.5 * radians(TUNING.phase_margin_deg))
     if np.any(np.abs(1.0 + at / np.abs(at)) < least):
         return False
     turned = float(np.angle(away[1:] / away[:-1]).sum())
@@ -229,13 +226,13 @@ def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
         best = max(good, key=lambda loop: loop.stiffness)
     if not best or not best.filters:
         return None
-    tuned = tune_shape(best.family, shape, largest=family.settings.largest_fraction)
+    tuned = tune_shape(best.family, shape, largest=TUNING.largest_fraction)
     return FilteredLoop(filters=best.filters, family=best.family, tuned=tuned) if tuned else None
 
 
 def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
     changed = with_filters(family, filters)
-    fraction = tune_on_grid(changed, shape, largest=family.settings.largest_fraction)
+    fraction = tune_on_grid(changed, shape, largest=TUNING.largest_fraction)
     if fraction is None:
         return None
     gains = build(changed, shape, fraction=fraction)
@@ -282,8 +279,8 @@ class Proposals:
 
 def propose_cascades(family: LoopFamily) -> Proposals:
     """Return cascades of all shapes that the settings name, and the one by the classic rule."""
-    classic, settings = tune_shape(family, CLASSIC, largest=1.0), family.settings
-    ratios = product(settings.position_ratios, settings.integral_ratios)
+    classic = tune_shape(family, CLASSIC, largest=1.0)
+    ratios = product(TUNING.position_ratios, TUNING.integral_ratios)
     shapes = [Shape(position_ratio=Kv, integral_ratio=Tn) for Kv, Tn in ratios]
     return _propose(family, classic, shapes)
 
@@ -300,7 +297,7 @@ def propose_feedback(
         family = feedback_family(cascades)
         if family is None:
             raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, Message("loop-sees-no-mode"))
-        weighted = product(shapes, family.settings.mode_weights)
+        weighted = product(shapes, TUNING.mode_weights)
         weighted_shapes = [replace(shape, mode_weight=weight) for shape, weight in weighted]
         found = _propose(family, classic, weighted_shapes)
     except ComputationError as error:
@@ -311,13 +308,13 @@ def propose_feedback(
     return replace(found, loops=loops, remark=None if loops else lost)
 
 
-def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ...]:
+def feedback_shapes(near: Shape) -> tuple[Shape, ...]:
     """Return the shapes for which state feedback is worth a try.
 
     They are ``near``, which serves best without it, and two with a short integral time: state
     feedback damps what that shakes.
     """
-    gentle = replace(CLASSIC, position_ratio=min(settings.position_ratios))
+    gentle = replace(CLASSIC, position_ratio=min(TUNING.position_ratios))
     return tuple(dict.fromkeys((near, CLASSIC, gentle)))
 
 
@@ -326,7 +323,7 @@ def propose_near(
 ) -> tuple[Proposal, ...]:
     """Return loops half a step away from the good one of a shape, but those known already."""
     Kv, Tn = shape.position_ratio, shape.integral_ratio
-    steps, least = (1.0 / SEARCH.near, SEARCH.near), min(proposals.family.settings.integral_ratios)
+    steps, least = (1.0 / SEARCH.near, SEARCH.near), min(TUNING.integral_ratios)
 
     def ratio(value: float) -> float:
         return round(value, 9)  # two ways to one shape end at the same number
@@ -344,7 +341,7 @@ def propose_near(
 
 def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]) -> Proposals:
     """The loops of some shapes, as far as they keep what the classic loop has."""
-    control, settings = family.machine.control, family.settings
+    control = family.machine.control
     # Shapes that differ only in what is given are one.
     given = {"position_ratio": control.position_gain, "integral_ratio": control.integral_time}
     fixed = {key: getattr(CLASSIC, key) for key, gain in given.items() if gain is not None}
@@ -352,12 +349,12 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
     least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
     is_fast = classic is not None and classic.least_bandwidth_hz >= least_hz
     for shape in dict.fromkeys(replace(shape, **fixed) for shape in shapes):
-        largest = tune_on_grid(family, shape, largest=settings.largest_fraction)
+        largest = tune_on_grid(family, shape, largest=TUNING.largest_fraction)
         if largest is None:
             continue
         # What forgets a force too slowly by its gains alone need not be closed.
         gains = build(family, shape, fraction=largest)
-        if classic and is_fast and not _forgets(classic.controller, gains, settings):
+        if classic and is_fast and not _forgets(classic.controller, gains):
             continue
         tuned = tune_shape(family, shape, largest=largest)
         if tuned and not any(_is_same(tuned.controller, item.tuned.controller) for item in found):
@@ -366,7 +363,7 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
         item
         for item in found
         if item.tuned.least_bandwidth_hz >= least_hz
-        and (classic is None or _keeps(classic, item.tuned, settings))
+        and (classic is None or _keeps(classic, item.tuned))
     ]
     fastest = max((item.tuned.least_bandwidth_hz for item in found), default=0.0)
     return Proposals(family=family, classic=classic, loops=tuple(kept), fastest_hz=fastest)
@@ -377,16 +374,16 @@ def _is_same(one: Controller, other: Controller) -> bool:
     return all(np.allclose(getattr(one, name), getattr(other, name), rtol=1e-2) for name in names)
 
 
-def _keeps(classic: TunedLoop, tuned: TunedLoop, settings: TuningSettings) -> bool:
+def _keeps(classic: TunedLoop, tuned: TunedLoop) -> bool:
     is_stiff = tuned.least_stiffness >= classic.least_stiffness
-    return is_stiff and _forgets(classic.controller, tuned.controller, settings)
+    return is_stiff and _forgets(classic.controller, tuned.controller)
 
 
-def _forgets(classic: Controller, gains: Controller, settings: TuningSettings) -> bool:
+def _forgets(classic: Controller, gains: Controller) -> bool:
     """Whether a lasting force is forgotten soon enough."""
     share = integral_gain(gains) / integral_gain(classic)
-    longest = max(settings.longest_integral_time, classic.integral_time)
-    return gains.integral_time <= longest and share >= settings.least_integral_share
+    longest = max(TUNING.longest_integral_time, classic.integral_time)
+    return gains.integral_time <= longest and share >= TUNING.least_integral_share
 
 
 def integral_gain(controller: Controller) -> float:

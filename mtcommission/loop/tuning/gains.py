@@ -27,7 +27,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.assembly import discretise
 from mtcommission.loop.model.controller import Controller, Observer, filter_delay
-from mtcommission.loop.tuning.tuned import TuningSettings
+from mtcommission.loop.tuning.tuned import TUNING
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.machine.plant.plant import Plant, PlantMode
@@ -155,9 +155,7 @@ def add_state_feedback(
     return replace(cascade, state_gains=gains, observer=observer)
 
 
-def given_state_feedback(
-    machine: Machine, plant: Plant, cascade: Controller, *, settings: TuningSettings
-) -> Controller:
+def given_state_feedback(machine: Machine, plant: Plant, cascade: Controller) -> Controller:
     """Return the cascade with the state gains that the profile gives; machine and plant nominal.
 
     Raises
@@ -169,7 +167,7 @@ def given_state_feedback(
     gains = np.zeros(plant.order)
     for item in machine.control.state_gains:
         gains[plant.states.index(item.state)] = item.value
-    observer = design_observer(machine, plant, cascade, settings=settings)
+    observer = design_observer(machine, plant, cascade)
     hidden = tuple(plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states)
     if hidden:
         detail = Message("loop-hidden-states", states=hidden)
@@ -177,12 +175,10 @@ def given_state_feedback(
     return replace(cascade, state_gains=gains, observer=observer)
 
 
-def design_observer(
-    machine: Machine, plant: Plant, cascade: Controller, *, settings: TuningSettings
-) -> Observer:
+def design_observer(machine: Machine, plant: Plant, cascade: Controller) -> Observer:
     """Return the stationary Kalman observer at the velocity cycle for all that the sensors see.
 
-    Machine and plant are nominal; of ``settings`` the assumed noises count.
+    Machine and plant are nominal.
     """
     modes = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
     states = [plant.position, plant.velocity]
@@ -191,17 +187,17 @@ def design_observer(
     T_v, F_max = cascade.velocity_cycle, machine.drive.max_force
     A, B = discretise(plant, T_v)
     noises = np.zeros((plant.order, 1 + len(modes)))
-    noises[:, 0] = settings.force_noise * F_max * B
+    noises[:, 0] = TUNING.force_noise * F_max * B
     for column, mode in enumerate(modes, start=1):
-        noises[mode.rate, column] = settings.mode_noise * F_max * mode.scale * T_v
+        noises[mode.rate, column] = TUNING.mode_noise * F_max * mode.scale * T_v
     A, B, G = A[np.ix_(states, states)], B[states], noises[states]
     C = np.array([plant.row(sensor) for sensor in cascade.sensors])[:, states]
     # Noises of variance 1 and states in units of what they move by in a cycle under F_max, so
     # that the Riccati equation sees no extreme numbers.
     scale = np.abs(B) * F_max
-    scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / settings.position_noise)
+    scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / TUNING.position_noise)
     with _riccati_errors("loop-observer-failed"):
-        L = observer_gains(*scaled) * scale[:, None] / settings.position_noise
+        L = observer_gains(*scaled) * scale[:, None] / TUNING.position_noise
     return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
 

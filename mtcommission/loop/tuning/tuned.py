@@ -60,6 +60,9 @@ class TuningSettings:
     position_noise: float = 1e-7  # standard deviation of the encoder error [m]
 
 
+TUNING = TuningSettings()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchSettings:
     """How gains and filters are looked for, and what is worth a word."""
@@ -154,9 +157,10 @@ class TunedLoop:
         """Damping ratio of each mode in its worst corner."""
         return tuple(map(float, np.min([item.mode_damping for item in self.analyses], axis=0)))
 
-    def keeps_margins(self, settings: TuningSettings) -> bool:
-        """Return whether the loop has the margins in every corner."""
-        return all(has_margins(analysis, settings=settings) for analysis in self.analyses)
+    @property
+    def keeps_margins(self) -> bool:
+        """Whether the loop has the margins in every corner."""
+        return all(map(has_margins, self.analyses))
 
 
 def corner_plants(machine: Machine) -> CornerPlants:
@@ -195,7 +199,7 @@ def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop
     return replace(tuned, **both)
 
 
-def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
+def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings = TUNING) -> bool:
     """Return whether one loop is stable with the required margins."""
     return (
         analysis.is_stable

@@ -34,9 +34,9 @@ from mtcommission.loop.tuning.gains import (
 )
 from mtcommission.loop.tuning.tuned import (
     SEARCH,
+    TUNING,
     CornerPlants,
     TunedLoop,
-    TuningSettings,
     close_loop,
     corner_plants,
     describe_margins,
@@ -46,14 +46,12 @@ from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL, Corner
 
-__all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
 
-
-def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> TunedLoop:
+def tune_loop(machine: Machine) -> TunedLoop:
     """Return the controller of a machine, given gains as given and the rest by the classic rule.
 
     An open-loop axis just follows. With state feedback "auto" the stiffest with one of the weights,
-    where there is one. ``settings``: required margins; None: the defaults.
+    where there is one.
 
     Raises
     ------
@@ -67,7 +65,7 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     """
     if machine.drive.follows:
         return follow(machine, corner_plants(machine))
-    family = cascade_family(machine, settings or TuningSettings())
+    family = cascade_family(machine)
     classic = tune_shape(family, CLASSIC, largest=1.0)
     if machine.control.state_feedback is StateFeedback.AUTO:
         found = propose_feedback(family, classic, [CLASSIC])
@@ -89,9 +87,9 @@ def check_loop(machine: Machine) -> tuple[Message, ...]:
     if machine.drive.follows or given.leaves_all_to_rules:
         return ()
     try:
-        proposals = propose_cascades(cascade_family(machine, TuningSettings()))
+        proposals = propose_cascades(cascade_family(machine))
         if not proposals.loops and given.state_feedback is StateFeedback.AUTO:
-            shapes = feedback_shapes(proposals.family.settings, near=CLASSIC)
+            shapes = feedback_shapes(near=CLASSIC)
             proposals = propose_feedback(proposals.family, proposals.classic, shapes)
         found = [finish(proposals.family, item.tuned) for item in proposals.loops]
         if not found:
@@ -120,7 +118,7 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
     if given.force_filters and not given.seeks_force_filters:
         bare = replace(given, force_filters=(), state_feedback=StateFeedback.OFF, state_gains=())
         with suppress(ComputationError):  # given gains that are unstable without them need them
-            without = tune_loop(replace(machine, control=bare), settings=family.settings)
+            without = tune_loop(replace(machine, control=bare))
             filtered, unfiltered = tuned.least_bandwidth_hz, without.least_bandwidth_hz
             if filtered < SEARCH.softened * unfiltered:
                 costs = {"filtered": filtered, "unfiltered": unfiltered}
@@ -175,7 +173,7 @@ def close_as_given(family: LoopFamily) -> TunedLoop:
     if given.has_given_gains or given.state_gains:
         control = replace(given, position_gain=None, integral_time=None, minimum_bandwidth_hz=0.0)
         control = replace(control, state_feedback=StateFeedback.OFF, state_gains=())
-        free = tune_loop(replace(machine, control=control), settings=family.settings)
+        free = tune_loop(replace(machine, control=control))
         fraction = free.controller.velocity_gain / symmetrical_optimum(machine)
         return close_loop(bench, build(family, CLASSIC, fraction=fraction))
     softest = close_loop(bench, build(family, CLASSIC, fraction=SEARCH.least))
@@ -210,8 +208,8 @@ def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
 
 def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
     """What is poor about a loop with given gains, and which of them to lower."""
-    settings, control = family.settings, family.machine.control
-    if not tuned.keeps_margins(settings):
+    control = family.machine.control
+    if not tuned.keeps_margins:
         cure = _name_cure(family)
         for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True):
             if not analysis.is_stable:
@@ -222,9 +220,9 @@ def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
         yield Message(
             "loop-given-gains-poor",
             margins=describe_margins(tuned.analyses),
-            gain=settings.gain_margin_db,
-            phase=settings.phase_margin_deg,
-            peak=settings.sensitivity_peak,
+            gain=TUNING.gain_margin_db,
+            phase=TUNING.phase_margin_deg,
+            peak=TUNING.sensitivity_peak,
             cure=cure,
         )
     reached, wanted = tuned.least_bandwidth_hz, control.minimum_bandwidth_hz
@@ -289,7 +287,7 @@ def _largest(family: LoopFamily, name: str, power: int) -> float | None:
         return tune_on_grid(changed(value), CLASSIC, largest=1.0) is not None
 
     given = float(getattr(family.machine.control, name) ** power)
-    low = find_largest(seems, given, family.settings, least=SEARCH.least * given)
+    low = find_largest(seems, given, least=SEARCH.least * given)
     if low is None:
         return None
     while tune_shape(changed(_round_down(low)), CLASSIC, largest=1.0) is None:
