@@ -12,7 +12,7 @@ up most; later ones only grow less. ``limits.every_size`` has the last word.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isfinite
 
 import numpy as np
@@ -54,17 +54,15 @@ class Bench:
     noise: EncoderNoise  # in the worst corner
     left_after: Array  # what it leaves of each bound on what is judged after the move [own units]
     left_during: tuple[Array, ...]  # and during it
-    ages: Array  # free times looked at beyond the least of a family [s]
-    aged: Complex  # what each has left of the mean response
+    aged: Complex  # what free times beyond the least of a family have left of the mean response
     ramps: Array  # of sizes that do not reach the acceleration [s]
-    every_size: bool
-    behind: dict[SetpointFilter | None, BehindFilter] = field(default_factory=dict)
+    behind: dict[SetpointFilter | None, Use] = field(default_factory=dict)
     excess: dict[str, float] = field(default_factory=dict)  # see ``Use.of_means``, once known
 
     @property
-    def delay(self) -> float:
-        """τ [s]."""
-        return self.poles.delay
+    def every_size(self) -> bool:
+        """Whether every smaller move counts, too."""
+        return self.machine.requirements.every_size
 
     def durations(self, item: SetpointFilter | None, a: Array, t_j: Array | float) -> Array:
         """Return t_e of the slowest listed move, shape of ``a`` [s]."""
@@ -72,11 +70,11 @@ class Bench:
         each = [jerk_steps(move, acceleration=a, jerk=jerk).duration for move in self.machine.moves]
         return np.asarray(np.max(each, axis=0) + (item.duration if item else 0.0))
 
-    def use(self, item: SetpointFilter | None, t_j: Array | float) -> Use:
-        """Return what limits with a filter and some jerk times use."""
+    def use(self, item: SetpointFilter | None) -> Use:
+        """Return what limits behind a filter use."""
         if item not in self.behind:
-            self.behind[item] = BehindFilter(bench=self, item=item, factor=self.mean.behind(item))
-        return Use(bench=self, behind=self.behind[item], t_j=np.asarray(t_j))
+            self.behind[item] = Use(bench=self, item=item, factor=self.mean.behind(item))
+        return self.behind[item]
 
 
 def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
@@ -90,7 +88,6 @@ def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
         return np.array([_left(bound, taken) for bound, taken in pairs])
 
     mean = average_phases(poles, np.array([signal.row for _, signal in asked.after]))
-    ages = mean.ages
     return Bench(
         machine=machine,
         poles=poles,
@@ -99,11 +96,9 @@ def build_bench(machine: Machine, tuned: TunedLoop) -> Bench:
         noise=noise,
         left_after=left(requirement for requirement, _ in asked.after),
         left_during=tuple(left(swings.requirements) for swings in asked.during),
-        ages=ages,
-        aged=mean.since(ages),
+        aged=mean.since(mean.ages),
         # Two ramps are as long as the free time, which counts twice: half-way as well.
-        ramps=np.sort(np.concatenate([ages[1:], 0.5 * (ages[:-1] + ages[1:])])),
-        every_size=machine.requirements.every_size,
+        ramps=np.sort(np.concatenate([mean.ages[1:], 0.5 * (mean.ages[:-1] + mean.ages[1:])])),
     )
 
 
@@ -113,50 +108,76 @@ def _left(bound: float, noise: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BehindFilter:
-    """What all limits behind a setpoint filter share: ramps that do not reach a, and more."""
+class Use:
+    """Shares of what is allowed that limits behind one setpoint filter use.
 
-    bench: Bench
+    Of accelerations [m/s²] and jerk times [s], as many or one for all. What is left by
+    ramps that do not reach a, and by times for which it is held, is kept once it is known.
+    """
+
+    bench: Bench  # whose requirements count
     item: SetpointFilter | None
     factor: Complex  # of the mean response
     pointed: dict[type[Move], Array] = field(default_factory=dict)
     held: dict[tuple[type[Move], float], Array] = field(default_factory=dict)
 
-    def worst_after(self, steps: JerkSteps) -> Array:
-        """Return what is left after each setpoint, worst corner, (n_setpoints, n_requirements)."""
-        return self.bench.mean.residual(steps, self.factor)
+    def of_after(self, a: Array, t_j: Array | float) -> Array:
+        """Return the share of what is judged after the move, but ``of_cruise``, shape of ``a``."""
+        each = np.broadcast_to(t_j, a.shape)
+        shares = [self._of_move(move, a, each) for move in self.bench.machine.moves]
+        return np.asarray(np.max(shares, axis=0))
 
-    def worst_exactly(self, steps: JerkSteps) -> Array:
-        """Return the same at the very phases at which the steps fall."""
+    def _of_move(self, move: Move, a: Array, t_j: Array) -> Array:
+        jerk, kind = a / t_j, type(move)
+        steps = jerk_steps(move, acceleration=a, jerk=jerk)
+        if not self.bench.every_size:
+            # One size alone may lie in a notch: a little less acceleration can leave more.
+            share = self._share_after(steps)
+            near = (share > 1.0 / FAR) & (share < FAR)
+            if near.any():
+                share[near] = self._share_exactly(steps.only(near))
+            return share
+        ramp, rise = steps.times[:, 1], steps.times[:, 2]
+        worst = self._worst_pointed(kind, ramp)
+        reached = ramp >= t_j * (1.0 - 1e-9)
+        if reached.any():
+            held = self._worst_held(kind, t_j, np.where(reached, rise, 0.0))
+            worst = np.maximum(worst, held)
+        return self._worst_share(jerk[:, None] * worst)
+
+    def _worst_share(self, left: Array) -> Array:
+        return np.asarray((left / self.bench.left_after).max(axis=-1))
+
+    def _share_after(self, steps: JerkSteps) -> Array:
+        """Of what is left after each setpoint by the mean over all phases, shape (n_setpoints,)."""
+        return self._worst_share(self.bench.mean.residual(steps, self.factor))
+
+    def _share_exactly(self, steps: JerkSteps) -> Array:
+        """The same at the very phases at which the steps fall."""
         motions = set_in_motion(self.bench.poles, filter_steps(steps, self.item))
         grid = lay_grid(self.bench.poles, SAMPLES)
         found = [
             free_motion(motions, grid, signal=signal).residual.max(axis=1)
             for _, signal in self.bench.asked.after
         ]
-        return np.stack(found, axis=1)
+        return self._worst_share(np.stack(found, axis=1))
 
-    def worst_during(self, swings: Swings, steps: JerkSteps) -> Array:
-        """Return the largest of swings looked at together, worst corner, (n_setpoints, n_rows)."""
-        poles, parts = swings.where_to_look(self.bench.poles)
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        grid = lay_grid(poles, SAMPLES)
-        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less)
-        return np.asarray(found.max(axis=1))
-
-    def worst_pointed(self, kind: type[Move], most: Array) -> Array:
-        """Return the worst of ramps up to some that do not reach a [per m/s³]."""
+    def _worst_pointed(self, kind: type[Move], most: Array) -> Array:
+        """Worst of ramps up to some, and of the next one, that do not reach a [per m/s³]."""
+        ramps = self.bench.ramps
         if kind not in self.pointed:
-            ramp = self.bench.mean.since(self.bench.ramps)
+            ramp = self.bench.mean.since(ramps)
             held = self.factor * (ramp - 1.0) ** 2
             if kind is Positioning:
                 held = held * (ramp**2 - 1.0)
             self.pointed[kind] = np.maximum.accumulate(self.bench.mean.largest(held), axis=0)
-        return _up_to(self.bench.ramps, self.pointed[kind], most)
+        place = np.searchsorted(ramps, most * (1.0 + 1e-9))
+        found = self.pointed[kind][np.minimum(place, len(ramps) - 1)]
+        return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
 
-    def worst_held(self, kind: type[Move], t_j: Array, most: Array) -> Array:
-        """Return the worst of times up to some for which a is held [per m/s³]."""
-        mean, ages = self.bench.mean, self.bench.ages
+    def _worst_held(self, kind: type[Move], t_j: Array, most: Array) -> Array:
+        """Worst of times up to some for which a is held [per m/s³]."""
+        mean, ages = self.bench.mean, self.bench.mean.ages
         times, row = np.unique(t_j, return_inverse=True)
         new = np.array([time for time in times.tolist() if (kind, time) not in self.held])
         if len(new):
@@ -175,119 +196,58 @@ class BehindFilter:
         found = rising[row, np.minimum(place, len(ages) - 1)]
         return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
 
-
-def lay_ages(move: Move, a: float, t_j: float, ages: Array, ramps: Array) -> Array:
-    """Return sizes of a move whose free times have some ages, and its own [m/s or m]."""
-    jerk, held = a / t_j, t_j + ages
-    pointed = ramps[ramps < t_j]
-    if isinstance(move, VelocityStep):
-        found = [jerk * pointed**2, a * held]
-    else:
-        found = [2.0 * jerk * pointed**3, a * held * (held + t_j)]
-        if isfinite(move.max_velocity):
-            own = jerk_steps(move, acceleration=np.array([a]), jerk=np.array([jerk])).times[0]
-            found.append(move.max_velocity * (own[3] + ages))
-    sizes = np.concatenate([*found, [size_of(move)]])
-    return np.asarray(sizes[sizes <= size_of(move)])
-
-
-def _up_to(times: Array, rising: Array, most: Array) -> Array:
-    """The worst of all times up to some, and of the next one."""
-    place = np.searchsorted(times, most * (1.0 + 1e-9))
-    found = rising[np.minimum(place, len(times) - 1)]
-    return np.asarray(np.where(most[:, None] > 0.0, found, 0.0))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Use:
-    """Shares of what is allowed that limits with one filter use."""
-
-    bench: Bench  # whose requirements count
-    behind: BehindFilter
-    t_j: Array  # jerk times, as many as accelerations asked for, or one for all [s]
-
-    def of_after(self, a: Array) -> Array:
-        """Return the share of what is judged after the move, but ``of_cruise``, shape of ``a``."""
-        used = np.zeros_like(a)
-        for move in self.bench.machine.moves:
-            used = np.maximum(used, self._of_move(move, a))
-        return used
-
-    def _of_move(self, move: Move, a: Array) -> Array:
-        jerk, kind, t_j = a / self.t_j, type(move), np.broadcast_to(self.t_j, a.shape)
-        steps = jerk_steps(move, acceleration=a, jerk=jerk)
-        if not self.bench.every_size:
-            # One size alone may lie in a notch: a little less acceleration can leave more.
-            share = self._worst_share(self.behind.worst_after(steps))
-            near = (share > 1.0 / FAR) & (share < FAR)
-            if near.any():
-                own = replace(steps, times=steps.times[near], steps=steps.steps[near])
-                share[near] = self._worst_share(self.behind.worst_exactly(own))
-            return share
-        ramp, rise = steps.times[:, 1], steps.times[:, 2]
-        worst = self.behind.worst_pointed(kind, ramp)
-        reached = ramp >= t_j * (1.0 - 1e-9)
-        if reached.any():
-            held = self.behind.worst_held(kind, t_j, np.where(reached, rise, 0.0))
-            worst = np.maximum(worst, held)
-        return self._worst_share(jerk[:, None] * worst)
-
-    def _worst_share(self, left: Array) -> Array:
-        return np.asarray((left / self.bench.left_after).max(axis=-1))
-
-    def of_cruise(self, a: Array) -> Array:
+    def of_cruise(self, a: Array, t_j: Array | float) -> Array:
         """Return the same of sizes that reach ``max_velocity``, shape of ``a`` [-]."""
         used, bench, mean = np.zeros_like(a), self.bench, self.bench.mean
         for move in bench.machine.moves:
             is_bounded = isinstance(move, Positioning) and isfinite(move.max_velocity)
             if not (bench.every_size and is_bounded):
                 continue
-            steps = jerk_steps(move, acceleration=a, jerk=a / self.t_j)
+            steps = jerk_steps(move, acceleration=a, jerk=a / t_j)
             ramp, rise, up, fall = steps.times[:, 1:5].T
             cruise = fall - up
-            held = self.behind.factor * (mean.since(ramp) - 1.0) * (mean.since(rise) - 1.0)
+            held = self.factor * (mean.since(ramp) - 1.0) * (mean.since(rise) - 1.0)
             each = held[:, None] * (mean.since(up)[:, None] * bench.aged - 1.0)
             worst = self._worst_share(mean.largest(each.reshape(-1, *held.shape[1:])))
-            worst = (worst.reshape(len(a), -1) * (bench.ages <= cruise[:, None])).max(axis=1)
+            worst = (worst.reshape(len(a), -1) * (mean.ages <= cruise[:, None])).max(axis=1)
             own = self._worst_share(mean.largest(held * (mean.since(fall) - 1.0)))
-            worst = a / self.t_j * np.maximum(worst, own)
+            worst = a / t_j * np.maximum(worst, own)
             used = np.maximum(used, np.where(cruise > 0.0, worst, 0.0))
         return used
 
-    def of_after_exactly(self, a: float) -> float:
+    def of_after_exactly(self, a: float, t_j: float) -> float:
         """Return the share of both, of some sizes at the very phases of their steps [-]."""
         bench, worst = self.bench, 0.0
         for move in bench.machine.moves:
             sizes = np.array([size_of(move)])
             if bench.every_size:
-                sizes = lay_ages(move, a, float(self.t_j), bench.ages, bench.ramps)
+                sizes = _lay_ages(move, a, t_j, bench.mean.ages, bench.ramps)
             full = np.full_like(sizes, a)
-            steps = jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
+            steps = jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes)
             # The mean over all phases tells which sizes may be the worst.
-            likely = self._worst_share(self.behind.worst_after(steps))
-            most = likely >= LIKELY * likely.max()
-            steps = replace(steps, times=steps.times[most], steps=steps.steps[most])
-            worst = max(worst, float(self._worst_share(self.behind.worst_exactly(steps)).max()))
+            likely = self._share_after(steps)
+            steps = steps.only(likely >= LIKELY * likely.max())
+            worst = max(worst, float(self._share_exactly(steps).max()))
         return worst
 
-    def of_means(self, a: Array) -> Array:
+    def of_means(self, a: Array, t_j: Array | float) -> Array:
         """Return the largest share of what is a mean over the move, shape of ``a`` [-]."""
-        shares = [self._of_mean(*item, a) for item in self.bench.asked.means]
+        each = np.broadcast_to(t_j, a.shape)
+        shares = [self._of_mean(*item, a, each) for item in self.bench.asked.means]
         return np.max(shares, axis=0, initial=0.0) if shares else np.zeros_like(a)
 
-    def _of_mean(self, requirement: Requirement, mean: Mean, a: Array) -> Array:
+    def _of_mean(self, requirement: Requirement, mean: Mean, a: Array, t_j: Array) -> Array:
         """As the rigid axis uses it, and near the bound with what the loop adds to that."""
         machine, bench, worst = self.bench.machine, self.bench, np.zeros_like(a)
         bound = requirement.bound(machine)
         if requirement.at_most(machine, float(a.max(initial=0.0))) < bound:
             return worst
         shares = np.array(MEAN_SIZES if bench.every_size else (1.0,))
-        t_j = np.broadcast_to(self.t_j, a.shape)
         full, ramps = np.repeat(a, len(shares)), np.repeat(t_j, len(shares))
         for move in machine.moves:
             sizes = np.tile(size_of(move) * shares, len(a))
             steps = jerk_steps(move, acceleration=full, jerk=full / ramps, size=sizes)
-            found = mean.estimate(machine, move, filter_steps(steps, self.behind.item))
+            found = mean.estimate(machine, move, filter_steps(steps, self.item))
             worst = np.maximum(worst, found.reshape(len(a), -1).max(axis=1))
         worst = worst / bound
         if worst.max(initial=0.0) <= NEAR:
@@ -295,13 +255,13 @@ class Use:
         if requirement.key not in bench.excess:
             place, move = int(worst.argmax()), machine.moves[0]
             one = jerk_steps(move, acceleration=a[[place]], jerk=a[[place]] / float(t_j[place]))
-            steps = filter_steps(one, self.behind.item)
+            steps = filter_steps(one, self.item)
             exact = mean.exact(machine, bench.poles, move, steps, MEAN_CYCLES).max()
             excess = float(exact / mean.estimate(machine, move, steps)[0])
             bench.excess[requirement.key] = max(excess, 1.0)
         return np.asarray(worst * np.where(worst > NEAR, bench.excess[requirement.key], 1.0))
 
-    def of_rest(self, a: float) -> float:
+    def of_rest(self, a: float, t_j: float) -> float:
         """Return the largest share of what is judged during the move, in some sizes [-]."""
         bench, used = self.bench, 0.0
         during = list(zip(bench.asked.during, bench.left_during, strict=True))
@@ -316,28 +276,47 @@ class Use:
         shares = np.array(SIZES) if bench.every_size else np.ones(1)
         for swings, left in during:
             for move in swings.moves:
-                worst = self.behind.worst_during(swings, self._sizes(move, shares, a))
+                worst = self._worst_during(swings, self._sizes(move, shares, a, t_j))
                 used = max(used, float((worst / left).max()))
         return used
 
-    def _sizes(self, move: Move, shares: Array, a: float) -> JerkSteps:
+    def _worst_during(self, swings: Swings, steps: JerkSteps) -> Array:
+        """Largest of swings looked at together, worst corner, (n_setpoints, n_rows)."""
+        poles, parts = swings.where_to_look(self.bench.poles)
+        motions = set_in_motion(poles, filter_steps(steps, self.item))
+        grid = lay_grid(poles, SAMPLES)
+        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less)
+        return np.asarray(found.max(axis=1))
+
+    def _sizes(self, move: Move, shares: Array, a: float, t_j: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""
         if self.bench.every_size:
-            reach = _just_reached(move, a, float(self.t_j)) / size_of(move)
+            just = a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
+            reach = just / size_of(move)
             shares = np.unique(np.clip(np.append(shares, [reach, 1.3 * reach]), 1e-6, 1.0))
         full = np.full_like(shares, a)
         sizes = shares * size_of(move)
-        return jerk_steps(move, acceleration=full, jerk=full / self.t_j, size=sizes)
+        return jerk_steps(move, acceleration=full, jerk=full / t_j, size=sizes)
+
+
+def _lay_ages(move: Move, a: float, t_j: float, ages: Array, ramps: Array) -> Array:
+    """Return sizes of a move whose free times have some ages, and its own [m/s or m]."""
+    jerk, held = a / t_j, t_j + ages
+    pointed = ramps[ramps < t_j]
+    if isinstance(move, VelocityStep):
+        found = [jerk * pointed**2, a * held]
+    else:
+        found = [2.0 * jerk * pointed**3, a * held * (held + t_j)]
+        if isfinite(move.max_velocity):
+            own = jerk_steps(move, acceleration=np.array([a]), jerk=np.array([jerk])).times[0]
+            found.append(move.max_velocity * (own[3] + ages))
+    sizes = np.concatenate([*found, [size_of(move)]])
+    return np.asarray(sizes[sizes <= size_of(move)])
 
 
 SIZES = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Sizes of a move at which swings are looked at, beside where a is reached
 (empirical)."""
-
-
-def _just_reached(move: Move, a: float, t_j: float) -> float:
-    """Size of the move that just reaches the acceleration, own unit."""
-    return a * t_j if isinstance(move, VelocityStep) else 2.0 * a * t_j**2
 
 
 LIKELY = 0.7

@@ -206,8 +206,7 @@ class _Sizes:
         grid, worst = lay_grid(poles, SAMPLES), (-1.0, 0, 0)
         for start in range(0, len(sizes), TOGETHER):
             part = slice(start, start + TOGETHER)
-            own = replace(steps, times=steps.times[part], steps=steps.steps[part])
-            left = free_motion(set_in_motion(poles, own), grid, signal=signal).residual
+            left = free_motion(set_in_motion(poles, steps.only(part)), grid, signal=signal).residual
             row, column = divmod(int(left.argmax()), left.shape[1])
             worst = max(worst, (float(left[row, column]), start + row, column))
         return worst
@@ -220,7 +219,10 @@ class _Sizes:
         grid, every, checks = lay_grid(self.poles, 12), np.arange(self.poles.cycles), []
         for k, requirement in enumerate(swings.requirements):
             worst = int(found[:, k].argmax())
-            alone, row = set_in_motion(self.poles, _only(steps, worst)), swings.rows[k : k + 1]
+            alone, row = (
+                set_in_motion(self.poles, steps.only([worst])),
+                swings.rows[k : k + 1],
+            )
             peaks = extremes(alone, grid, row, parts=every, less=swings.less)
             values = requirement.noisy(peaks[0, :, 0], self.noises)
             checks.append(self._check(place, requirement, values, worst))
@@ -231,7 +233,7 @@ class _Sizes:
         move = self.machine.moves[place]
         steps = self._some(move)
         worst = int(mean.estimate(self.machine, move, steps).argmax())
-        found = mean.exact(self.machine, self.poles, move, _only(steps, worst), MEAN_CYCLES)
+        found = mean.exact(self.machine, self.poles, move, steps.only([worst]), MEAN_CYCLES)
         values = requirement.noisy(found, self.noises)
         return self._check(place, requirement, values, worst)
 
@@ -346,9 +348,3 @@ def _pulses(poles: LoopPoles, signal: Signal) -> tuple[float, float]:
                 largest = np.maximum(largest, np.abs(seen @ X).max(axis=0))
             X = lifted.A @ X
     return float(largest[0]), float(largest[1])
-
-
-def _only(steps: JerkSteps, place: int) -> JerkSteps:
-    return replace(
-        steps, times=steps.times[place : place + 1], steps=steps.steps[place : place + 1]
-    )

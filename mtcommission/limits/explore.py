@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import islice
 from math import inf
 
@@ -149,11 +148,12 @@ class _Explorer:
             if soonest <= item.duration <= AS_SOON * soonest:
                 found.append(item)
         best, behind = list[Found](), dict[SetpointFilter | None, list[Found]]()
+        delay = self.bench.poles.delay
         for item in found:
             behind.setdefault(item.setpoint_filter, []).append(item)
         for of_filter in behind.values():
             soonest = min(item.duration for item in of_filter)
-            late = EQUALLY_SOON * (soonest + self.bench.delay) - self.bench.delay
+            late = EQUALLY_SOON * (soonest + delay) - delay
             near = [item for item in of_filter if item.duration <= late]
             best.append(min(near, key=lambda item: item.acceleration / item.jerk_time))
         return tuple(sorted(best, key=lambda item: item.duration))
@@ -231,14 +231,14 @@ class _Explorer:
 
     def _hope(self, item: SetpointFilter | None, times: Array, latest: float) -> None:
         """Note what quick looks leave possible at some jerk times, where that is soon enough."""
-        ladder, used_behind = self.ladder, partial(self.bench.use, item)
+        ladder, use = self.ladder, self.bench.use(item)
         a, t_j = np.meshgrid(ladder, times)
         possible, ends = a <= self.largest_jerk * t_j, np.full(a.shape, inf)
         ends[possible] = self.bench.durations(item, a[possible], t_j[possible])
         possible &= ends <= latest
         used = np.full(a.shape, inf)
         if possible.any():
-            used[possible] = used_behind(t_j[possible]).of_after(a[possible])
+            used[possible] = use.of_after(a[possible], t_j[possible])
         found = np.zeros(len(times))
         for k, allowed in enumerate(used <= 1.0):
             if not allowed.any():
@@ -252,7 +252,7 @@ class _Explorer:
         if not found.any():
             return
         times, found = times[found > 0.0], found[found > 0.0]
-        most = self._within_means(used_behind(times), found)
+        most = self._within_means(use, found, times)
         durations = self.bench.durations(item, most, times)
         for t, each, duration in zip(
             times.tolist(), most.tolist(), durations.tolist(), strict=True
@@ -265,15 +265,15 @@ class _Explorer:
     def _duration(self, place: Place, a: float) -> float:
         return float(self.bench.durations(place[0], np.array([a]), place[1])[0])
 
-    def _within_means(self, use: Use, a: Array) -> Array:
+    def _within_means(self, use: Use, a: Array, t_j: Array) -> Array:
         """The largest accelerations up to some that keep what is a mean over the move."""
-        share, grows = use.of_means(a), np.ones_like(a)
+        share, grows = use.of_means(a, t_j), np.ones_like(a)
         for _ in range(STEPS):
             over = share > 1.0 + CLOSE
             if not over.any():
                 break
             less = np.where(over, a * (1.0 - 0.5 * CLOSE) * share ** (-1.0 / grows), a)
-            after = use.of_means(less)
+            after = use.of_means(less, t_j)
             # A static load, or a longer move, leaves another power than the first.
             with np.errstate(divide="ignore", invalid="ignore"):
                 grown = np.log(share / after) / np.log(a / less)
@@ -281,10 +281,10 @@ class _Explorer:
             a, share = less, after
         return a
 
-    def _rest(self, use: Use, a: float) -> float:
+    def _rest(self, use: Use, a: float, t_j: float) -> float:
         """Share of force and peaks."""
-        used, own = max(use.of_rest(a), CLOSE), self.rests.setdefault(use.behind.item, {})
-        own[float(use.t_j)] = max(own.get(float(use.t_j), 0.0), used / a)
+        used, own = max(use.of_rest(a, t_j), CLOSE), self.rests.setdefault(use.item, {})
+        own[t_j] = max(own.get(t_j, 0.0), used / a)
         return used
 
     def _capped(self, place: Place) -> Found:
@@ -300,7 +300,7 @@ class _Explorer:
         self, item: SetpointFilter | None, t_j: float, a: float, latest: float
     ) -> Found | None:
         """The largest acceleration up to some that keeps everything, where that is soon enough."""
-        use, bench = self.bench.use(item, t_j), self.bench
+        use, bench = self.bench.use(item), self.bench
         best: Found | None = None
         exact = 0.0  # share of the band at the very phases, per a [s²/m]
         low, high = (0.0, 0.0), (inf, inf)  # accelerations kept and not, and what they use
@@ -312,7 +312,7 @@ class _Explorer:
             if not len(steps):
                 break
             for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
-                share = np.maximum(use.of_cruise(part), use.of_after(part))
+                share = np.maximum(use.of_cruise(part, t_j), use.of_after(part, t_j))
                 kept = part[share <= 1.0 + CLOSE]
                 if len(kept):
                     break
@@ -322,9 +322,9 @@ class _Explorer:
                 a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
                 continue
             a = float(kept[0])
-            rest = self._rest(use, a)
+            rest = self._rest(use, a, t_j)
             if not exact:
-                exact = use.of_after_exactly(a) / a
+                exact = use.of_after_exactly(a, t_j) / a
             rest = max(rest, exact * a)
             if self.is_rough or 1.0 < rest <= 1.0 + NEARLY:  # near enough to be in proportion
                 a, rest = a / max(rest, 1.0), min(rest, 1.0)

@@ -146,7 +146,8 @@ def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> l
         shift = max(round(reach * time / step), 1) * step
         return [t for t in _settable(choice, control, (time - shift, time + shift)) if t != time]
 
-    found = [replace(item, time=time) for time in near(item.time)]
+    times = [(time, item.second_time) for time in near(item.time)]
     if item.second_time:
-        found += [replace(item, second_time=time) for time in near(item.second_time)]
-    return found
+        times += [(item.time, time) for time in near(item.second_time)]
+    # Two averages are the same either way round: the longer one comes first.
+    return [replace(item, time=max(both), second_time=min(both)) for both in times]

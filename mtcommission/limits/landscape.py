@@ -52,14 +52,13 @@ def chart_landscape(machine: Machine, tuned: TunedLoop, chosen: MotionLimits) ->
         steps = filter_steps(jerk_steps(move, acceleration=a_all, jerk=a_all / t_all), item)
         for start in range(0, a_all.size, 400):
             part = slice(start, start + 400)
-            own = replace(steps, times=steps.times[part], steps=steps.steps[part])
-            found = free_motion(set_in_motion(poles, own), grid)
+            found = free_motion(set_in_motion(poles, steps.only(part)), grid)
             settling[part] = np.maximum(settling[part], found.settling(band).max(axis=1))
             residual[part] = np.maximum(residual[part], found.residual.max(axis=1))
     coarse = np.linspace(0, POINTS - 1, USAGE_POINTS).round().astype(int)
-    uses = [bench.use(item, float(t)) for t in t_j[coarse]]
-    forces = np.array([use.of_means(a[coarse]) for use in uses]).T
-    usage = np.array([[use.of_rest(float(x)) for use in uses] for x in a[coarse]])
+    use, ramps = bench.use(item), t_j[coarse].tolist()
+    forces = np.array([use.of_means(a[coarse], t) for t in ramps]).T
+    usage = np.array([[use.of_rest(x, t) for t in ramps] for x in a[coarse].tolist()])
     usage = np.maximum(usage, forces)
     spread = np.arange(POINTS)
     usage = np.array([np.interp(spread, coarse, row) for row in usage])

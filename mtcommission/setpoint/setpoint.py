@@ -44,6 +44,10 @@ class JerkSteps:
         """End t_e of each setpoint, shape (n_limits,) [s]."""
         return np.asarray(self.times[:, -1])
 
+    def only(self, place: slice | list[int] | NDArray[np.bool_]) -> JerkSteps:
+        """Return some of them."""
+        return replace(self, times=self.times[place], steps=self.steps[place])
+
 
 INSTANT = 1e-9
 """Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
