@@ -214,8 +214,6 @@ def unsettled_record() -> Json:
     record["optima"][0]["damping"] = None
     for item in record["loop"]["variants"]:
         item["settling_time"] = None
-    for comparison in record["comparisons"][0]["controls"]:
-        comparison["transfer_time"] = None
     robustness = record["robustness"]
     error = robustness["frequency_error"]
     error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
@@ -294,7 +292,7 @@ def five_moves_record() -> Json:
 
 def _repeat(record: Json, moves: list[dict[str, float]]) -> None:
     """The first move's entries for each of some moves."""
-    for key in ("optima", "moves", "comparisons"):
+    for key in ("optima", "moves"):
         record[key] = [deepcopy(record[key][0]) for _ in moves]
     for move, optima, entry in zip(moves, record["optima"], record["moves"], strict=True):
         optima["move"] = entry["move"] = optima["time"]["move"] = move

@@ -15,7 +15,7 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.loop.analysis import mode_poles, scan
 from mtcommission.loop.model.diagram import build_open_loop, check_by_blocks
-from mtcommission.loop.tuning import gains
+from mtcommission.loop.tuning import family, gains
 from mtcommission.loop.tuning.family import (
     cascade_family,
     integral_gain,
@@ -213,13 +213,16 @@ def follow_pole(machine: Machine, tuned: TunedLoop, start: complex) -> complex:
 
 
 @pytest.mark.parametrize("name", ["paper", "tower", "random"])
-def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) -> None:
+def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A pole of the observer beside a mode would be shown as its damping, and chosen by it."""
     machine = {
         "paper": paper_machine(),
         "tower": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
         "random": random_modal_machine(3, n_modes=1),
     }[name]
+    monkeypatch.setattr(family, "TUNING", replace(TUNING, mode_weights=(0.1,)))
     tuned = tune_loop(machine)
     observer, plant = tuned.controller.observer, tuned.loops[0].plant
     assert observer.states
@@ -244,10 +247,10 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) ->
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
 def test_state_feedback_keeps_the_same_margins_and_what_the_cascade_had(path: Path) -> None:
     """Otherwise the comparison of settling times is one of margins."""
-    family = cascade_family(read_profile(path))
-    classic = tune_shape(family, CLASSIC, largest=1.0)
+    cascades = cascade_family(read_profile(path))
+    classic = tune_shape(cascades, CLASSIC, largest=1.0)
     assert classic is not None
-    for proposal in propose_feedback(family, classic, [CLASSIC]).loops:
+    for proposal in propose_feedback(cascades, classic, [CLASSIC]).loops:
         assert_tuned(proposal.tuned)
         assert proposal.tuned.controller.state_gains.any()
         assert proposal.tuned.least_stiffness >= classic.least_stiffness

@@ -34,7 +34,7 @@ from mtcommission.study.improvements import (
     value_tool_sensor,
 )
 from mtcommission.study.loops import LoopChoice, disturb, show_state_feedback
-from mtcommission.study.optimum import MoveComparison, WithinBand, compare_move, find_within_band
+from mtcommission.study.optimum import WithinBand, find_within_band
 from mtcommission.study.robustness import (
     FrictionEffect,
     MoveSizes,
@@ -64,7 +64,6 @@ class Commissioning:
     listed: Candidate | None  # what would serve the listed sizes best; None: only these count
     alternatives: tuple[Candidate, ...]  # limits condensed from the optima
     rules: tuple[Candidate, ...]  # the makers' and textbooks' rules, and the control's shapers
-    comparisons: tuple[MoveComparison, ...]  # one for each move
     modes: tuple[ModeLimits, ...]  # limits for the three machining modes
     rule: RuleResult  # the commissioning rule by hand, applied to this machine
     robustness: Robustness  # the recommendation where the machine differs a little
@@ -158,8 +157,6 @@ def commission(
         attainable = find_attainable(machine, tuned, choice)
     progress(Message("stage-machining-modes"))
     modes = find_limits_by_mode(machine, tuned, choice)
-    progress(Message("stage-comparison"))
-    comparisons = tuple(compare_move(machine, tuned, item, choice.limits) for item in optima)
     progress(Message("robustness-heading"))
     sized = {
         "way-recommended": choice.limits,
@@ -177,7 +174,6 @@ def commission(
         listed=listed,
         alternatives=tuple(alternatives),
         rules=(*answer.rules, *shapers),
-        comparisons=comparisons,
         modes=modes,
         rule=rule,
         robustness=examine_robustness(machine, tuned, choice.limits),

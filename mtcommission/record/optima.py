@@ -1,4 +1,4 @@
-"""The optimal controls of a record, and the loop beside them."""
+"""The optimal controls of a record."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mtcommission.record.shape import Words, entry_of, of
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
     from mtcommission.limits.optima import Optima
-    from mtcommission.study.optimum import MoveComparison, WithinBand
+    from mtcommission.study.optimum import WithinBand
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
@@ -138,26 +138,6 @@ class OptimaEntry:
     remarks: list[Words]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ComparedEntry:
-    """One way of doing a move, in the loop or by an optimal control on the plant."""
-
-    name: Words
-    transfer_time: float | None
-    overshoot: float
-    peaks: dict[str, float]
-    max_force: float
-    heat: float
-    work: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ComparisonEntry:
-    """One move in the loop and by its optima."""
-
-    controls: list[ComparedEntry]
-
-
 def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
     """Return the optima of one move: at exact rest, and within the band."""
     found = {"time": item.time, "constrained": item.constrained, "damping": item.damping}
@@ -196,14 +176,4 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
         series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
         weights=weights,
         cost_terms={} if is_timed else by_name(("F_set", *weights), solution.cost_terms),
-    )
-
-
-def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntry:
-    """Return the loop beside the optima of one move."""
-    return ComparisonEntry(
-        controls=[
-            entry_of(ComparedEntry, control, peaks=by_name(plant.signals, control.peaks))
-            for control in comparison.controls
-        ]
     )

@@ -30,7 +30,7 @@ from mtcommission.record.machine import (
     list_data,
 )
 from mtcommission.record.moves import AssessmentPart, MoveEntry, RobustnessPart, move_entry
-from mtcommission.record.optima import ComparisonEntry, OptimaEntry, comparison_entry, optima_entry
+from mtcommission.record.optima import OptimaEntry, optima_entry
 from mtcommission.record.shape import (
     Words,
     WrongFormError,
@@ -88,7 +88,6 @@ class Record:
     limits: LimitsPart
     loop: LoopPart
     moves: list[MoveEntry]
-    comparisons: list[ComparisonEntry]
     robustness: RobustnessPart
     assessment: AssessmentPart
     identified: IdentifiedPart | None = None
@@ -163,7 +162,6 @@ def build_record(
         limits=limits,
         loop=loop_part(machine, plant, found.loop, found.disturbed),
         moves=[move_entry(plant, tuned, result) for result in moves],
-        comparisons=[comparison_entry(plant, item) for item in found.comparisons],
         robustness=entry_of(RobustnessPart, robustness),
         assessment=entry_of(AssessmentPart, found.assessment),
         identified=identified,

@@ -1,4 +1,4 @@
-"""Appendix: machine data, robustness, the ways of doing a move, certificates, and versions."""
+"""Appendix: machine data, robustness, certificates, and versions."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.message import Message
-from mtcommission.base.messages.quantities import symbol
 from mtcommission.record.machine import Datum, datum, datum_name
-from mtcommission.record.optima import ComparedEntry, OptimumEntry
+from mtcommission.record.optima import OptimumEntry
 from mtcommission.record.record import Record
 from mtcommission.record.shape import Words
 from mtcommission.sheet.basis import find_band, kept_sentence
@@ -27,7 +25,7 @@ from mtcommission.sheet.document import (
     note,
 )
 from mtcommission.sheet.plots import Curve, Signals, line_plot
-from mtcommission.sheet.responses import flexible_rates, named_optima
+from mtcommission.sheet.responses import named_optima
 from mtcommission.sheet.tables import (
     MAX_FORCE,
     PEAK,
@@ -35,7 +33,6 @@ from mtcommission.sheet.tables import (
     RMS_FORCE,
     SETTLING,
     Quantity,
-    member,
     pairs,
     place_columns,
     show,
@@ -148,37 +145,6 @@ def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
     if not settling.y.size:
         low, high = (words.format.signed_percent(error.factor[end] - 1.0) for end in (0, -1))
         yield note(text("no-error-curves", low=low, high=high))
-
-
-def comparisons(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield for each move what its ways cost and reach."""
-    text, units = words.text, record.plant.units
-
-    def overshoot(item: ComparedEntry) -> str:
-        return words.format.signed_percent(item.overshoot).removeprefix("+")
-
-    columns = (
-        Quantity("control", "name", width=2.0),
-        Quantity("transfer-time", "transfer_time", "s", "not-settled"),
-        Quantity("overshoot", overshoot, "%"),
-        *(
-            Quantity(Message("peak-of", name=symbol(rate)), member(rate, "peaks"), units[rate])
-            for rate in flexible_rates(record.plant.states)
-        ),
-        MAX_FORCE,
-        Quantity("heat", "heat", _heat_unit(words)),
-        Quantity("work", "work", "J"),
-    )
-    yield note(text("comparison-note"))
-    both = zip(record.moves, record.comparisons, strict=True)
-    for number, (move, entry) in enumerate(both, start=1):
-        short = text("move", number=number)
-        yield Subheading(text=move_title(move.move, number, words))
-        yield table(words, "controls-caption", columns, entry.controls, move=short)
-
-
-def _heat_unit(words: Catalogue) -> str:
-    return "N^2 m^2 s" if words.rotary else "N^2 s"
 
 
 def certificates(record: Record, words: Catalogue) -> Iterator[Block]:

@@ -11,7 +11,6 @@ from mtcommission.record.read_back import Verified
 from mtcommission.record.record import Record
 from mtcommission.sheet.appendix import (
     certificates,
-    comparisons,
     machine_data,
     requirements,
     robustness,
@@ -42,7 +41,6 @@ APPENDIX: tuple[tuple[str, str, Callable[[Record, Catalogue], Iterable[Block]]],
     ("loop-details", "loop-details", loop_details),
     ("rules", "rules", rules),
     ("rule", "rule", rule),
-    ("comparisons", "comparison", comparisons),
     ("certificates", "evidence", certificates),
     ("versions", "versions", versions),
 )

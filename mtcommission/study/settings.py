@@ -72,8 +72,6 @@ class StudySettings:
     largest: float = 3.0
     sizes: int = 96
     size_samples: int = 48  # of free motion to a period
-    # The optimum beside the loop.
-    motion_samples: int = 4000  # of an optimal motion, for its integrals
     followed: float = 1.0  # what creeps for longer with friction, an engineer calls off [s]
 
 

@@ -11,18 +11,43 @@ import numpy as np
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import condense
+from mtcommission.loop.simulate import simulate
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.control import sample_trajectory
-from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.loops import settle_on_loop
-from mtcommission.study.optimum import ComparedControl, compare_controls
 from mtcommission.validate.cases import Array, Cases
 from mtcommission.validate.row import Row, claim
 
 MUCH_LARGER = 2.0
 """Ratio of times from which one is "much larger" [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ridden:
+    """A velocity step with some limits, in the loop of the nominal machine."""
+
+    transfer_time: float  # settling time [s]
+    overshoot: float  # of the tool's velocity over its target, relative to it [-]
+    peaks: Array  # largest magnitude of each of ``Plant.signals``
+
+
+def _ride(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> Ridden:
+    (loop, *_), (move, *_) = tuned.loops, machine.moves
+    assert isinstance(move, VelocityStep)
+    setpoint, band = plan_within(machine, limits)(move), machine.requirements.tcp_deviation
+    found = simulate(loop, setpoint, drive=machine.drive, band=band)
+    reached = float(np.max(found.states @ (loop.plant.row("tcp") @ loop.plant.A)))
+    return Ridden(
+        transfer_time=found.settling_time,
+        overshoot=max(reached / move.velocity_step - 1.0, 0.0),
+        peaks=found.peaks,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,26 +57,23 @@ class Loop:
     frequencies: Array  # Natural frequencies of base and tower [Hz]
     damping: Array  # Damping ratios of base and tower in the closed loop, shape (2,)
     limits: MotionLimits  # Recommended acceleration and jerk
-    rectangular: ComparedControl  # F_max/m without jerk limit
-    trapezoidal: ComparedControl  # The recommended limits
-    others: tuple[ComparedControl, ...]  # Further limits
+    rectangular: Ridden  # F_max/m without jerk limit
+    trapezoidal: Ridden  # The recommended limits
+    others: tuple[Ridden, ...]  # Further limits
 
 
 def solve_loop(machine: Machine, others: Sequence[MotionLimits] = ()) -> Loop:
     """Return the loop of a machine with its setpoints."""
     plant, tuned = build_plant(machine), settle_on_loop(machine).tuned
     chosen = choose_limits(machine, tuned).limits
-    (rectangular, trapezoidal), *compared = (
-        compare_controls(machine, tuned, machine.moves[0], limits=limits, optima=())
-        for limits in (chosen, *others)
-    )
+    rectangular = without_jerk_limit(machine, machine.drive.motion_force / plant.moving_mass)
     return Loop(
         frequencies=np.array([mode.natural_frequency / (2.0 * np.pi) for mode in plant.modes]),
         damping=tuned.nominal.mode_damping,
         limits=chosen,
-        rectangular=rectangular,
-        trapezoidal=trapezoidal,
-        others=tuple(pair[1] for pair in compared),
+        rectangular=_ride(machine, tuned, rectangular),
+        trapezoidal=_ride(machine, tuned, chosen),
+        others=tuple(_ride(machine, tuned, limits) for limits in others),
     )
 
 

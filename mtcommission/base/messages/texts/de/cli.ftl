@@ -52,7 +52,6 @@ stage-feedback-loop = Regelkreis
 stage-responses = Zeitverläufe und Faustregeln
 stage-attainable = was einzuhalten wäre
 stage-machining-modes = Bearbeitungsarten
-stage-comparison = Vergleich mit den Optima
 stage-improvements = mögliche Verbesserungen
 stage-sheet = Blatt
 stage-response = Zeitverlauf

@@ -244,18 +244,7 @@ response = Antwort des Regelkreises
 deviation = TCP-Abweichung
 peaks-caption = { $move }: größte Beträge
 signal-head = Signal
-comparison-heading = Vergleich mit den optimalen Steuerungen
-comparison-note = { $axis ->
-    [rotary] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral des quadrierten Motormoments.
-   *[linear] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral der quadrierten Motor{ word-force-behind }.
-}
-controls-caption = { $move }: Wege, die Bewegung auszuführen
 control = Steuerung
-transfer-time = Überführungszeit
-overshoot = Überschwingen
-peak-of = Höchstwert { $name }
-heat = Wärme
-work = Arbeit
 
 ## Loop
 

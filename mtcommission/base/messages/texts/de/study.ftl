@@ -51,11 +51,6 @@ no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem B
 # the paper's comparison
 control-time-optimal = zeitoptimal
 control-damping-optimal = dämpfungsoptimal
-rectangular-in-the-loop = rechteckförmige Beschleunigung, im Regelkreis
-trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
-time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke
-constrained-on-the-plant = beschränkt-zeitoptimale Steuerung, an der Strecke
-damping-optimal-on-the-plant = dämpfungsoptimale Steuerung, an der Strecke
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: die heutigen Grenzwerte wurden mit dem empfohlenen Regelkreis simuliert, verglichen werden also nur Beschleunigung, Ruck und Filter.

@@ -56,7 +56,6 @@ stage-feedback-loop = feedback loop
 stage-responses = responses and rules of thumb
 stage-attainable = what could be met
 stage-machining-modes = machining modes
-stage-comparison = comparison with the optima
 stage-improvements = potential improvements
 stage-sheet = sheet
 stage-response = response

@@ -226,15 +226,7 @@ response = loop response
 deviation = TCP deviation
 peaks-caption = { $move }: largest magnitudes
 signal-head = Signal
-comparison-heading = Comparison with the optimal controls
-comparison-note = Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor { word-force }.
-controls-caption = { $move }: ways of doing the move
 control = Control
-transfer-time = Transfer time
-overshoot = Overshoot
-peak-of = Peak of { $name }
-heat = Heat
-work = Work
 
 ## Loop
 

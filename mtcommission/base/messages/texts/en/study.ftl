@@ -52,11 +52,6 @@ no-limits-with-this-band = no limits were found that meet all requirements with 
 # the paper's comparison
 control-time-optimal = time-optimal
 control-damping-optimal = damping-optimal
-rectangular-in-the-loop = rectangular acceleration, in the loop
-trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
-time-optimal-on-the-plant = time-optimal control, on the plant
-constrained-on-the-plant = constrained time-optimal control, on the plant
-damping-optimal-on-the-plant = damping-optimal control, on the plant
 
 # the values now in the control; $stated, $others: Kv, Kp, Tn
 today-in-recommended-loop = Today's gains are not stated: today's limits were simulated with the recommended loop, so only acceleration, jerk and filter are compared.
