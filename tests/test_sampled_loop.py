@@ -176,12 +176,3 @@ def test_interpolated_setpoint_costs_less_than_stated() -> None:
         assert steps or error < 1e-14
         worst = max(worst, error)
     assert 0.0 < worst <= 200.0 * T**3 / 400
-
-
-def test_force_balances_at_rest_and_while_coasting() -> None:
-    """A steady offset at the tool would be called residual vibration."""
-    machine = paper_machine()
-    response, _ = both(machine, tune_loop(machine), STEP, 0.3)
-    # Each mode has decayed to 1 % of the band; several may add up.
-    assert abs(response.deviation[-1]) < 0.04 * machine.requirements.tcp_deviation
-    assert abs(response.force[-1]) < 1e-2 * response.max_force
