@@ -597,7 +597,8 @@ def test_every_pdf_page_carries_machine_hash_and_number(name, pdfs):
         assert squeeze(f"page {number} / {len(texts)}") in flat
         assert record["profile"]["sha256"][:12] in flat
         assert squeeze(record["machine"]["name"]) in flat
-        assert len(flat) > 250, "an almost empty page"
+        # The last one may hold the end of the profile alone.
+        assert len(flat) > 250 or number == len(texts), "an almost empty page"
 
 
 def test_a_plot_at_the_foot_of_a_page_names_its_section(pdfs):
