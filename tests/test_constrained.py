@@ -25,7 +25,7 @@ from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.optimal.modes import impulse_response, step_response, transition
 from mtcommission.optimal.newton import solve_sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
-from mtcommission.optimal.proof import Measure, dual_value, lower_bound, stretches
+from mtcommission.optimal.proof import Measure, weigh
 from mtcommission.optimal.sequence import Piece, Sequence
 from tests.machines import paper_machine, random_modal_machine
 
@@ -322,7 +322,7 @@ def test_responses_agree_with_the_matrix_exponential() -> None:
 
 
 def dual_total(problem: BoundedProblem, measure: Measure) -> float:
-    values = dual_value(problem, stretches(problem, measure)).values
+    values = weigh(problem, measure).values
     return float(values.sum()) + sum(abs(atom.weight) for atom in measure.atoms)
 
 
@@ -352,7 +352,7 @@ def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
     measure = replace(
         found.measure, terminal=found.measure.terminal * noise, atoms=(*atoms, extra), interiors=()
     )
-    assert lower_bound(problem, measure) < found.sequence.t_f
+    assert weigh(problem, measure).lower_bound < found.sequence.t_f
 
 
 def test_dual_value_is_the_integral_of_the_switching_function() -> None:
@@ -488,5 +488,5 @@ def test_multipliers_of_a_program_prove_no_more_than_the_optimum(name: str, valu
     """The printed gap is what a user goes by where no exact sequence is found."""
     problem, optimum = paper_problem(name, value), paper_optimum(bound(name, value))
     measure = first_cells(problem, t_free=0.0435).measure
-    lower = lower_bound(problem, measure)
+    lower = weigh(problem, measure).lower_bound
     assert 0.99 * optimum.t_f < lower < optimum.t_f * (1.0 + 1e-12)

@@ -92,7 +92,7 @@ def find_band_optimum(
     while best.gap > ENOUGH and (seen := next(programs, None)):
         best = min(best, seen, key=lambda one: one.gap)
     force = _force(problem, move, best.cells, band=band, width=band)
-    return replace(force, lower_bound=min(best.t_lower, force.t_f))
+    return replace(force, lower_bound=min(best.dual.lower_bound, force.t_f))
 
 
 def find_robust_force(

@@ -44,14 +44,13 @@ from mtcommission.optimal.edits import (
     tight_force_bound,
 )
 from mtcommission.optimal.free import solve_time_optimal
-from mtcommission.optimal.modes import impulse_response
 from mtcommission.optimal.problem import (
     BoundedProblem,
     all_bounds,
     bounded_problem,
     describe_bounds,
 )
-from mtcommission.optimal.proof import Found, dual_value, prove, require_followable, stretches
+from mtcommission.optimal.proof import Found, prove, require_followable, slopes
 from mtcommission.optimal.sequence import detect_sequence
 
 Array = NDArray[np.float64]
@@ -195,7 +194,7 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     gap = inf
     first = first_cells(problem, t_free=t_free)
     for seen in refined(problem, first):
-        guess = detect_sequence(problem, seen.structure, seen.parts, seen.zeros, seen.mesh)
+        guess = detect_sequence(problem, seen.structure, seen.dual, seen.mesh)
         # Newton's method on a long sequence that is not yet right costs more than a finer program.
         if seen.gap > 0.5 * gap or len(guess.pieces) <= LONG or seen.gap < CERTAIN:
             found = solve_exactly(problem, guess)
@@ -248,31 +247,24 @@ def _as_optimum(
 
 
 def _certificate(problem: BoundedProblem, found: Found) -> Certificate:
-    plant, parts = problem.plant, stretches(problem, found.measure)
+    plant, parts = problem.plant, found.dual.parts
     initial = parts[0].before
     # At rest H = 1 + λ B F_set, so its zero fixes the factor between Λ and the paper's λ.
     factor = -1.0 / (problem.force_limit * abs(float(initial @ plant.B)))
-    zeros = dual_value(problem, parts).zeros
     switches = found.t_f - np.array([arc.t_end for arc in found.motion.arcs[:-1]])
-    slopes = [
-        -factor * float(part.adjoint @ plant.A @ impulse_response(plant, np.array(at - part.end)))
-        for at in switches.tolist()
-        for part in parts
-        if part.end <= at < part.start
-    ]
     return Certificate(
         t_f_lower_bound=found.t_lower,
         relative_gap=found.gap,
         adjoint_initial=factor * initial,
-        switching_slopes=np.array(slopes),
-        switching_law_holds=found.is_exact and _law_holds(problem, found, zeros),
+        switching_slopes=-factor * slopes(problem, parts, switches),
+        switching_law_holds=found.is_exact and _law_holds(found),
         terminal_jacobian_rank=-1,
         terminal_jacobian_condition=nan,
     )
 
 
-def _law_holds(problem: BoundedProblem, found: Found, zeros: Array) -> bool:
+def _law_holds(found: Found) -> bool:
     """Return whether σ changes sign off the boundary arcs just where the force switches."""
     ends = found.t_f - np.array([0.0, *(arc.t_end for arc in found.motion.arcs)])
-    distance = np.abs(zeros[:, np.newaxis] - ends).min(axis=1)
+    distance = np.abs(found.dual.zeros[:, np.newaxis] - ends).min(axis=1)
     return bool(np.all(distance < SAME_TIME * found.t_f))

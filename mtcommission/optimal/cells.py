@@ -20,7 +20,7 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
 from mtcommission.optimal.linear_program import Basis, Program, solve_program
-from mtcommission.optimal.modes import impulse_response, in_moments
+from mtcommission.optimal.modes import in_moments
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem, describe_bounds
 from mtcommission.optimal.program import (
     STEPS,
@@ -36,12 +36,12 @@ from mtcommission.optimal.program import (
     solve_cells,
 )
 from mtcommission.optimal.proof import (
+    Dual,
     Stretch,
     densities,
-    dual_value,
-    lower_bound,
     require_followable,
-    stretches,
+    slopes,
+    weigh,
 )
 from mtcommission.optimal.sequence import Structure, boundary_arc, detect_structure, local_cell
 
@@ -346,12 +346,10 @@ class Seen:
 
     cells: Cells
     mesh: Array  # Its edges, and some in the interiors
-    zeros: Array  # Of σ, remaining times [s]
-    hidden: Array  # Share of the time that each hides in its cell
+    dual: Dual  # Their worth
+    hidden: Array  # Share of the time that each zero of σ hides in its cell
     structure: Structure
-    parts: tuple[Stretch, ...]  # Their adjoint
-    t_lower: float  # Time that they exclude [s]
-    gap: float  # Relative distance of t_f from that
+    gap: float  # Relative distance of t_f from the time that they exclude
 
 
 def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
@@ -393,26 +391,22 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
 def observe(problem: BoundedProblem, cells: Cells) -> Seen:
     """Return what the multipliers of a program show."""
     measure, edges = cells.measure, cells.plan.edges
-    parts = stretches(problem, measure)
-    zeros = dual_value(problem, parts).zeros
-    held = _rightly_held(problem, parts, measure.interiors)
+    dual = weigh(problem, measure)
+    zeros, held = dual.zeros, _rightly_held(problem, dual.parts, measure.interiors)
     mesh = _with_insides(problem, edges, measure.interiors, held)
     structure = detect_structure(measure.atoms, mesh, held)
-    t_lower = lower_bound(problem, measure)
     after = np.clip(np.searchsorted(edges, zeros), 1, edges.size - 1)
     nearer = np.minimum(zeros - edges[after - 1], edges[after] - zeros)
     along = abs(float(measure.terminal @ problem.target))
     return Seen(
         cells=cells,
         mesh=mesh,
-        zeros=zeros,
+        dual=dual,
         # The program sees |∫ σ| of a cell only, so the smaller part of its zero's counts twice.
-        hidden=_steepness(problem, parts, zeros) * nearer**2 / along,
+        hidden=problem.force_limit * np.abs(slopes(problem, dual.parts, zeros)) * nearer**2 / along,
         structure=structure,
-        parts=parts,
-        t_lower=t_lower,
         # A reach below 1 is missing time.
-        gap=1.0 - t_lower / cells.t_f + max(1.0 - cells.reach, 0.0),
+        gap=1.0 - dual.lower_bound / cells.t_f + max(1.0 - cells.reach, 0.0),
     )
 
 
@@ -468,7 +462,7 @@ def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
 
     The force may then switch there. About ends of arcs and touch points cells are halved.
     """
-    edges, zeros = seen.mesh, seen.zeros
+    edges, zeros = seen.mesh, seen.dual.zeros
     arcs, widths = seen.structure.arcs, np.diff(edges)
     around = widths[np.clip(np.searchsorted(edges, zeros), 1, widths.size) - 1]
     on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden
@@ -617,13 +611,3 @@ def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
             constant_arc(float(begin[i]), float(end[j - 1]), control=control, force=force_now)
         )
     return tuple(arcs)
-
-
-def _steepness(problem: BoundedProblem, parts: tuple[Stretch, ...], zeros: Array) -> Array:
-    """Return F |σ'| at the zeros of σ."""
-    ordered = parts[::-1]
-    ends = np.array([part.end for part in ordered])
-    index = np.searchsorted(ends, zeros, side="right") - 1
-    adjoints = np.array([part.adjoint for part in ordered])[index]
-    motion = impulse_response(problem.plant, zeros - ends[index])
-    return np.asarray(problem.force_limit * np.abs(np.sum(adjoints @ problem.plant.A * motion, 1)))

@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,27 +97,29 @@ class MomentProblem:
 
     def values(self, tau: Array) -> Array:
         """Return φ and, last, ψ at remaining times τ [s] of shape (k,), as shape (size + 1, k)."""
-        return self._rows(np.exp(np.multiply.outer(tau, self.rates)), _powers(tau, self.degree))
+        return self._rows(
+            np.exp(np.multiply.outer(tau, self.rates)), powers_of_time(tau, self.degree)
+        )
 
     def values_and_integrals(self, tau: Array) -> tuple[Array, Array]:
         """Return the same with their integrals from 0 to τ."""
         less_one = np.expm1(np.multiply.outer(tau, self.rates))
-        powers = _powers(tau, self.degree + 1)
+        powers = powers_of_time(tau, self.degree + 1)
         integrals = self._rows(less_one / self.rates, powers[1:])
         return self._rows(less_one + 1.0, powers[:-1]), integrals
 
-    def _rows(self, modal: Array | Complex, powers: list[Array]) -> Array:
+    def _rows(self, modal: Array | Complex, powers: Array) -> Array:
         rows = np.empty((self.size + 1, len(modal)))
         rows[: self.one] = modal.view(np.float64)[:, : self.one].T
         rows[self.one :] = powers
         return rows
 
 
-def _powers(tau: Array, highest: int) -> list[Array]:
-    """Return 1, τ, τ²/2, ..."""
-    powers = [np.ones_like(tau)]
+def powers_of_time(tau: NDArray[Any], highest: int) -> NDArray[Any]:
+    """Return 1, τ, τ²/2, ..., shape (highest + 1, ...)."""
+    powers = np.ones((highest + 1, *tau.shape), dtype=tau.dtype)
     for k in range(1, highest + 1):
-        powers.append(powers[-1] * tau / k)
+        powers[k] = powers[k - 1] * tau / k
     return powers
 
 
@@ -206,7 +209,7 @@ def advance(plant: Plant, states: Array, tau: Array) -> Array:
     """Return expm(A τ) x of many states and times, (..., n) and (...)."""
     tau, known = np.asarray(tau, dtype=np.float64), in_moments(plant)
     functions, moments = known.functions, states @ known.rows.T
-    one, powers = functions.one, _powers(tau, functions.degree)
+    one, powers = functions.one, powers_of_time(tau, functions.degree)
     turned = functions.modal(moments).conj() * np.exp(np.multiply.outer(tau, functions.rates))
     moved = np.zeros((*turned.shape[:-1], plant.order))
     moved[..., :one] = turned.view(np.float64)[..., :one]

@@ -36,10 +36,10 @@ from mtcommission.optimal.control import (
 from mtcommission.optimal.modes import (
     impulse_response,
     in_moments,
-    step_response,
     transition,
 )
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
+from mtcommission.optimal.switching import Mesh, build_mesh, integral_of_size, time_within
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -54,16 +54,8 @@ TERMINAL = 1e-9
 ROUNDING = 1e-13
 """Allowance for rounding, relative to the sum of the magnitudes of all terms: some hundred
 operations of 1.1e-16 each."""
-FIRST_CUT = 1e-12
-"""Smallest gap that is tried, as a share of t_f: about the rounding of the integrals."""
-CUT_TOLERANCE = 0.05
-"""Relative width to which the smallest provable gap is halved."""
-CELLS_PER_RADIAN, DENSITY_CELLS_PER_RADIAN = 4, 16
-"""First cells of the integral of |σ|, and samples of a density."""
-HALVINGS = 14
-"""Of a cell that may hide a zero of σ."""
-BISECTIONS, POLISHES = 10, 3
-"""Of a cell with a zero, and Newton steps to it: off by δ it misses σ' δ² of the integral."""
+DENSITY_CELLS_PER_RADIAN = 16
+"""Samples of a density."""
 MOST_RADIANS = 2e6
 """Fastest rate times duration of what is followed at all: some fifteen seconds."""
 
@@ -166,36 +158,84 @@ def sigma_sign(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: f
     return 1 if value > 0.0 else -1
 
 
+def slopes(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: Array) -> Array:
+    """Return dσ/dτ at remaining times [s]."""
+    ordered = parts[::-1]
+    ends = np.array([part.end for part in ordered])
+    index = np.searchsorted(ends, remaining, side="right") - 1
+    adjoints = np.array([part.adjoint for part in ordered])[index]
+    responses = impulse_response(problem.plant, remaining - ends[index])
+    return np.asarray(np.sum(adjoints @ problem.plant.A * responses, axis=1))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DualValue:
-    """Upper bounds of F ∫|σ| + |μ| on each stretch, atoms left out, and the zeros of σ."""
+class Dual:
+    """What a dual point is worth at most, and what that proves."""
 
-    values: Array  # Shape (n_stretches,)
+    parts: tuple[Stretch, ...]  # Its adjoint, in order of time
+    values: Array  # Upper bounds of F ∫|σ| + |μ| on each stretch, atoms left out
     zeros: Array  # Remaining times where σ changes sign off the interiors, ascending [s]
+    lower_bound: float  # Before it no admissible control reaches the target [s]; 0: not proved
 
 
-def dual_value(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> DualValue:
-    """Return what the stretches of an adjoint are worth at most.
+def weigh(problem: BoundedProblem, measure: Measure) -> Dual:
+    """Return what a dual point is worth at most, and the time that it excludes.
 
-    Source: weak duality; zeros isolated by the largest possible |σ''| in each cell.
+    The measure is cut off at the start until the dual value falls below Λ x_f; since waiting
+    at rest is always possible, every shorter time is excluded as well.
+
+    Source: weak duality.
     """
-    adjoints = np.array([part.adjoint for part in parts]).reshape(-1, problem.plant.order)
-    lengths, ends = np.array([[part.length, part.end] for part in parts]).T
-    off = np.array([part.limit < 0 for part in parts], dtype=bool)
+    parts, zeros = stretches(problem, measure), [np.zeros(0)]
     values = np.array([part.slack for part in parts])
-    sigma, stretch, zeros = _integrate_sigma(problem, adjoints[off], lengths[off])
-    values[off] += problem.force_limit * sigma
-    for i in np.flatnonzero(~off).tolist():
-        values[i] += _density_value(problem, parts[i])
-    magnitude = problem.force_limit * _integrals_of_sizes(problem, adjoints, lengths)
-    return DualValue(
-        values=values + ROUNDING * (values + magnitude),
-        zeros=np.sort(ends[off][stretch] + zeros),
+    mesh, back = _mesh(problem, parts), in_moments(problem.plant).back
+    for i, part in enumerate(parts):
+        if part.limit < 0:
+            size = integral_of_size(mesh.until(part.length), part.adjoint @ back, part.length)
+            values[i] += problem.force_limit * size.most
+            zeros.append(part.end + size.zeros)
+        else:
+            values[i] += _worth_along_arc(problem, part)[-1]
+    values = values * (1.0 + ROUNDING) + _rounding(problem, parts)
+    return Dual(
+        parts=parts,
+        values=values,
+        zeros=np.sort(np.concatenate(zeros)),
+        lower_bound=_excluded(problem, measure, parts, values),
     )
 
 
-def _density_value(problem: BoundedProblem, part: Stretch) -> float:
-    """Return |μ| of an interior plus F ∫|σ| on it, which is a polynomial of degree r - 1."""
+def _excluded(
+    problem: BoundedProblem, measure: Measure, parts: tuple[Stretch, ...], values: Array
+) -> float:
+    claim = float(measure.terminal @ problem.target) - measure.spent
+    claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
+    later = np.append(np.cumsum(values[::-1])[::-1], 0.0)
+    places = np.array([atom.remaining for atom in measure.atoms])
+    weights = np.array([abs(atom.weight) for atom in measure.atoms])
+    for i, part in enumerate(parts):
+        room = claim - float(later[i + 1]) - float(weights[places <= part.end].sum())
+        if room > 0.0:
+            return part.end + _time_within(problem, part, room)
+    return 0.0
+
+
+def _mesh(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> Mesh:
+    longest = max(part.length for part in parts)
+    return build_mesh(in_moments(problem.plant).functions, longest)
+
+
+def _rounding(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> Array:
+    adjoints = np.array([part.adjoint for part in parts])
+    sizes = _integrals_of_sizes(problem, adjoints, np.array([part.length for part in parts]))
+    return np.asarray(ROUNDING * problem.force_limit * sizes)
+
+
+def _worth_along_arc(problem: BoundedProblem, part: Stretch) -> Array:
+    """Return |μ| of an interior up to even distances from its end, plus F ∫|σ| on all of it.
+
+    There σ is a polynomial of degree r - 1.
+    """
     limit = problem.limits[part.limit]
     left_over = sum(
         abs(float(part.adjoint @ limit.force_chain[:, j]))
@@ -205,11 +245,11 @@ def _density_value(problem: BoundedProblem, part: Stretch) -> float:
         for j in range(limit.order)
     )
     density, primitive = densities(problem, part)
-    changes = np.abs(np.diff(np.sign(density))) == 2.0
     # Where the density changes sign, its swing bounds what the difference of primitives hides.
-    swing = np.abs(np.diff(density))[changes].sum() * part.length / (density.size - 1)
-    value = float(np.abs(np.diff(primitive)).sum() + 2.0 * swing)
-    return value + problem.force_limit * left_over
+    swings = np.abs(np.diff(density)) * (np.abs(np.diff(np.sign(density))) == 2.0)
+    hidden = 2.0 * swings * part.length / (density.size - 1)
+    worth = np.cumsum(np.abs(np.diff(primitive)) + hidden)
+    return np.append(0.0, worth) + problem.force_limit * left_over
 
 
 def densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
@@ -223,50 +263,6 @@ def densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
     flow = balanced_expm(joint * (part.length / count))
     followed = powers_of(flow, np.append(held.chart @ part.adjoint, 0.0), count)
     return followed[:, :n] @ to_density, followed[:, n]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Cells:
-    """Cells [left, right] of stretches, with σ and dσ/dτ at both ends."""
-
-    stretch: Indices
-    left: Array
-    right: Array
-    values: Array
-    slopes: Array
-
-
-def _integrate_sigma(
-    problem: BoundedProblem, adjoints: Array, lengths: Array
-) -> tuple[Array, Indices, Array]:
-    """Return upper bounds of ∫|σ| over stretches off the arcs, and the zeros with their stretches.
-
-    Each stretch is cut into cells; one that may hide a pair of zeros (by a bound of |σ''| over its
-    stretch) is halved, and what is left is added as an allowance.
-    """
-    modal, powers = _sizes(problem, adjoints)
-    rates = in_moments(problem.plant).functions.magnitudes
-    bend = modal @ rates**2 + powers[:, 2:].sum(axis=1)
-    cells = _first_cells(problem, adjoints, lengths)
-    for _ in range(HALVINGS):
-        unsure = _may_hide_zeros(cells, bend)
-        if not unsure.any():
-            break
-        cells = _halved(problem, adjoints, cells, unsure)
-    unsure = _may_hide_zeros(cells, bend)
-    hidden = bend[cells.stretch] * (cells.right - cells.left) ** 3 / 4.0
-    value = np.zeros(lengths.size)
-    np.add.at(value, cells.stretch, hidden * unsure)
-    stretch, zeros = _sign_changes(problem, adjoints, cells)
-    index = np.concatenate([np.tile(np.arange(lengths.size), 2), stretch])
-    points = np.concatenate([np.zeros(lengths.size), lengths, zeros])
-    order = np.lexsort((points, index))
-    index, points = index[order], points[order]
-    primitive = np.sum(step_response(problem.plant, points) * adjoints[index], axis=1)
-    same = index[1:] == index[:-1]
-    steps = np.abs(np.diff(primitive)) * same
-    np.add.at(value, index[1:], steps)
-    return value, stretch, zeros
 
 
 def _integrals_of_sizes(problem: BoundedProblem, rows: Array, lengths: Array) -> Array:
@@ -298,124 +294,16 @@ def _sizes(problem: BoundedProblem, adjoint: Array) -> tuple[Array, Array]:
     return np.abs(known.functions.modal(sizes)), sizes[..., known.functions.one :]
 
 
-def _sigma(
-    problem: BoundedProblem, adjoints: Array, stretch: Indices, tau: Array
-) -> tuple[Array, Array]:
-    """Return σ and dσ/dτ at times before the ends of stretches."""
-    response, adjoint = impulse_response(problem.plant, tau), adjoints[stretch]
-    slopes = np.sum(response * (adjoint @ problem.plant.A), axis=1)
-    return np.sum(response * adjoint, axis=1), slopes
-
-
-def _first_cells(problem: BoundedProblem, adjoints: Array, lengths: Array) -> _Cells:
-    counts = np.ceil(lengths * problem.rate * CELLS_PER_RADIAN).astype(np.intp) + 1
-    stretch = np.repeat(np.arange(lengths.size), counts + 1)
-    number = np.arange(stretch.size) - np.repeat(np.cumsum(counts + 1) - counts - 1, counts + 1)
-    nodes = lengths[stretch] * number / counts[stretch]
-    values, slopes = _sigma(problem, adjoints, stretch, nodes)
-    first = np.nonzero(stretch[1:] == stretch[:-1])[0]
-    pairs = np.column_stack([first, first + 1])
-    return _Cells(
-        stretch=stretch[first],
-        left=nodes[first],
-        right=nodes[first + 1],
-        values=values[pairs],
-        slopes=slopes[pairs],
-    )
-
-
-def _halved(
-    problem: BoundedProblem, adjoints: Array, cells: _Cells, unsure: NDArray[np.bool_]
-) -> _Cells:
-    stretch, left, right = cells.stretch[unsure], cells.left[unsure], cells.right[unsure]
-    middle = 0.5 * (left + right)
-    value, slope = _sigma(problem, adjoints, stretch, middle)
-
-    def joined(known: Array, inside: Array) -> Array:
-        first, last = known[unsure].T
-        halves = np.column_stack([first, inside]), np.column_stack([inside, last])
-        return np.vstack([known[~unsure], *halves])
-
-    return _Cells(
-        stretch=np.concatenate([cells.stretch[~unsure], stretch, stretch]),
-        left=np.concatenate([cells.left[~unsure], left, middle]),
-        right=np.concatenate([cells.right[~unsure], middle, right]),
-        values=joined(cells.values, value),
-        slopes=joined(cells.slopes, slope),
-    )
-
-
-def _may_hide_zeros(cells: _Cells, bend: Array) -> NDArray[np.bool_]:
-    """Return which cells may hold zeros that the signs at their ends do not show."""
-    widths, most = cells.right - cells.left, bend[cells.stretch]
-    monotone = np.abs(cells.slopes).max(axis=1) >= most * widths
-    # Between its ends σ deviates from the chord by at most bend widths² / 8.
-    clear = np.abs(cells.values).min(axis=1) >= most * widths**2 / 8.0
-    return np.asarray(~monotone & ~(clear & (cells.values.prod(axis=1) > 0.0)))
-
-
-def _sign_changes(problem: BoundedProblem, adjoints: Array, cells: _Cells) -> tuple[Indices, Array]:
-    """Return the zeros of σ with their stretches."""
-    signs = np.sign(cells.values)
-    where = signs[:, 0] * signs[:, 1] < 0.0
-    stretch, low, high = cells.stretch[where], cells.left[where], cells.right[where]
-    sign, adjoint = signs[where, 0], adjoints[stretch]
-    for _ in range(BISECTIONS):
-        at = 0.5 * (low + high)
-        same = np.sign(np.sum(impulse_response(problem.plant, at) * adjoint, axis=1)) == sign
-        low, high = np.where(same, at, low), np.where(same, high, at)
-    at = 0.5 * (low + high)
-    for _ in range(POLISHES):
-        value, slope = _sigma(problem, adjoints, stretch, at)
-        step = np.divide(value, slope, out=np.zeros_like(at), where=slope != 0.0)
-        at = np.clip(at - step, low, high)
-    return stretch, at
-
-
-def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
-    """Return a time before which no admissible control reaches the target [s]; 0 if none is proved.
-
-    The measure is cut off at the start until the dual value falls below Λ x_f; since waiting
-    at rest is always possible, every shorter time is excluded as well.
-    """
-    claim = float(measure.terminal @ problem.target) - measure.spent
-    claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
-    parts = stretches(problem, measure)
-    values = dual_value(problem, parts).values
-    later = np.append(np.cumsum(values[::-1])[::-1], 0.0)
-    places = np.array([atom.remaining for atom in measure.atoms])
-    weights = np.array([abs(atom.weight) for atom in measure.atoms])
-    for i, part in enumerate(parts):
-        room = claim - float(later[i + 1]) - float(weights[places <= part.end].sum())
-        if room > 0.0:
-            return part.start - _least_cut(problem, part, room, first=FIRST_CUT * measure.t_f)
-    return 0.0
-
-
-def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: float) -> float:
-    """Return about the least time cut off the start of a stretch that leaves it worth < room."""
-
-    def fits(cut: float) -> bool:
-        shorter = replace(part, start=part.start - cut)
-        return float(dual_value(problem, (shorter,)).values[0]) < room
-
-    # From the slope of the worth, F |σ| at the start, the cut is known to a few per cent.
-    worth = float(dual_value(problem, (part,)).values[0])
-    slope = problem.force_limit * abs(float(part.before @ problem.plant.B))
-    guess = max((worth - room) / slope, 0.0) if slope > 0.0 else 0.0
-    if first < guess and (1.0 + CUT_TOLERANCE) * guess < part.length:
-        low, high = (1.0 - CUT_TOLERANCE) * guess, (1.0 + CUT_TOLERANCE) * guess
-        low = 0.0 if fits(low) else low
-    else:
-        low, high = 0.0, first
-    while not fits(high):
-        low, high = high, 2.0 * high
-        if high > part.length:
-            return part.length
-    while low > 0.0 and high - low > 2.0 * CUT_TOLERANCE * high:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
+def _time_within(problem: BoundedProblem, part: Stretch, room: float) -> float:
+    """Return for how long before its end a stretch is worth less than some room."""
+    room = room / (1.0 + ROUNDING) - part.slack - float(_rounding(problem, (part,))[0])
+    if part.limit >= 0:
+        worth = _worth_along_arc(problem, part)
+        return part.length * max(int(worth.searchsorted(room)) - 1, 0) / (worth.size - 1)
+    if room <= 0.0:
+        return 0.0
+    weights, span = part.adjoint @ in_moments(problem.plant).back, room / problem.force_limit
+    return time_within(_mesh(problem, (part,)), weights, span, end=part.length)
 
 
 def require_followable(time: float, rate: float, *, most: float = MOST_RADIANS) -> None:
@@ -430,8 +318,7 @@ class Found:
     """An accepted control with its proof."""
 
     motion: FollowedMotion
-    measure: Measure
-    t_lower: float  # Excluded time [s]
+    dual: Dual  # Of multipliers that belong to it
     touches: tuple[Atom, ...]
     is_exact: bool  # Whether the arcs are exact; otherwise they are cells
 
@@ -439,6 +326,11 @@ class Found:
     def t_f(self) -> float:
         """Final time [s]."""
         return self.motion.arcs[-1].t_end
+
+    @property
+    def t_lower(self) -> float:
+        """Excluded time: a dual point knows no horizon, it may prove more than it is from [s]."""
+        return min(self.dual.lower_bound, self.t_f)
 
     @property
     def gap(self) -> float:
@@ -460,11 +352,8 @@ def prove(
     share = error / motion.peaks[: problem.plant.order][problem.fixed]
     if peak_level(problem, motion) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
         return None
-    t_f = arcs[-1].t_end
-    # In remaining time a dual point knows no horizon: it may prove more than the time it is from.
-    measure = replace(measure, t_f=t_f)
-    lower = min(lower_bound(problem, measure), t_f)
-    found = Found(motion=motion, measure=measure, t_lower=lower, touches=touches, is_exact=is_exact)
+    dual = weigh(problem, replace(measure, t_f=arcs[-1].t_end))
+    found = Found(motion=motion, dual=dual, touches=touches, is_exact=is_exact)
     return found if found.gap <= GAP or not is_exact else None
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.control import Arc, Bang, Boundary, constant_arc
 from mtcommission.optimal.modes import driven
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
-from mtcommission.optimal.proof import Stretch, sigma_sign
+from mtcommission.optimal.proof import Dual, Stretch, sigma_sign
 
 Array = NDArray[np.float64]
 
@@ -183,12 +183,12 @@ def local_cell(mesh: Array, remaining: float) -> float:
 def detect_sequence(
     problem: BoundedProblem,
     structure: Structure,
-    parts: tuple[Stretch, ...],
-    zeros: Array,
+    dual: Dual,
     mesh: Array,
 ) -> Sequence:
     """Return the sequence of pieces that a dual point shows."""
     pieces: list[Piece] = []
+    parts, zeros = dual.parts, dual.zeros
     position = parts[0].start
     after = 0
     for arc in structure.arcs:

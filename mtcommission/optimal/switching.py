@@ -15,7 +15,7 @@ the cubic's error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log1p
 
 import numpy as np
@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.optimal.modes import TINY, MomentProblem
+from mtcommission.optimal.modes import TINY, MomentProblem, powers_of_time
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 RADIANS_PER_CELL = 0.3
 """Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
@@ -86,6 +87,17 @@ class Mesh:
         """Last node [s]."""
         return float(self.nodes[-1])
 
+    def until(self, horizon: float) -> Mesh:
+        """Return the cells that are needed for a part of it."""
+        k = int(self.nodes[1:].searchsorted(horizon)) + 1
+        return replace(
+            self,
+            nodes=self.nodes[: k + 1],
+            lengths=self.lengths[:k],
+            values=self.values[:, : k + 1],
+            remainder=self.remainder[:, :k],
+        )
+
     def norms(self, horizon: float) -> Array:
         """Return ∫_0^horizon |φ| as a sum, to scale moments by, shape (size,)."""
         inside = int(self.nodes[:-1].searchsorted(horizon))
@@ -112,8 +124,6 @@ def tabulate(problem: MomentProblem, nodes: Array) -> Mesh:
         remainder=envelope * squared * (squared / 384.0),
     )
 
-
-Mask = NDArray[np.bool_]
 
 ROUNDOFF = float(np.finfo(np.float64).eps)
 EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
@@ -186,6 +196,28 @@ def prove_time(mesh: Mesh, start: Control, *, span: float) -> Control:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Size:
+    """∫|σ| over a length, at most, and the sign changes of σ in it."""
+
+    most: float
+    zeros: Array  # Ascending [s]
+
+
+def integral_of_size(mesh: Mesh, weights: Array, length: float) -> Size:
+    """Return what ∫|σ| is for certain not above, from 0 to a length within the mesh [s]."""
+    zeros = isolate_zeros(mesh, weights)
+    inside = zeros.tau[zeros.tau < length]
+    reached = _integral(mesh.problem, weights, np.append(inside, length))
+    most = float(reached.value) + reached.allowance + 2.0 * zeros.doubt
+    return Size(most=most, zeros=inside)
+
+
+def time_within(mesh: Mesh, weights: Array, span: float, *, end: float) -> float:
+    """Return a time up to which ∫|σ| stays below a span for certain; at most the end [s]."""
+    return _proved(mesh.problem, weights, isolate_zeros(mesh, weights), span, end, end)
+
+
 def _proved(
     problem: MomentProblem, weights: Array, zeros: Zeros, span: float, time: float, end: float
 ) -> float:
@@ -227,12 +259,12 @@ def _integral(problem: MomentProblem, weights: Array, ends: Array) -> _Integral:
     """
     t, rates = ends.astype(np.longdouble), problem.rates.astype(np.clongdouble)
     modal = problem.modal(weights).astype(np.clongdouble)
-    of_one, of_tau = float(weights[problem.one]), problem.degree * float(weights[-1])
+    of_powers, powers = weights[problem.one :], powers_of_time(t, problem.degree + 1)
     less_one = np.expm1(np.multiply.outer(t, rates))
     grown = less_one + 1.0
-    primitive = (0.5 * of_tau * t + of_one) * t + (less_one @ (modal / rates)).real
-    value = of_tau * t + of_one + (grown @ modal).real
-    slope = of_tau + (grown[:-1] @ (rates * modal)).real
+    primitive = (less_one @ (modal / rates)).real + of_powers @ powers[1:]
+    value = (grown @ modal).real + of_powers @ powers[:-1]
+    slope = (grown[:-1] @ (rates * modal)).real + of_powers[1:] @ powers[:-2, :-1]
     # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
     least = np.maximum(np.abs(value[:-1]) / t[:-1], TINY)
     hidden = value[:-1] ** 2 / np.maximum(np.abs(slope), least)
@@ -242,7 +274,7 @@ def _integral(problem: MomentProblem, weights: Array, ends: Array) -> _Integral:
         ends[:, np.newaxis], (1.0 + decay) / problem.magnitudes
     )
     terms = (sizes + ends[:, np.newaxis] * decay).dot(np.abs(modal).astype(np.float64))
-    terms += (2.0 + problem.size) * (0.5 * of_tau * ends + abs(of_one)) * ends
+    terms += (2.0 + problem.size) * (np.abs(of_powers) @ powers[1:]).astype(np.float64)
     return _Integral(
         value=abs(primitive[0]) + np.add.reduce(np.abs(primitive[1:] - primitive[:-1])),
         allowance=EXTENDED_ROUNDOFF * float(terms.sum()) + 2.0 * float(np.add.reduce(hidden)),
@@ -337,7 +369,7 @@ def _rounding(problem: MomentProblem, weights: Array, cells: Array) -> Array:
     start, end = cells[0], cells[0] + cells[1]
     envelope = np.exp(np.multiply.outer(start, problem.rates.real)) * problem.amplitudes(weights)
     modal = envelope * (1.0 + np.multiply.outer(0.25 * end, problem.magnitudes))
-    others = abs(weights[problem.one]) + problem.degree * end
+    others = np.abs(weights[problem.one :]) @ powers_of_time(end, problem.degree)
     return np.asarray(8.0 * ROUNDOFF * (modal.sum(axis=1) + others))
 
 
