@@ -317,7 +317,7 @@ LEAST_ARCS = (0.0, 0.06)
 """Share of t_f from which an arc has an interior, by order as before."""
 JUNCTIONS, BEYOND = (6, 30), 0.3
 """Even cells at an end of an arc from its interior on, by order, and how far they go beyond."""
-WIDER, SETBACK = 4.0, 10.0
+WIDER, SETBACK = 4.0, 3.0
 """Factor on that after a program that proves less than one before, and on the gap from which the
 one before is refined instead."""
 INSIDES, APART = 8, 0.3
