@@ -107,7 +107,7 @@ def refuted(group: Group, seed: int) -> list[str]:
     corners = corner_speeds(group)
     one = corners[int(generator.integers(len(corners)))]
     off_corner = corner_off(
-        driven(group, somewhere), item, angle=one.angle, arc=one.arc.radius, feed=one.speed,
+        driven(group, somewhere), item, angle=one.angle, arc=one.arc_radius, feed=one.speed,
         turned=turned,
     )  # fmt: skip
     if off_corner > allowed:

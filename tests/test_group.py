@@ -16,7 +16,6 @@ from mtcommission.base.errors import InputError
 from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.contours import (
-    NO_ARC,
     Turning,
     corner_deviation,
     deviate,
@@ -110,7 +109,7 @@ def test_a_corner_behind_an_average_alone(degrees: float) -> None:
     tool = np.where(t < T, t**2 / (2.0 * T), t - 0.5 * T)[None, None]
     axis = Turning(step=step, starts=np.zeros(1), tool=tool, lag=np.array([0.5 * T]))
     angle = degrees * pi / 180.0
-    off = corner_deviation((axis, axis), angle, v, NO_ARC)
+    off = corner_deviation((axis, axis), angle, v)
     assert off == pytest.approx(v * T / 4.0 * sin(0.5 * angle), rel=1e-3)
 
 
@@ -207,19 +206,19 @@ def test_entries_are_those_of_the_second_program(joined: Group) -> None:
 
 
 def test_corners_keep_the_tolerance_in_the_second_program(joined: Group) -> None:
-    speed = next(one for one in corner_speeds(joined) if one.angle == pi / 2)
+    speed = next(one for one in corner_speeds(joined) if one.angle_deg == 90.0)
     # The nominal machines, where the corner comes just behind a sample.
     x, y = (
         replace(one, starts=one.starts[1:2], tool=one.tool[1:2, :1], lag=one.lag[:1])
         for one in turnings(joined.pair)
     )
-    ours = corner_deviation((x, y), speed.angle, speed.speed, speed.arc)
+    ours = corner_deviation((x, y), speed.angle, speed.speed, speed.arc_radius)
     offs = [
         corner_off(
             driven(joined),
             joined.setpoint_filter,
             angle=speed.angle,
-            arc=speed.arc.radius,
+            arc=speed.arc_radius,
             feed=speed.speed,
             turned=turned,
         )

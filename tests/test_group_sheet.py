@@ -36,7 +36,9 @@ needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser c
 
 
 def html_of(found: GroupRecord, language: str = "en") -> str:
-    return print_group(found, language=language, with_pdf=False)["sheet.html"].decode()
+    return print_group(found, read_pair(found), language=language, with_pdf=False)[
+        "sheet.html"
+    ].decode()
 
 
 def text_of(html: str) -> str:
@@ -62,7 +64,7 @@ SAID = {
 def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> None:
     """Two axes fit on two pages; a third page would be lost on the way to the machine."""
     found, words = mill_record(), words_of(mill_record(), language)
-    files = print_group(found, language=language)
+    files = print_group(found, mill().pair, language=language)
     html, pages = text_of(files["sheet.html"].decode()), text_of_pdf(files["sheet.pdf"])
     assert len(pages) == 2
 
@@ -115,7 +117,7 @@ def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_colum
     assert rows["Kv"][5] == rows["Kv"][3] != "1.89"
     # Not stated: neither invented nor left out.
     assert rows["Tn"][4] == rows["Kv"][0] == "–"
-    assert len(text_of_pdf(print_group(three)["sheet.pdf"])) <= 3
+    assert len(text_of_pdf(print_group(three, read_pair(three))["sheet.pdf"])) <= 3
 
 
 def test_what_is_not_kept_is_named_on_top() -> None:
@@ -149,7 +151,7 @@ def test_names_that_look_like_markup_stay_names() -> None:
     assert "<img" not in html
     assert html.count("</script>") == html_of(found).count("</script>")
     assert f"+{name}" in unescape(html)
-    assert print_group(bad)["sheet.pdf"]
+    assert print_group(bad, read_pair(bad))["sheet.pdf"]
 
 
 def test_the_drawn_circle_is_what_the_stepped_axes_draw() -> None:

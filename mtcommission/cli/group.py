@@ -54,10 +54,11 @@ def group(
     )
     files: dict[str, bytes] = {}
     with show_stage() as progress:
-        record = build_group_record(join(task, progress=progress), created=now())
+        joined = join(task, progress=progress)
+        record = build_group_record(joined, created=now())
         if output:
             progress(Message("stage-sheet"))
-            printed = print_group(record, language=words().language)
+            printed = print_group(record, joined.pair, language=words().language)
             files = {"group.json": dump_json(record).encode(), **printed}
     if json_file:
         write_text(json_file, dump_json(record))

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
-from mtcommission.cli.verified_view import STYLES
-from mtcommission.group.record import AngleEntry, GroupRecord
+from mtcommission.cli.verified_view import STYLES, describe_table
+from mtcommission.group.record import GroupRecord
+from mtcommission.group.sheet import corners_table, feeds_table
 from mtcommission.group.verified import say_found
 from mtcommission.group.verify import CircleVerification
 from mtcommission.machine.basis import say_filter
@@ -17,7 +18,7 @@ from mtcommission.verify.report import check_row, say_reasons
 
 def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
     """Return verdict, limits, circles and corners."""
-    text, form, path = spoken.text, spoken.format, record.path
+    text, path = spoken.text, record.path
     names = ", ".join(axis.name for axis in record.axes)
     kind, style = ("verdict-met", "green") if record.assessment.met else ("verdict-not-met", "red")
     has_jerk = record.axes[0].loop.jerk != "none"
@@ -28,7 +29,7 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             show(path.jerk, spoken, "m/s^3", missing),
         )
     )
-    told, feeds = record.corner_rule, record.feed_over_radius
+    told = record.corner_rule
     return [
         heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),
         (text(kind), f"bold {style}"),
@@ -38,15 +39,8 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         f"{text('group-path')}: {limits}",
         text("group-tolerance", tolerance=record.tolerance, feed=record.feed),
         *_circles(record, spoken),
-        *_transposed(
-            [text("group-radius"), *(form.quantity(one.radius, "m") for one in feeds)],
-            [text("group-feed"), *(_feed(one.feed, spoken) for one in feeds)],
-        ),
-        *_transposed(
-            [text("group-angle"), *(f"{one.angle_deg:g}°" for one in record.speed_over_angle)],
-            [text("group-speed"), *(_feed(one.speed, spoken) for one in record.speed_over_angle)],
-            [text("group-unslowed"), *(_unslowed(one, spoken) for one in record.speed_over_angle)],
-        ),
+        *describe_table(feeds_table(record, spoken)),
+        *describe_table(corners_table(record, spoken)),
         text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
         if told.value and told.name
         else text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value"),
@@ -125,19 +119,3 @@ def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         for one in record.circle
     ]
     return table(names, rows)
-
-
-def _feed(value: float, spoken: Catalogue) -> str:
-    """In m/min, which the row's head says."""
-    return spoken.format.number(60.0 * value, digits=3)
-
-
-def _unslowed(one: AngleEntry, spoken: Catalogue) -> str:
-    """In micrometres."""
-    return spoken.format.number(1e6 * one.deviation_without_slowing, digits=3)
-
-
-def _transposed(*columns: list[str]) -> list[Line]:
-    """A table whose rows are given as columns."""
-    heads_, *rows = columns
-    return table(heads_, rows)

@@ -78,13 +78,13 @@ def sheet(
 
 def _print_group(record: Path, output: Path, language: str, *, with_pdf: bool) -> NoReturn:
     from mtcommission.base.files import write_files
-    from mtcommission.group.record import load_group
+    from mtcommission.group.record import load_group, read_pair
     from mtcommission.group.sheet import print_group
 
     loaded = load_group(record)
     with show_stage() as progress:
         progress(Message("stage-sheet"))
-        files = print_group(loaded, language=language, with_pdf=with_pdf)
+        files = print_group(loaded, read_pair(loaded), language=language, with_pdf=with_pdf)
     write_files(output, files)
     print_written(output, files)
     raise typer.Exit(0 if loaded.assessment.met else 1)

@@ -18,6 +18,12 @@ from mtcommission.verify.report import (
 STYLES = {Verdict.HOLDS: "green", Verdict.FAILS: "red", Verdict.UNKNOWN: "yellow"}
 
 
+def describe_table(found: Table) -> list[Line]:
+    """Return the rows of a table of the sheet."""
+    rows = [[str(cell) for cell in row] for row in found.rows]
+    return table([column.head for column in found.columns], rows)
+
+
 def describe_verification(told: Report) -> list[Line]:
     """Return the verdict, what was measured, each reason once, and what is different."""
     found = told.found
@@ -42,8 +48,7 @@ def describe_verification(told: Report) -> list[Line]:
     ]
     for block in list_differences(told, spoken):
         if isinstance(block, Table):
-            own = [[str(cell) for cell in row] for row in block.rows]
-            lines += ["", *table([column.head for column in block.columns], own)]
+            lines += ["", *describe_table(block)]
         elif isinstance(block, Paragraph):
             lines.append((block.text, "yellow" if block.tone is Tone.WARNING else ""))
     return lines

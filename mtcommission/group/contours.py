@@ -23,11 +23,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import atan2, ceil, cos, hypot, inf, pi, sin, sqrt, tan
+from math import atan2, ceil, cos, hypot, inf, pi, radians, sin, sqrt, tan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.group.follow import Follower, starts_of
@@ -143,15 +142,14 @@ def find_entries(pair: Pair) -> Array:
     turned = np.exp(1j * np.outer(omega, step * np.arange(length)))
     mean = np.exp(1j * omega * step) - 1.0
     changes = (turned * mean[:, None] / step) * (1.0 - np.exp(-1j * omega * step))[:, None]
-    first = (mean / step)[:, None]
-    t = step * np.arange(length)
+    changes[:, 0] = mean / step
+    padded = 1 << (2 * length).bit_length()
+    turning, t = np.fft.fft(changes, padded), step * np.arange(length)
     worst = np.zeros(ENTRIES)
     answers = []
     for one in axes:
-        tool = one.extended(length)
-        rest = fftconvolve(changes[:, None, None, 1:], tool[None, ..., :-1], axes=-1)
-        found = first[:, None, None] * tool
-        found[..., 1:] += rest[..., : length - 1]
+        spectrum = turning[:, None, None] * np.fft.fft(one.extended(length), padded)
+        found = np.fft.ifft(spectrum)[..., :length]
         answers.append(found + (t - starts[:, None, None] - one.lag[:, None]))
     centre = 1j / omega[:, None]
     for k in range(len(starts)):
@@ -215,37 +213,23 @@ def turnings(pair: Pair, *, derivative: int = 1) -> tuple[Turning, Turning]:
     return found[0], found[1]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Arc:
-    """What a control puts into a corner; no arc: the velocity turns at once."""
-
-    radius: float  # [m]; 0: none
-    deviation: float  # of the arc from the corner [m]
-
-
-NO_ARC = Arc(radius=0.0, deviation=0.0)
-
-
-def arc_within(deviation: float, angle: float) -> Arc:
-    """Return the arc that passes a corner of a change of direction [rad] at some distance [m]."""
-    s = cos(0.5 * angle)
-    return Arc(radius=deviation * s / (1.0 - s), deviation=deviation)
-
-
-def corner_deviation(axes: tuple[Turning, Turning], angle: float, speed: float, arc: Arc) -> float:
+def corner_deviation(
+    axes: tuple[Turning, Turning], angle: float, speed: float, arc: float = 0.0
+) -> float:
     """Return the largest deviation at a corner [m], every direction and pair of corners.
 
-    ``angle``: change of direction [rad]; ``speed``: constant, along the path [m/s].
+    ``angle``: change of direction [rad]; ``speed``: constant, along the path [m/s]; ``arc``: radius
+    of that which the control puts in [m], 0: none, the velocity turns at once.
     """
     first, _ = axes
-    step, turns = first.step, angle * arc.radius / speed
+    step, turns = first.step, angle * arc / speed
     count = max(ceil(turns / step), 1)
     # The arc begins before the corner, by the length of its tangent.
-    begin = -arc.radius * tan(0.5 * angle) / speed if arc.radius else 0.0
+    begin = -arc * tan(0.5 * angle) / speed
     turned = np.diff(np.exp(1j * angle * np.minimum(np.arange(count + 1) / count, 1.0)))
     length = max(one.tool.shape[2] for one in axes) + count
     # An arc turns the velocity a little in every cycle, so that it has no phase of its own.
-    phases, t = 1 if arc.radius else len(first.starts), begin + step * np.arange(length)
+    phases, t = 1 if arc else len(first.starts), begin + step * np.arange(length)
     tools = [one.extended(length) for one in axes]
     worst = 0.0
     for k in range(phases):
@@ -279,10 +263,21 @@ def _hausdorff(path: Complex, angle: float) -> float:
 class CornerSpeed:
     """How fast a corner is passed within the tolerance."""
 
-    angle: float  # change of direction [rad]
+    angle_deg: float  # change of direction
     speed: float  # [m/s]
-    arc: Arc
-    deviation: float  # without slowing down, at the feed [m]
+    arc_radius: float  # of what the control puts in [m]; 0: the velocity turns at once
+    deviation_without_slowing: float  # at the feed [m]
+
+    @property
+    def angle(self) -> float:
+        """Change of direction [rad]."""
+        return radians(self.angle_deg)
+
+    @property
+    def arc_deviation(self) -> float:
+        """Distance of the arc from the corner [m]."""
+        s = cos(0.5 * self.angle)
+        return self.arc_radius * (1.0 - s) / s
 
 
 def speeds_at_once(
@@ -293,10 +288,15 @@ def speeds_at_once(
     No axis steps its velocity by more than its force allows.
     """
     largest_step, found = min(axis.largest_step for axis in axes), []
-    for angle in np.radians(ANGLES).tolist():
-        off = corner_deviation(axes, angle, feed, NO_ARC)
+    for degrees in ANGLES:
+        angle = radians(degrees)
+        off = corner_deviation(axes, angle, feed)
         speed = min(feed, feed * tolerance / off, largest_step / (2.0 * sin(0.5 * angle)))
-        found.append(CornerSpeed(angle=angle, speed=speed, arc=NO_ARC, deviation=off))
+        found.append(
+            CornerSpeed(
+                angle_deg=degrees, speed=speed, arc_radius=0.0, deviation_without_slowing=off
+            )
+        )
     return tuple(found)
 
 
@@ -312,24 +312,25 @@ def speeds_on_arcs(
     right = plain[ANGLES.index(90.0)]
 
     def on_arc(one: CornerSpeed, share: float, *, least: float = 0.0) -> CornerSpeed:
-        arc = arc_within(share * tolerance, one.angle)
-        low, high = 0.0, min(feed, sqrt(acceleration * arc.radius))
+        s = cos(0.5 * one.angle)
+        arc = share * tolerance * s / (1.0 - s)
+        low, high = 0.0, min(feed, sqrt(acceleration * arc))
         is_slower = bool(least) and corner_deviation(axes, one.angle, least, arc) > tolerance
         if high <= least or is_slower:
-            return replace(one, speed=0.0, arc=arc)
+            return replace(one, speed=0.0, arc_radius=arc)
         if corner_deviation(axes, one.angle, high, arc) <= tolerance:
             low = high
         for _ in range(0 if low else HALVINGS):
             middle = 0.5 * (low + high)
             off = corner_deviation(axes, one.angle, middle, arc)
             low, high = (middle, high) if off <= tolerance else (low, middle)
-        return replace(one, speed=low, arc=arc)
+        return replace(one, speed=low, arc_radius=arc)
 
     tried = (on_arc(right, share, least=right.speed) for share in SHARES)
     best = max(tried, key=lambda one: one.speed)
     if best.speed <= right.speed:
         return plain
-    return tuple(on_arc(one, best.arc.deviation / tolerance) for one in plain)
+    return tuple(on_arc(one, best.arc_deviation / tolerance) for one in plain)
 
 
 def tell_corner(
@@ -353,7 +354,7 @@ def tell_corner(
         Corner.JUNCTION: sqrt(q * square / (1.0 - square)),
         # In no direction do two axes together have more than this.
         Corner.DEVIATION: q / hypot(*accelerations),
-        Corner.ARC: max(one.arc.deviation for one in speeds),
+        Corner.ARC: max(one.arc_deviation for one in speeds),
         Corner.OWN: tolerance,
     }[rule.kind]
     return 0.0 if found < rule.least else min(found, rule.most)

@@ -6,9 +6,10 @@ axes in proportion. Behind its filter and its wait, in every corner of the machi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, pi
+from functools import lru_cache
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,9 @@ FINER = 4
 RUN_IN, AFTER = 0.4, 0.2
 """How long an axis moves before it reverses, and afterwards, where its friction is stepped [s]: the
 integrator has taken up the friction by then (empirical)."""
+
+PAUSE = 1.5 * AFTER
+"""Between two reversals where a circle is made up for its acceleration [s] (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,6 +135,7 @@ class Follower:
         found = outputs_at(motions, each, np.eye(self.poles.outputs)[output])
         return np.asarray(found[..., 0], dtype=np.float64)
 
+    @lru_cache(maxsize=128)  # noqa: B019 (the group asks, its sheet and its page ask again)
     def reversal(self, corner: int, *, radius: float, feed: float) -> Array:
         """Return how friction throws the tool off from a reversal on, at every velocity cycle [m].
 
@@ -158,6 +163,25 @@ class Follower:
         off = with_friction - drive_loop(loop, references)[:, TOOL]
         reverses = round(before / loop.controller.velocity_cycle)
         return np.asarray(off[reverses:])
+
+    def reversals(self, circles: Iterable[tuple[float, float]], most: float) -> dict[float, Array]:
+        """Return ``reversal`` of the nominal machine by the acceleration v²/R, on which it hangs.
+
+        That of some circles (radius, feed), and two more up to the largest [m/s²]; empty where no
+        friction is stated.
+        """
+        if not self.machine.drive.has_friction:
+            return {}
+        drawn = {feed**2 / radius: (radius, feed) for radius, feed in circles}
+        last = max(drawn)
+        for a in (sqrt(last * most), most):
+            if a > last:
+                feed = a * PAUSE / pi
+                drawn[a] = feed**2 / a, feed
+        return {
+            a: self.reversal(0, radius=radius, feed=feed)
+            for a, (radius, feed) in sorted(drawn.items())
+        }
 
     def peak_bound(self) -> float:
         """Return what no reversal exceeds: 2 F_c times the peak after a step of force [m]."""

@@ -36,7 +36,6 @@ from mtcommission.group.contours import (
 from mtcommission.group.follow import Follower, follow
 from mtcommission.group.task import Task
 from mtcommission.limits.choose import Choice
-from mtcommission.limits.explore import Found
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
@@ -114,7 +113,7 @@ class GroupAxis:
         """Return it with its own loop behind a filter, to look at or to choose limits for."""
         control = replace(self.machine.control, setpoint_filter=item, seeks_setpoint_filter=False)
         machine = replace(self.machine, control=control)
-        return Row(machine=machine, tuned=self.found.tuned, refined=1)
+        return Row(machine=machine, tuned=self.found.tuned, refined=0)
 
     def told(self, item: SetpointFilter | None) -> GroupAxis:
         """Return it with a filter and the limits that go with that."""
@@ -251,24 +250,17 @@ def _compare_filters(
     """Filters for all axes, at a first look, best first: for circles, then for moves."""
     trials, pair = [], _plane(task, alone)
     for item in _filters_to_try(task, alone, allowed):
+        # No limits of an axis keep its bounds behind some filters.
         found = [look(one.behind(item)) for one in alone]
-        if not all(found):
-            trials.append(
-                FilterTrial(
-                    setpoint_filter=item,
-                    settling_time=inf,
-                    axes_acceleration=0.0,
-                    path_acceleration=0.0,
-                )
-            )
-            continue
-        best: list[Found] = [each[0] for each in found]
-        largest = min(one.acceleration for one in best)
-        delays = [one.follower.poles.delay for one in alone]
+        ends = [
+            each[0].duration + one.follower.poles.delay if each else inf
+            for each, one in zip(found, alone, strict=True)
+        ]
+        largest = min(each[0].acceleration if each else 0.0 for each in found)
         trials.append(
             FilterTrial(
                 setpoint_filter=item,
-                settling_time=max(t.duration + d for t, d in zip(best, delays, strict=True)),
+                settling_time=max(ends),
                 axes_acceleration=largest,
                 path_acceleration=_first_look(task, _behind(pair, item), allowed, largest),
             )

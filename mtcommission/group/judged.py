@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from mtcommission.group.contours import (
     turnings,
     worst_circle,
 )
-from mtcommission.group.follow import filter_response
+from mtcommission.group.follow import Follower, filter_response
 from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
 from mtcommission.limits.requirements import SETTLING_TIME
@@ -94,14 +94,32 @@ def draw_circle(group: Group, radius: float, feed: float) -> Circle:
     )
 
 
-def feeds_over_radius(group: Group) -> list[FeedOverRadius]:
-    """Return the largest feed of circles over their radius."""
+def feeds_over_radius(group: Group, circles: Sequence[Circle]) -> list[FeedOverRadius]:
+    """Return the largest feed of circles over their radius; ``circles``: of the circle test."""
     radii = {*RADII, group.task.radius or TESTED_RADIUS}
-    return [largest_feed(group, radius) for radius in sorted(radii)]
+    peaks = {axis.name: _without_peak(group, axis.follower, circles) for axis in group.drawn}
+    return [_largest_feed(group, radius, peaks) for radius in sorted(radii)]
 
 
-def largest_feed(group: Group, radius: float) -> FeedOverRadius:
-    """Return the largest feed of circles of some radius [m], and what forbids more."""
+def _without_peak(group: Group, axis: Follower, circles: Sequence[Circle]) -> float:
+    """The acceleration of circles up to which reversals of an axis keep the tolerance [m/s²].
+
+    0 where those of the slowest circle do not, inf where all do.
+    """
+    drawn = [(one.radius, one.feed) for one in circles]
+    reversals = axis.reversals(drawn, group.path.on_circles[0])
+    peaks = [float(np.abs(off).max()) for off in reversals.values()]
+    too_large = [k for k, peak in enumerate(peaks) if peak > group.task.tolerance]
+    if not too_large:
+        return inf
+    if (k := too_large[0]) == 0:
+        return 0.0
+    between = np.log(list(reversals)[k - 1 : k + 1])
+    return float(np.exp(np.interp(group.task.tolerance, peaks[k - 1 : k + 1], between)))
+
+
+def _largest_feed(group: Group, radius: float, peaks: Mapping[str, float]) -> FeedOverRadius:
+    """The largest feed of circles of some radius [m]; ``peaks``: what friction allows [m/s²]."""
     names = [axis.name for axis in group.drawn]
     a, j = group.path.on_circles
 
@@ -116,12 +134,15 @@ def largest_feed(group: Group, radius: float) -> FeedOverRadius:
         ("velocity", ""): min(
             max(map(largest_velocity, axis.machine.moves)) for axis in group.drawn
         ),
+        **{("friction", name): sqrt(largest * radius) for name, largest in peaks.items()},
     }
     (kind, axis), top = min(ends.items(), key=lambda end: end[1])
     feeds, feed = top * GRID, top
-    steady, entry = (
-        radius * one for one in circle_deviation(group.pair, group.entries, feeds / radius)
-    )
+    steady = entry = np.zeros(0)
+    if top > 0.0:
+        steady, entry = (
+            radius * one for one in circle_deviation(group.pair, group.entries, feeds / radius)
+        )
     off = np.maximum(steady, entry)
     too_much = np.flatnonzero(off > group.allowed)
     if len(too_much):

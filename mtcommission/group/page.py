@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from math import pi, sqrt
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from mtcommission.controls.control import Corner
 from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.ballbar import SINCE, reverses
 from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
-from mtcommission.group.follow import AFTER, Follower
+from mtcommission.group.follow import Follower
 from mtcommission.group.record import GroupRecord
 from mtcommission.record.moves import rounded
 from mtcommission.record.shape import finite_or_none, to_plain
@@ -33,9 +33,6 @@ SLOWEST, LARGEST = 0.1 / 60.0, 0.5
 
 DECIMALS, DIGITS = 9, 5
 """Of what is near 1, and of lengths: 1 nm on the largest circle."""
-
-PAUSE = 1.5 * AFTER
-"""Between two reversals where more than those of the circle test are looked at [s]."""
 
 WORDS = ("keeps", "misses", "too-fast", "beyond", "unslowed", "slowed", "division", "band")
 """That the script says, with the places that it fills in."""
@@ -130,21 +127,10 @@ def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
 
 
 def _reversals(record: GroupRecord, axis: Follower) -> list[dict[str, Any]]:
-    """How friction throws the tool off behind a reversal; that hangs on v²/R alone.
-
-    Those of the circle test, and two more up to the acceleration of circles.
-    """
-    if not axis.machine.drive.has_friction:
-        return []
-    found = {one.feed**2 / one.radius: (one.radius, one.feed) for one in record.circle}
-    last, (most, _) = max(found), record.limits.on_circles
-    for a in (sqrt(last * most), most):
-        if a > last:
-            feed = a * PAUSE / pi
-            found[a] = feed**2 / a, feed
+    """How friction throws the tool off behind a reversal, by acceleration."""
+    circles = ((one.radius, one.feed) for one in record.circle)
     every = []
-    for a, (radius, feed) in sorted(found.items()):
-        off = axis.reversal(0, radius=radius, feed=feed)
+    for a, off in axis.reversals(circles, record.limits.on_circles[0]).items():
         t = axis.poles.velocity_cycle * np.arange(off.size)
         thrown = rounded(np.interp(SINCE, t, off), DIGITS).tolist()
         every.append({"acceleration": a, "outwards": thrown})

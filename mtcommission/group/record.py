@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import inf
 from pathlib import Path
 
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import SHAPERS
-from mtcommission.group.contours import Pair, PathLimits, tell_corner
+from mtcommission.group.contours import CornerSpeed, Pair, PathLimits, tell_corner
 from mtcommission.group.follow import follow
 from mtcommission.group.group import BY_CONTOUR, Group, GroupAxis
 from mtcommission.group.judged import (
@@ -103,16 +103,6 @@ class FeedforwardTogether:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AngleEntry:
-    """How fast a corner is passed within the tolerance."""
-
-    angle_deg: float
-    speed: float
-    arc_radius: float = of("arc.radius")
-    deviation_without_slowing: float = of("deviation")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleEntry:
     """How the control slows down at corners, and what it is told for that."""
 
@@ -157,7 +147,7 @@ class GroupRecord:
     path: PathEntry
     circle: list[Circle]
     feed_over_radius: list[FeedOverRadius]
-    speed_over_angle: list[AngleEntry]
+    speed_over_angle: list[CornerSpeed]
     corner_rule: RuleEntry
     filters: list[TrialEntry]  # that were compared, the one in use first
     tolerance: float
@@ -220,10 +210,8 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         },
         path=entry_of(PathEntry, path),
         circle=circles,
-        feed_over_radius=feeds_over_radius(group),
-        speed_over_angle=[
-            entry_of(AngleEntry, one, angle_deg=round(one.angle * 180.0 / pi, 9)) for one in corners
-        ],
+        feed_over_radius=feeds_over_radius(group, circles),
+        speed_over_angle=list(corners),
         corner_rule=entry_of(RuleEntry, control.corner, name=control.corner_name, value=told),
         filters=[entry_of(TrialEntry, trial) for trial in group.trials],
         tolerance=task.tolerance,

@@ -24,7 +24,7 @@ from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel
-from mtcommission.group.record import GroupRecord, read_pair
+from mtcommission.group.record import GroupRecord
 from mtcommission.machine.basis import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed
 from mtcommission.sheet.document import (
@@ -74,22 +74,27 @@ OF_AXIS = {
 
 PATH = (("acceleration", "m/s^2", PATH_ACCELERATION), ("jerk", "m/s^3", PATH_JERK))
 
+RIGHT = 90.0
+"""Change of direction at the corner that page 1 names [degrees]."""
+
 CORNER_UNITS = {"arc": "m", "own": "m", "deviation": "m", "junction": "m/s", "step": "m/s"}
 
 HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
 
 
 def print_group(
-    record: GroupRecord, *, language: str = "en", with_pdf: bool = True
+    record: GroupRecord, pair: Pair, *, language: str = "en", with_pdf: bool = True
 ) -> dict[str, bytes]:
     """Return the sheet of a group: HTML that works offline, and PDF, A4.
+
+    ``pair``: as the record has it, or as the group had it that the record is of.
 
     Raises
     ------
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
-    words, pair = words_of(record, language), read_pair(record)
+    words = words_of(record, language)
     found = compose_group(record, pair, words)
     html = set_html(found, panel=contour_panel(record, pair, words))
     files = {"sheet.html": html.encode()}
@@ -194,7 +199,9 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
         value = show(getattr(record.path, name), words, unit, "group-path-none")
         rows.append((f"group-path-{name}", value, _bound(record, name, words), (key,)))
     value = show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none")
-    rows.append((f"group-corner-{told.kind}", value, text("group-corner-holds"), (AT_CORNERS,)))
+    right = next(one for one in record.speed_over_angle if one.angle_deg == RIGHT)
+    why = text("group-corner-holds", speed=right.speed)
+    rows.append((f"group-corner-{told.kind}", value, why, (AT_CORNERS,)))
     # Where nothing is typed in, the rule still has a name.
     otherwise: dict[tuple[Key, ...], str] = {
         (AT_CORNERS,): told.name if told.value and told.name else DASH
@@ -277,6 +284,9 @@ def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> 
             old = _number(entry.old, entry, words) if entry and entry.old else DASH
             cells += [old, new] if has_old else [new]
         rows.append(tuple(cells))
+    settled = [show(axis.settling_time, words, "s", "not-settled") for axis in record.axes]
+    cells = [cell for one in settled for cell in ((DASH, one) if has_old else (one,))]
+    rows.append((text("group-settles"), DASH, *cells))
     columns = [
         Column(head=text("quantity"), width=1.6),
         Column(head=text("parameter"), width=2.6 if has_old and len(own) > 2 else 3.6),
@@ -357,33 +367,39 @@ def second_page(record: GroupRecord, pair: Pair, words: Catalogue) -> Iterator[B
         tolerance=record.tolerance,
         traces={words.format.feed(feed): trace for feed, trace in traces.items()},
     )
-    yield table(
-        words,
-        "group-feeds-caption",
-        (
-            Quantity("group-radius", "radius", "m"),
-            Quantity("group-feed-of-circle", lambda one: words.format.feed(one.feed), ""),
-            Quantity("bound-by-column", lambda one: _forbids(one, words), width=2.0),
-        ),
-        record.feed_over_radius,
-        tolerance=record.tolerance,
-    )
-    yield table(
-        words,
-        "group-corners-caption",
-        (
-            Quantity("group-angle", "angle_deg", "°"),
-            Quantity("group-corner-speed", lambda one: words.format.feed(one.speed), ""),
-            Quantity("group-not-slowed", "deviation_without_slowing", "m"),
-        ),
-        record.speed_over_angle,
-        feed=record.feed,
-    )
+    yield feeds_table(record, words)
+    yield corners_table(record, words)
     yield _measurements(record, traces, words)
     first, second = record.plane
     how = (words.text(key, first=first, second=second) for key in HOW)
     yield Bullets(items=tuple(how), tone=Tone.NOTE)
     yield Form(fields=(words.text("measure-field-1"), words.text("measure-field-2")))
+
+
+def feeds_table(record: GroupRecord, words: Catalogue) -> Table:
+    """Return the largest feed of circles over their radius, and what forbids more."""
+    columns = (
+        Quantity("group-radius", "radius", "m"),
+        Quantity(
+            "group-feed-of-circle",
+            lambda one: words.format.feed(one.feed) if one.feed else DASH,
+            "",
+        ),
+        Quantity("bound-by-column", lambda one: _forbids(one, words), width=2.0),
+    )
+    every, tolerance = record.feed_over_radius, record.tolerance
+    return table(words, "group-feeds-caption", columns, every, tolerance=tolerance)
+
+
+def corners_table(record: GroupRecord, words: Catalogue) -> Table:
+    """Return the speed at corners over their angle, and what not to slow down costs."""
+    columns = (
+        Quantity("group-angle", "angle_deg", "°"),
+        Quantity("group-corner-speed", lambda one: words.format.feed(one.speed), ""),
+        Quantity("group-not-slowed", "deviation_without_slowing", "m"),
+    )
+    every, feed = record.speed_over_angle, record.feed
+    return table(words, "group-corners-caption", columns, every, feed=feed)
 
 
 def _traces(record: GroupRecord, pair: Pair) -> dict[float, Trace]:

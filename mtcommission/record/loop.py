@@ -34,7 +34,7 @@ PUSH_STEP = 0.5e-3
 NOT_WITHOUT_LOOP = (
     *("Kv", "Kp", "Tn", "gain_margin_db", "gain_margin_up_db", "gain_margin_down_db"),
     *("phase_margin_deg", "sensitivity_peak", "bandwidth_hz", "dynamic_stiffness"),
-    *("weakest_frequency_hz", "worst_corner", "cross_check"),
+    *("weakest_frequency_hz", "worst_corner"),
 )
 """What is None where the motor follows its setpoint."""
 
@@ -158,7 +158,7 @@ class LoopPart:
     worst_corner: Margins | None
     worst_mode_damping: dict[str, float]
     corners: list[LoopCornerEntry]
-    cross_check: CrossCheck | None  # by python-control, from the same blocks
+    cross_check: CrossCheck | None  # by python-control, from the same blocks; None: not made
     delays: list[PathDelay]
     # The tool's displacement per newton after a step of force, by loop.
     disturbance: Series
@@ -177,6 +177,8 @@ def loop_part(
     plant: Plant,
     loop: LoopChoice,
     disturbed: Mapping[str, DisturbanceStep],
+    *,
+    cross_check: CrossCheck | None = None,
 ) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned = loop.tuned
@@ -215,6 +217,7 @@ def loop_part(
         ],
         delays=list_delays(controller),
         disturbance=_disturbance(disturbed),
+        cross_check=cross_check,
         **_judged(plant, tuned),
     )
 
@@ -224,15 +227,12 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
     if tuned.controller.follows:
         empty = {"poles": [], "mode_damping": {}, "worst_mode_damping": {}, "bode": NO_SERIES}
         return dict.fromkeys(NOT_WITHOUT_LOOP) | empty
-    from mtcommission.loop.model.diagram import check_by_blocks  # python-control: 0.3 s
-
     nominal, response = tuned.nominal, tuned.responses[0]
     drawn = draw_bode(response)
     return {
         "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
         "mode_damping": by_mode(plant, nominal.mode_damping),
         "worst_corner": _worst_corner(tuned),
-        "cross_check": check_by_blocks(tuned.loops[0], response.frequency_hz),
         "worst_mode_damping": by_mode(plant, tuned.least_damping),
         "bode": entry_of(Series, t=response.frequency_hz, signals=drawn),
     }

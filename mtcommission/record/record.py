@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, TypeVar
 from mtcommission.base import __version__
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import STEERING, Message
+from mtcommission.loop.model.assembly import CrossCheck
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.limits import LimitsPart, limits_part
@@ -160,7 +162,9 @@ def build_record(
             for item, within in zip(found.optima, found.within_band, strict=True)
         ],
         limits=limits,
-        loop=loop_part(machine, plant, found.loop, found.disturbed),
+        loop=loop_part(
+            machine, plant, found.loop, found.disturbed, cross_check=_cross_check(tuned)
+        ),
         moves=[move_entry(plant, tuned, result) for result in moves],
         robustness=entry_of(RobustnessPart, robustness),
         assessment=entry_of(AssessmentPart, found.assessment),
@@ -168,6 +172,14 @@ def build_record(
         what_if=what_if_part(machine, plant, tuned, found.choice.limits, found.today),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def _cross_check(tuned: TunedLoop) -> CrossCheck | None:
+    if tuned.controller.follows:
+        return None
+    from mtcommission.loop.model.diagram import check_by_blocks  # python-control: 0.3 s
+
+    return check_by_blocks(tuned.loops[0], tuned.responses[0].frequency_hz)
 
 
 def _friction(found: Commissioning, *, is_kept: bool) -> list[Message]:
