@@ -11,7 +11,7 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.group.record import GroupRecord, read_pair
-from mtcommission.group.traces import read_circular
+from mtcommission.group.recorded import read_circular
 from mtcommission.group.verify import CircleVerification, verify_circles
 from mtcommission.verify.checks import Check, Verdict
 from tests.group_record import mill_record, printer_record, write_mill

@@ -116,7 +116,7 @@ def test_circles_of_the_text_are_the_records(
     found = exports[control]
     assert [one.planned.feed for one in found.circles] == pytest.approx([1.0 / 60.0, record.feed])
     assert all(one.is_same for one in found.circles)
-    assert sum("equals the record" in line for line in found.header) == 2
+    assert sum("as in the record but" in line for line in found.header) == 2
     assert found.meets_requirements
 
 

@@ -266,6 +266,9 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
     apart = max(delays.values()) - min(delays.values())
     if group.task.radius is not None:
         yield Message("group-one-circle", radius=group.task.radius)
+    if len(group.axes) > len(group.drawn):
+        first, second = (axis.name for axis in group.drawn)
+        yield Message("group-one-plane", first=first, second=second)
     if apart > APART:
         slowest = max(delays, key=lambda name: delays[name])
         yield Message("group-delays-apart", apart=apart, feed=group.task.feed, slowest=slowest)

@@ -29,6 +29,7 @@ group-check-peak = Umkehrspitze, { $name }
 group-check-of = { $requirement }, { $name }
 group-delays-apart = Die Verzögerungen der Achsen unterscheiden sich um { TIME($apart) }, und eine Stelle für eine Wartezeit ist in dieser Steuerung nicht bekannt: Bei { FEED($feed) } macht allein das Kreise oval. Den anderen Achsen die control.force_filters von { $slowest } geben und neu rechnen.
 group-one-circle = Nur Kreise von { LENGTH($radius) } wurden beurteilt, wie --radius verlangt: andere können die Toleranz verlassen.
+group-one-plane = Nur Kreise, Ecken und Geraden von { $first } und { $second } sind beurteilt, wie --plane es sagt: auch die anderen Ebenen rechnen und die kleinsten der Bahngrenzen eingeben.
 group-no-friction = Keine Reibung angegeben: Spitzen bei der Umkehr einer Achse fehlen. drive.coulomb_friction angeben oder von identify bestimmen lassen.
 group-path-slows = Die Bahngrenzen machen jede Bewegung langsamer: Einschwingzeiten und Urteil rechnen mit ihnen.
 group-wait-in-parts = Dass die Steuerung in Teilen eines Lagetakts wartet, wurde nicht nachgelesen (?): messen, wie oval ein Kreis ist.
@@ -77,7 +78,7 @@ group-part-path = Bahn aller Achsen
 group-export-not-met = DIE ACHSGRUPPE ERFÜLLT NICHT ALLE ANFORDERUNGEN: { $checks }.
 group-export-title = { $name }, Achsen { $axes }: aufeinander abgestimmte Grenzwerte und Regelkreise für { $control }
 # $radius: mm, $feed: m/min
-group-export-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie im Protokoll.
+group-export-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; wie im Protokoll bis auf Rundung, um höchstens 0,1 um oder 1 %.
 group-export-other-circle = Kreis von { NUMBER($radius, digits: 4) } mm mit { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, ungünstigster Fall, ohne Reibung: Radius { $deviation }, Form { $form }; NICHT WIE IM PROTOKOLL: Radius { $planned }, Form { $planned_form }. Der Steuerung fehlt, worauf die Gruppe baut, oder sie rundet es: die Profile für diese Steuerung rechnen.
 group-export-line = Geraden bis { NUMBER($feed, digits: 4) } m/min, aus diesem Text simuliert, in der schlechtesten Richtung: Abweichung { $deviation }.
 group-export-of = Achse { $name }: { $said }

@@ -29,6 +29,7 @@ group-check-peak = peak at reversal, { $name }
 group-check-of = { $requirement }, { $name }
 group-delays-apart = The delays of the axes differ by { TIME($apart) }, and no place for a wait is known in this control: at { FEED($feed) } that alone makes circles oval. Give the other axes the control.force_filters of { $slowest } and compute again.
 group-one-circle = Only circles of { LENGTH($radius) } were judged, as --radius asks: others may leave the tolerance.
+group-one-plane = Only circles, corners and lines of { $first } and { $second } were judged, as --plane says: compute the other planes, too, and type in the least of their path limits.
 group-no-friction = No friction is stated: peaks where an axis reverses are left out. Write drive.coulomb_friction, or let identify find it.
 group-path-slows = The limits of the path make every move slower: settling times and verdict count with them.
 group-wait-in-parts = That the control waits in parts of a position cycle was not read (?): measure how oval a circle is.
@@ -77,7 +78,7 @@ group-part-path = Path of all axes
 group-export-not-met = THE GROUP DOES NOT MEET ALL REQUIREMENTS: { $checks }.
 group-export-title = { $name }, axes { $axes }: limits and loops that go together, for { $control }
 # $radius: mm, $feed: m/min
-group-export-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; equals the record.
+group-export-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; as in the record but for rounding, by 0.1 um or 1 % at most.
 group-export-other-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; NOT AS IN THE RECORD: radius { $planned }, form { $planned_form }. The control lacks what the group counts on, or rounds it: compute the profiles for this control.
 group-export-line = Lines up to { NUMBER($feed, digits: 4) } m/min, simulated from this text, in the worst direction: off by { $deviation }.
 group-export-of = Axis { $name }: { $said }
