@@ -22,8 +22,8 @@ from mtcommission.identify.profile import Writing, merge_profile, write_profile
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.identified import read_evidence
+from mtcommission.wizard.files import gather as known_before
 from mtcommission.wizard.script import list_questions
-from mtcommission.wizard.source import gather as known_before
 from tests import identify_files as made
 from tests.test_cli import Run, run
 

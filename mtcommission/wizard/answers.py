@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from functools import cache
 from math import copysign, pi, prod, sqrt
 
 from mtcommission.base.errors import Refused
 from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
 from mtcommission.base.units.quantities import FREQUENCY, RATIO, Dimension, parse_quantity
-from mtcommission.machine.mechanics import SOURCE
+from mtcommission.machine.mechanics import KINDS, SOURCE
+from mtcommission.machine.profile.describe import KeyQuestion, questions
 from mtcommission.machine.profile.lines import read_key, show_key
 from mtcommission.machine.readers import read_path
 
@@ -20,8 +22,7 @@ out."""
 Data = dict[str, object]
 """Nested tables as TOML has them; all values are texts but the schema's number."""
 
-TOWER_BY_STIFFNESS = "tower: masses and stiffness"
-TOWER_BY_FREQUENCY = "tower: masses and measured eigenfrequencies"
+TOWER = "tower: masses and stiffness"
 PAIR_BY_STIFFNESS = "motor and load: masses and stiffness"
 PAIR_BY_FREQUENCY = "motor and load: masses and measured eigenfrequency"
 MODAL = "modes from a Bode plot"
@@ -29,7 +30,13 @@ FILES = "files with a measured response"
 PAIRS = (PAIR_BY_FREQUENCY, PAIR_BY_STIFFNESS)
 """Ways into the mechanics; the wizard converts all to one of the profile's kinds of plant."""
 
-WAY_OF_KIND = {"modal": MODAL, "manipulator": TOWER_BY_STIFFNESS}
+KIND_OF_WAY = {
+    MODAL: "modal",
+    TOWER: "manipulator",
+    FILES: "modal",
+    **dict.fromkeys(PAIRS, "modal"),
+}
+"""Of other ways, the kind is the way."""
 
 MEASURED = "wizard.measured"
 """Key of files with measured responses, with ; or , between them."""
@@ -37,7 +44,7 @@ MEASURED = "wizard.measured"
 ACCEPTED = "wizard.accepted"
 """Key under which those keys stand, with blanks between, whose values a profile calls assumed."""
 
-OWN = ("wizard.", "measured.", "pair.")
+OWN = ("wizard.", "pair.")
 """Beginnings of the keys that only the wizard knows."""
 
 SERVO = "servo"
@@ -72,49 +79,38 @@ def si_value(answers: Answers, key: str, dimension: Dimension) -> float | None:
         return None  # asked, or named by the profile's reader, in its turn
 
 
-def count_of(table: str, key: str, answers: Answers) -> int:
-    """Return how many elements of an array have an answer to a key."""
+def count_of(table: str, answers: Answers, keys: Sequence[str] = ("frequency",)) -> int:
+    """Return how many elements of an array have an answer to one of some keys."""
     count = 0
-    while answers.get(f"{table}.{count}.{key}"):
+    while any(answers.get(f"{table}.{count}.{key}") for key in keys):
         count += 1
     return count
 
 
+def move_count(answers: Answers) -> int:
+    """Return how many moves have a size."""
+    return count_of("moves", answers, ("distance", "velocity_step"))
+
+
+def schema_key(key: str) -> str:
+    """Return a key as the schema has it, whose arrays have but a first element."""
+    return re.sub(r"\.\d+(?=\.)", ".0", key)
+
+
+def known_keys(answers: Answers) -> dict[str, KeyQuestion]:
+    """Return what the schema says of each key of a profile with these answers."""
+    way = answers.get("wizard.way", "")
+    kind = KIND_OF_WAY.get(way, way)
+    is_modal = follows(answers) or kind not in KINDS
+    return _schema("modal" if is_modal else kind, follows(answers), is_rotary(answers))
+
+
+@cache
+def _schema(kind: str, open_loop: bool, rotary: bool) -> dict[str, KeyQuestion]:
+    return {one.key: one for one in questions(kind, follows=open_loop, rotary=rotary)}
+
+
 # Motor and load
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mode:
-    """One mode of a chain of masses: shares at the tool and at the encoder."""
-
-    frequency_hz: float
-    damping_ratio: float
-    tcp_gain: float  # [1/kg]
-    measured_gain: float  # [1/kg]
-
-
-def couple(
-    *, motor_mass: float, load_mass: float, stiffness: float, damping_ratio: float
-) -> tuple[float, Mode]:
-    """Return moving mass and mode of motor - spring - load; the ratio is with the motor held.
-
-    With M = m_1 + m_2 and q = m_1 (x_1 - x_2), the force F on the motor
-    drives q'' + 2 ζ ω q' + ω² q = F, ω² = k M/(m_1 m_2); x_1 = x + m_2/(m_1 M) q, x_2 = x - q/M.
-
-    Examples
-    --------
-    >>> _, mode = couple(motor_mass=1.0, load_mass=3.0, stiffness=3.0, damping_ratio=0.01)
-    >>> mode.tcp_gain, mode.measured_gain, round(2 * pi * mode.frequency_hz, 9)
-    (-0.25, 0.75, 2.0)
-    """
-    m_1, m_2, k = motor_mass, load_mass, stiffness
-    whole = m_1 + m_2
-    return whole, Mode(
-        frequency_hz=sqrt(k * whole / (m_1 * m_2)) / (2.0 * pi),
-        damping_ratio=damping_ratio * sqrt(whole / m_1),
-        tcp_gain=-1.0 / whole,
-        measured_gain=m_2 / (m_1 * whole),
-    )
 
 
 def share_out(
@@ -146,34 +142,54 @@ def share_out(
     return tuple((gain, seen * abs(gain)) for gain in tool)
 
 
-def _pair(answers: Answers) -> tuple[float, tuple[Mode, ...]] | None:
-    """Moving mass and modes of motor and load, and what was measured besides; None: not yet."""
-    unit = axis_units(answers)
-    m_1, m_2 = (si_value(answers, f"pair.{one}_mass", unit.mass) for one in ("motor", "load"))
-    zeta, k = (
-        si_value(answers, "pair.damping_ratio", RATIO),
-        si_value(answers, "pair.stiffness", unit.stiffness),
-    )
-    if answers.get("wizard.way") == PAIR_BY_FREQUENCY:
-        f = si_value(answers, "pair.frequency", FREQUENCY)
-        k = None if f is None or m_2 is None else m_2 * (2.0 * pi * f) ** 2
-    if m_1 is None or m_2 is None or k is None or zeta is None or min(m_1, m_2, k) <= 0.0:
-        return None
-    mass, mode = couple(motor_mass=m_1, load_mass=m_2, stiffness=k, damping_ratio=zeta)
-    found = [(mode.frequency_hz, mode.damping_ratio)]
-    for i in range(count_of("pair.modes", "frequency", answers)):
-        f = si_value(answers, f"pair.modes.{i}.frequency", FREQUENCY)
-        ratio = si_value(answers, f"pair.modes.{i}.damping_ratio", RATIO)
-        if f and ratio is not None:
-            found.append((f, ratio))
-    if len(found) == 1:
-        return mass, (mode,)
+def _pair_plant(known: Answers) -> dict[str, str]:
+    """The keys of [plant] for motor, load and what was measured besides; none while unknown.
+
+    With M = m_1 + m_2 the load that swings by ω = √(k/m_2) against the held motor swings by
+    ω √(M/m_1) where the motor is free, and its damping ratio grows likewise.
+    """
+    unit = axis_units(known)
+    m_1, m_2 = (si_value(known, f"pair.{one}_mass", unit.mass) for one in ("motor", "load"))
+    if m_1 is None or m_2 is None or min(m_1, m_2) <= 0.0:
+        return {}
+    mass = m_1 + m_2
+    f = si_value(known, "pair.frequency", FREQUENCY)
+    if known.get("wizard.way") == PAIR_BY_STIFFNESS:
+        k = si_value(known, "pair.stiffness", unit.stiffness)
+        f = None if k is None or k <= 0.0 else sqrt(k / m_2) / (2.0 * pi)
+    zeta, freed = si_value(known, "pair.damping_ratio", RATIO), sqrt(mass / m_1)
+    if not f or f < 0.0 or zeta is None:
+        return {}
+    found = [(f * freed, zeta * freed)]
+    for i in range(count_of("pair.modes", known)):
+        further = si_value(known, f"pair.modes.{i}.frequency", FREQUENCY)
+        ratio = si_value(known, f"pair.modes.{i}.damping_ratio", RATIO)
+        if further and ratio is not None:
+            found.append((further, ratio))
     shares = share_out([f for f, _ in found], motor_mass=m_1, moving_mass=mass)
-    modes = (
-        Mode(frequency_hz=f, damping_ratio=ratio, tcp_gain=tool, measured_gain=seen)
-        for (f, ratio), (tool, seen) in zip(found, shares, strict=True)
-    )
-    return mass, tuple(modes)
+    plant = {"moving_mass": f"{mass:.10g} {unit.mass.si}"}
+    for i, ((frequency, ratio), (tool, seen)) in enumerate(zip(found, shares, strict=True)):
+        plant |= {
+            f"modes.{i}.name": f"mode{i + 1}" if i else "drive",
+            f"modes.{i}.frequency": f"{frequency:.10g} Hz",
+            f"modes.{i}.damping_ratio": f"{ratio:.10g}",
+            f"modes.{i}.tcp_gain": f"{tool:.10g} {unit.gain.si}",
+            f"modes.{i}.measured_gain": f"{seen:.10g} {unit.gain.si}",
+        }
+    return plant
+
+
+def profile_key(key: str) -> str:
+    """Return the key of the profile that one of motor and load gets to.
+
+    Examples
+    --------
+    >>> profile_key("pair.modes.0.frequency"), profile_key("drive.lead")
+    ('plant.modes.1.frequency', 'drive.lead')
+    """
+    if key == "pair.damping_ratio":
+        return "plant.modes.0.damping_ratio"
+    return re.sub(r"^pair\.modes\.(\d+)", lambda one: f"plant.modes.{int(one[1]) + 1}", key)
 
 
 # To the profile
@@ -193,9 +209,9 @@ def to_profile(answers: Answers, defaults: Answers) -> Data:
         flat |= {"requirements.payload.0": least, "requirements.payload.1": payload}
     flat |= {f"plant.{key}": text for key, text in _plant(known).items()}
     accepted = answers.get(ACCEPTED, "").split()
-    number_keys = (key for key in defaults if not key.endswith((".name", ".source")))
-    if assumed := _assumed([*accepted, *number_keys], answers, flat):
-        flat |= {f"machine.assumed.{i}": key for i, key in enumerate(assumed)}
+    numbers = (key for key in defaults if not key.endswith((".name", ".source")))
+    assumed = _assumed([*accepted, *numbers], answers, flat)
+    flat |= {f"machine.assumed.{i}": key for i, key in enumerate(assumed)}
     nested = nest(flat)
     machine = nested.get("machine")
     if isinstance(machine, dict) and machine.get("illustrative") in ("true", "false"):
@@ -205,89 +221,28 @@ def to_profile(answers: Answers, defaults: Answers) -> Data:
     return ordered | {name: value for name, value in nested.items() if name not in ordered}
 
 
-DERIVED_FROM = {
-    "measured.base_damping_ratio": "plant.base_damping",
-    "measured.rotary_damping_ratio": "plant.rotary_damping",
-    "pair.damping_ratio": "plant.modes.0.damping_ratio",
-}
-"""Where a default of the wizard's own keys gets to in the profile."""
+def _plant(known: Answers) -> dict[str, str]:
+    """The keys of [plant], from whichever way the mechanics were described."""
+    way = known.get("wizard.way", "")
+    if follows(known):
+        way = MODAL
+    if way in PAIRS:
+        return {"kind": "modal", **_pair_plant(known)}
+    own = {schema_key(key) for key in known_keys(known)}
+    given = (key for key in known if key.startswith("plant.") and schema_key(key) in own)
+    plant = {key.removeprefix("plant."): known[key] for key in given}
+    return {"kind": KIND_OF_WAY.get(way, way), **plant} if way else {}
 
 
-def _assumed(keys: Sequence[str], answers: Answers, flat: Answers) -> tuple[str, ...]:
+def _assumed(keys: Sequence[str], answers: Answers, flat: Answers) -> list[str]:
     """The profile's keys of defaults, as messages spell them."""
-    found = list[str]()
-    for key in keys:
-        _, _, rest = key.partition("pair.modes.")
-        index, _, name = rest.partition(".")
-        found.append(f"plant.modes.{int(index) + 1}.{name}" if rest else DERIVED_FROM.get(key, key))
-    further = count_of("pair.modes", "frequency", answers)
+    found = [profile_key(key) for key in keys]
+    further = count_of("pair.modes", answers)
     if answers.get("wizard.way") in PAIRS and further:
         places = [f"plant.modes.{i}" for i in range(1 + further)]
         found += [f"{place}.{gain}" for place in places for gain in ("tcp_gain", "measured_gain")]
     there = [one for one in found if any(f"{key}.".startswith(f"{one}.") for key in flat)]
-    return tuple(show_key(read_path(key)) for key in dict.fromkeys(there))
-
-
-def _plant(known: Answers) -> dict[str, str]:
-    """The keys of [plant], from whichever way the mechanics were described."""
-    given = {
-        key.removeprefix("plant."): text for key, text in known.items() if key.startswith("plant.")
-    }
-    if follows(known):
-        held = {key: text for key, text in given.items() if key.startswith("modes.")}
-        return {"kind": "modal", **held}
-    match known.get("wizard.way", ""):
-        case "":
-            return {}
-        case chosen if chosen in PAIRS:
-            return {"kind": "modal", **_pair_plant(known)}
-        case chosen if chosen == TOWER_BY_FREQUENCY:
-            return {"kind": "manipulator", **_without_modes(given), **_tower_springs(known)}
-        case chosen if chosen == TOWER_BY_STIFFNESS:
-            return {"kind": "manipulator", **_without_modes(given)}
-        case chosen if chosen in (MODAL, FILES):
-            kept = ("moving_mass", "modes.")
-            return {"kind": "modal", **{k: text for k, text in given.items() if k.startswith(kept)}}
-        case kind:
-            return {"kind": kind, **given}
-
-
-def _without_modes(given: Answers) -> dict[str, str]:
-    return {key: text for key, text in given.items() if not key.startswith("mo")}
-
-
-def _tower_springs(known: Answers) -> dict[str, str]:
-    """Stiffness and damping from measured frequencies: k = m ω², d = 2 ζ m ω."""
-    found = {}
-    for name, mass_key, unit in (
-        ("base", "plant.base_mass", LINEAR),
-        ("rotary", "plant.rotary_inertia", ROTARY),
-    ):
-        m = si_value(known, mass_key, unit.mass)
-        f = si_value(known, f"measured.{name}_frequency", FREQUENCY)
-        zeta = si_value(known, f"measured.{name}_damping_ratio", RATIO)
-        if m is not None and f is not None and zeta is not None:
-            omega = 2.0 * pi * f
-            found[f"{name}_stiffness"] = f"{m * omega**2:.10g} {unit.stiffness.si}"
-            found[f"{name}_damping"] = f"{2.0 * zeta * m * omega:.10g} {unit.damping.si}"
-    return found
-
-
-def _pair_plant(known: Answers) -> dict[str, str]:
-    pair, unit = _pair(known), axis_units(known)
-    if pair is None:
-        return {}
-    mass, modes = pair
-    plant = {"moving_mass": f"{mass:.10g} {unit.mass.si}"}
-    for i, mode in enumerate(modes):
-        plant |= {
-            f"modes.{i}.name": f"mode{i + 1}" if i else "drive",
-            f"modes.{i}.frequency": f"{mode.frequency_hz:.10g} Hz",
-            f"modes.{i}.damping_ratio": f"{mode.damping_ratio:.10g}",
-            f"modes.{i}.tcp_gain": f"{mode.tcp_gain:.10g} {unit.gain.si}",
-            f"modes.{i}.measured_gain": f"{mode.measured_gain:.10g} {unit.gain.si}",
-        }
-    return plant
+    return [show_key(read_path(key)) for key in dict.fromkeys(there)]
 
 
 # From a profile, or a file of answers
@@ -307,26 +262,19 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     if MEASURED in answers:
         answers.setdefault("wizard.way", FILES)
     elif kind and not follows(answers):
-        answers.setdefault("wizard.way", WAY_OF_KIND.get(kind, kind))
+        way = next((way for way, own in KIND_OF_WAY.items() if own == kind), kind)
+        answers.setdefault("wizard.way", way)
     return answers
-
-
-def move_count(answers: Answers) -> int:
-    """Return how many moves have a size."""
-    count = 0
-    while any(answers.get(f"moves.{count}.{key}") for key in ("distance", "velocity_step")):
-        count += 1
-    return count
 
 
 def close_arrays(answers: Answers) -> dict[str, str]:
     """Return the answers with no further mode and no further move: there are those that are."""
-    counts = {
-        table: count_of(table, "frequency", answers) for table in ("plant.modes", "pair.modes")
-    }
-    ends = {f"{table}.{count}.frequency": "" for table, count in counts.items() if count}
-    count = move_count(answers)
-    return {**answers, **ends, **({f"moves.{count}.distance": ""} if count else {})}
+    counts = {f"{table}.{{}}.frequency": count_of(table, answers) for table in ARRAYS}
+    counts["moves.{}.distance"] = move_count(answers)
+    return {**answers, **{key.format(count): "" for key, count in counts.items() if count}}
+
+
+ARRAYS = ("plant.modes", "pair.modes")
 
 
 def note_accepted(answers: Answers, key: str) -> dict[str, str]:
@@ -354,7 +302,7 @@ def note_stated(answers: Answers, key: str) -> dict[str, str]:
     return {**rest, ACCEPTED: " ".join(left)} if left else rest
 
 
-def flatten(data: object, *, path: str = "") -> dict[str, str]:
+def flatten(data: object, path: str = "") -> dict[str, str]:
     """Return nested tables and arrays as texts by dotted key.
 
     Examples
@@ -370,7 +318,7 @@ def flatten(data: object, *, path: str = "") -> dict[str, str]:
         return {path: as_text(data)}
     flat: dict[str, str] = {}
     for key, value in parts:
-        flat |= flatten(value, path=f"{path}.{key}" if path else key)
+        flat |= flatten(value, f"{path}.{key}" if path else key)
     return flat
 
 
@@ -398,8 +346,7 @@ def nest(flat: Mapping[str, str]) -> Data:
             table = below
         else:
             table[last] = text
-    listed = _listed(tree)
-    return listed if isinstance(listed, dict) else {}
+    return {key: _listed(value) for key, value in tree.items()}
 
 
 def _listed(tree: object) -> object:

@@ -25,11 +25,12 @@ from mtcommission.controls.kinds import KINDS
 from mtcommission.machine.basis import name_control
 from mtcommission.machine.profile.lines import show_key
 from mtcommission.machine.readers import Range, read_path
+from mtcommission.wizard.answers import profile_key
 
 LONGEST_TEXT = 400
 
-_FURTHER = re.compile(r"^pair\.modes\.(\d+)")
-"""A resonance besides that of motor and load, which is the first mode."""
+AT_SHAFT = {MASS: (INERTIA, 2), FORCE: (TORQUE, 1)}
+"""What a mass and a force are at the motor's shaft, and the power of its turn per travel."""
 
 _POINT = re.compile(r"(?<=[0-9])\.(?=[0-9])")
 
@@ -48,13 +49,13 @@ class Question:
     instead: Question | None = None  # another quantity that may be given
     variant: str = ""  # under which the value is found elsewhere: at the shaft, motor held
     motor_turn: float = 0.0
-    """How far the motor turns per travel [rad/m], so that inertia or torque at its shaft is taken
-    for a mass or a force, too; 0: not known, or without meaning."""
+    """How far the motor turns per travel of the axis [rad/m], so that inertia or torque at its
+    shaft is taken for a mass or a force, too; 0: not known, or without meaning."""
 
     def say(self, words: Catalogue) -> str:
         """Return the question, with what an empty reply means where it may be left out."""
-        key = _FURTHER.sub(lambda one: f"plant.modes.{int(one[1]) + 1}", self.key)
-        text = self._find("", words, most=1) or words.name(show_key(read_path(key)))
+        key = show_key(read_path(profile_key(self.key)))
+        text = self._find("", words, most=1) or words.name(key)
         if not self.is_optional or self.choices or self.meant is not None:
             return text
         return words.text("ask-or-leave-empty", text=text, meaning=self._left_out(words))
@@ -63,6 +64,26 @@ class Question:
         """Return where to find the value; "" where its name says it."""
         own = self.variant and self._find(f"-{self.variant}-where", words, most=1)
         return own or self._find("-where", words)
+
+    def hint(self, default: str, words: Catalogue) -> str:
+        """Return the default, or an example, in brackets."""
+        if default in self.choices:
+            return f" [{title(default, words)}]"
+        if default:
+            return f" [{self.as_shown(default, words)}]"
+        example = self.as_shown(self.example, words)
+        return f" ({words.text('wizard-example-behind', example=example)})" if example else ""
+
+    def explain(self, words: Catalogue) -> str:
+        """Return all that is known about the question, for ``?``."""
+        lines = [self.where(words)]
+        if self.allowed:
+            lines.append(words.text("wizard-expected", what=self.allowed.dimension.described))
+        if self.example:
+            lines.append(words.text("wizard-example", example=self.as_shown(self.example, words)))
+        if self.is_optional:
+            lines.append(words.text("wizard-leave-out"))
+        return " ".join(filter(None, lines))
 
     def shown_default(self, words: Catalogue) -> str:
         """Return what is taken where nobody says otherwise."""
@@ -79,10 +100,6 @@ class Question:
     def as_shown(self, text: str, words: Catalogue) -> str:
         """Return a quantity with the decimal mark of the language; the profile has a point."""
         return _POINT.sub(words.format.decimal_mark, text) if self.allowed else text
-
-    def shown_example(self, words: Catalogue) -> str:
-        """Return the example likewise."""
-        return self.as_shown(self.example, words)
 
     def _left_out(self, words: Catalogue) -> str:
         table = f"ask-{self.key.partition('.')[0]}-empty"
@@ -114,8 +131,8 @@ class Reply:
     taken_as: str = ""  # how a number is read that was typed without a unit, or with a comma
 
 
-def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) -> Reply:
-    """Return the meaning of a reply; ``titles``: the choices as they were shown.
+def read_reply(question: Question, typed: str, words: Catalogue) -> Reply:
+    """Return the meaning of a reply; choices may be typed as they are shown.
 
     Raises
     ------
@@ -128,7 +145,8 @@ def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) ->
             return Reply(key=question.key, text="")
         raise Refused(Message("reply-missing", example=question.example))
     if question.choices:
-        return Reply(key=question.key, text=_choose(text, question.choices, titles))
+        shown = [title(choice, words) for choice in question.choices]
+        return Reply(key=question.key, text=_choose(text, question.choices, shown))
     if not text.isprintable():
         raise Refused(Message("reply-unprintable"))
     if len(text) > LONGEST_TEXT:
@@ -138,11 +156,11 @@ def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) ->
     return _quantity(question, question.allowed, text)
 
 
-def _choose(text: str, choices: Sequence[str], titles: Sequence[str]) -> str:
+def _choose(text: str, choices: Sequence[str], shown: Sequence[str]) -> str:
     numbers = {str(number): word for number, word in enumerate(choices, start=1)}
     if text in numbers:
         return numbers[text]
-    wanted, shown = text.lower(), titles or choices
+    wanted = text.lower()
     for names in (shown, choices):
         pairs = list(zip(names, choices, strict=True))
         starts = [word for name, word in pairs if name.lower().startswith(wanted)]
@@ -158,17 +176,18 @@ def _quantity(question: Question, allowed: Range, text: str) -> Reply:
     digits = DIGITS.match(plain)
     if digits is not None and digits[0].count(",") == 1:
         plain = digits[0].replace(",", ".") + plain[digits.end() :]
-    if at_axis := _from_shaft(question, plain):
+    if at_axis := _from_shaft(question, allowed, plain):
         return replace(_quantity(question, allowed, at_axis), taken_as=at_axis)
     is_bare = NUMBER.fullmatch(plain) is not None
     plain = f"{plain} {dimension.si}".strip() if is_bare else plain
     try:
         value = allowed.number_of(plain)
     except Refused as error:
-        if question.instead is None or is_bare:
+        other = question.instead
+        if other is None or other.allowed is None or is_bare:
             raise
         try:
-            return read_reply(question.instead, plain)
+            return _quantity(other, other.allowed, plain)
         except Refused:
             raise error from None
     taken_as = plain if is_bare or plain != text else ""
@@ -179,18 +198,14 @@ def _quantity(question: Question, allowed: Range, text: str) -> Reply:
     return Reply(key=question.key, text=plain, taken_as=taken_as)
 
 
-AT_SHAFT = {MASS: (INERTIA, 2), FORCE: (TORQUE, 1)}
-"""What a mass and a force are at the motor's shaft, and the power of its turn per travel."""
-
-
-def _from_shaft(question: Question, text: str) -> str:
+def _from_shaft(question: Question, allowed: Range, text: str) -> str:
     """A value that was typed for the motor's shaft, as at the axis; "" for any other."""
-    allowed = question.allowed
-    if allowed is None or not question.motor_turn or NUMBER.fullmatch(text):
+    dimension = allowed.dimension
+    if not question.motor_turn or dimension not in AT_SHAFT or NUMBER.fullmatch(text):
         return ""
-    own, power = AT_SHAFT[allowed.dimension]
+    own, power = AT_SHAFT[dimension]
     try:
         value = parse_quantity(text, own)
     except Refused:
         return ""
-    return f"{value * question.motor_turn**power:.6g} {allowed.dimension.si}"
+    return f"{value * question.motor_turn**power:.6g} {dimension.si}"

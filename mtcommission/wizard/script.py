@@ -6,10 +6,8 @@ is taken where nobody says otherwise, and what is asked in place of the profile'
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
 from math import pi
 
 from mtcommission.base.errors import Refused
@@ -19,23 +17,25 @@ from mtcommission.controls.kinds import KINDS as CONTROLS
 from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.machine.mechanics import KINDS, SOURCE
 from mtcommission.machine.plant.modal import MOST_MODES
-from mtcommission.machine.profile.describe import KeyQuestion, questions
+from mtcommission.machine.profile.describe import KeyQuestion
 from mtcommission.machine.ranges import FREQUENCIES, LOADS, MASSES, RATIOS, STIFFNESSES
 from mtcommission.wizard.answers import (
     FILES,
+    KIND_OF_WAY,
     MEASURED,
     MODAL,
     PAIR_BY_FREQUENCY,
     PAIRS,
     SERVO,
-    TOWER_BY_FREQUENCY,
-    TOWER_BY_STIFFNESS,
+    TOWER,
     Answers,
     axis_units,
     count_of,
     follows,
     is_rotary,
+    known_keys,
     move_count,
+    schema_key,
     si_value,
 )
 from mtcommission.wizard.question import Question
@@ -55,10 +55,6 @@ OWN = {
     "pair.damping_ratio": (RATIOS, DAMPING, DAMPING),
     "pair.modes.0.frequency": (FREQUENCIES, "110 Hz", "110 Hz"),
     "pair.modes.0.damping_ratio": (RATIOS, DAMPING, DAMPING),
-    "measured.base_frequency": (FREQUENCIES, "50 Hz", "50 Hz"),
-    "measured.base_damping_ratio": (RATIOS, DAMPING, DAMPING),
-    "measured.rotary_frequency": (FREQUENCIES, "72 Hz", "72 Hz"),
-    "measured.rotary_damping_ratio": (RATIOS, DAMPING, DAMPING),
     "requirements.payload.1": (LOADS, "100 kg", "1 kg m^2"),
 }
 """What no key of a profile holds: its range, and an example on a linear and on a rotary axis."""
@@ -75,9 +71,6 @@ ROTARY_EXAMPLES = {
     "requirements.tcp_deviation": "5 arcsec",
 }
 """Where the schema's example is one of a linear axis."""
-
-AT_SHAFT = ("drive.max_force", "drive.continuous_force", "plant.moving_mass", "pair.motor_mass")
-"""What may be given at the motor's shaft, too, where its travel per turn is known."""
 
 SETTLED = (
     *("machine.source", "drive.force_lag", "drive.gear", "drive.static_load"),
@@ -119,85 +112,59 @@ def list_questions(answers: Answers) -> tuple[Question, ...]:
 def list_settled(answers: Answers) -> tuple[Question, ...]:
     """Return what is not asked, with what is taken instead."""
     control = CONTROLS.get(answers.get("control.kind", ""), GENERIC)
-    turns, open_loop = is_rotary(answers), follows(answers)
+    open_loop = follows(answers)
     missing = {
-        "drive.gear": not turns and not answers.get("drive.lead"),
+        "drive.gear": not is_rotary(answers) and not answers.get("drive.lead"),
         "control.position_loop": len(control.position_loops) < 2,
         "control.state_feedback": not control.state_feedback,
         "today.jerk": not control.has_jerk_limit,
     }
-    keys = [
+    keys = [key for key in _defaults(answers) if key not in SETTLED and not key.endswith("name")]
+    keys += [
         key
         for key in SETTLED
         if not missing.get(key) and not (open_loop and key.startswith(OF_SERVO))
     ]
     if answers.get("drive.continuous_force") and not open_loop:
         keys += [f"moves.{i}.dwell" for i in range(move_count(answers))]
-    own = [key for key in _defaulted(answers) if key not in SETTLED and not key.endswith("name")]
-    return tuple(find_question(key, answers) for key in (*own, *keys))
+    return tuple(find_question(key, answers) for key in keys)
 
 
 def find_question(key: str, answers: Answers) -> Question:
     """Return the question for any key of a profile; raise KeyError if there is no such key."""
     asked = (one for one in list_questions(answers) if one.key == key)
-    return next(asked, None) or _ask(key, answers, default=_default(key, answers))
+    return next(asked, None) or _ask(key, answers, default=_defaults(answers).get(key, ""))
 
 
 def list_defaults(answers: Answers) -> dict[str, str]:
     """Return what is written though nobody stated it."""
-    found = {key: _default(key, answers) for key in _defaulted(answers) if not answers.get(key)}
-    return {key: text for key, text in found.items() if text}
+    return {key: text for key, text in _defaults(answers).items() if text and not answers.get(key)}
 
 
-def _defaulted(answers: Answers) -> list[str]:
-    """The keys that a profile must have, and that have a default here."""
-    way, keys = answers.get("wizard.way", ""), list[str]()
+def _defaults(answers: Answers) -> dict[str, str]:
+    """What is taken for the keys that a profile must have; "" where that cannot be told yet."""
+    way, found = answers.get("wizard.way", ""), dict[str, str]()
     if way in (MODAL, FILES) or follows(answers):
-        names = ("name", "damping_ratio", "tcp_gain")
-        modes = range(count_of("plant.modes", "frequency", answers))
-        keys += [f"plant.modes.{i}.{name}" for i in modes for name in names]
-    elif way in PAIRS:
-        further = range(count_of("pair.modes", "frequency", answers))
-        keys += ["pair.damping_ratio", *(f"pair.modes.{i}.damping_ratio" for i in further)]
-    elif way == TOWER_BY_FREQUENCY:
-        keys += [f"measured.{part}_damping_ratio" for part in ("base", "rotary")]
-    return [*keys, "machine.source", *([] if follows(answers) else ["drive.force_lag"])]
-
-
-def _default(key: str, answers: Answers) -> str:
-    """What is written for a key that nobody states; "" where it is left out."""
-    if key.endswith("damping_ratio"):
-        return DAMPING
-    mode = re.fullmatch(r"plant\.modes\.(\d+)\.(name|tcp_gain)", key)
-    if mode and mode[2] == "name":
-        return f"mode{int(mode[1]) + 1}"
-    if mode and not follows(answers):
         # The worst case of a tool on the far side of the mode, as identify takes it.
         unit = axis_units(answers)
         mass = si_value(answers, "plant.moving_mass", unit.mass)
-        return f"{-1.0 / mass:.5g} {unit.gain.si}" if mass and mass > 0.0 else ""
-    return {"drive.force_lag": LAG, "machine.source": BY_HAND}.get(key, "")
-
-
-@cache
-def _schema(kind: str, *, open_loop: bool, rotary: bool) -> dict[str, KeyQuestion]:
-    return {one.key: one for one in questions(kind, follows=open_loop, rotary=rotary)}
-
-
-def _known(answers: Answers) -> dict[str, KeyQuestion]:
-    """What the schema says of each key of a profile with these answers."""
-    way = answers.get("wizard.way", "")
-    kind = "manipulator" if way in (TOWER_BY_STIFFNESS, TOWER_BY_FREQUENCY) else way
-    is_held = follows(answers) or kind not in KINDS
-    return _schema(
-        "modal" if is_held else kind, open_loop=follows(answers), rotary=is_rotary(answers)
-    )
+        is_known = mass and mass > 0.0 and not follows(answers)
+        gain = f"{-1.0 / mass:.5g} {unit.gain.si}" if mass and is_known else ""
+        for i in range(count_of("plant.modes", answers)):
+            values = {"name": f"mode{i + 1}", "damping_ratio": DAMPING, "tcp_gain": gain}
+            found |= {f"plant.modes.{i}.{key}": text for key, text in values.items()}
+    elif way in PAIRS:
+        further = range(count_of("pair.modes", answers))
+        keys = ("pair.damping_ratio", *(f"pair.modes.{i}.damping_ratio" for i in further))
+        found |= dict.fromkeys(keys, DAMPING)
+    found["machine.source"] = BY_HAND
+    return found if follows(answers) else {**found, "drive.force_lag": LAG}
 
 
 def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
     """The question for a key of the profile, from its schema, or for one of the wizard's own."""
-    turns, generic = is_rotary(answers), re.sub(r"\.\d+(?=\.)", ".0", key)
-    turn = motor_turn(answers) if key in AT_SHAFT else 0.0
+    turns, generic, turn = is_rotary(answers), schema_key(key), motor_turn(answers)
+    variant = "shaft" if turn else ""
     if generic in OWN:
         allowed, linear, rotary = OWN[generic]
         return Question(
@@ -206,24 +173,24 @@ def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
             default=default,
             example=rotary if turns else linear,
             motor_turn=turn,
-            variant="shaft" if turn else "",
+            variant=variant,
             is_optional=generic.endswith(("modes.0.frequency", "payload.1")),
         )
-    one = _known(answers)[generic]
+    one = known_keys(answers)[generic]
     return Question(
         key=key,
         allowed=one.allowed,
         choices=one.words,
         default=default,
-        example=_example(generic, one) if turns else one.example,
+        example=_rotary_example(generic, one) if turns else one.example,
         is_optional=not one.is_required and not default,
         meant=one.default,
         motor_turn=turn,
-        variant="shaft" if turn else "",
+        variant=variant,
     )
 
 
-def _example(key: str, one: KeyQuestion) -> str:
+def _rotary_example(key: str, one: KeyQuestion) -> str:
     """An example on a rotary axis; the schema's is one of a linear axis."""
     example = ROTARY_EXAMPLES.get(key, one.example)
     if one.allowed is not None:
@@ -236,52 +203,41 @@ def _example(key: str, one: KeyQuestion) -> str:
 
 def _drive(answers: Answers) -> Iterator[Question]:
     if follows(answers):
-        yield _ask("drive.max_acceleration", answers)
-        yield _ask("drive.max_velocity", answers)
-        return
-    if not is_rotary(answers):
-        yield _ask("drive.lead", answers)  # first of all that needs it
-    yield _ask("drive.max_force", answers)
-    yield _ask("drive.continuous_force", answers)
-
-
-def ways_of(answers: Answers) -> tuple[str, ...]:
-    """Return the ways into the mechanics, what engineers have most often first."""
-    towers = () if is_rotary(answers) else (TOWER_BY_FREQUENCY, TOWER_BY_STIFFNESS)
-    others = tuple(kind for kind in KINDS if kind not in ("modal", "manipulator"))
-    return (*PAIRS, MODAL, *towers, *others, FILES)
+        keys = ["max_acceleration", "max_velocity"]
+    else:  # first of all the lead, which all the rest needs
+        keys = [*([] if is_rotary(answers) else ["lead"]), "max_force", "continuous_force"]
+    for key in keys:
+        yield _ask(f"drive.{key}", answers)
 
 
 def _mechanics(answers: Answers) -> Iterator[Question]:
     """The choice how the mechanics are known, then what belongs to it."""
     way = answers.get("wizard.way", "")
-    if follows(answers):
-        if way == FILES:
-            yield Question(key=MEASURED)
-        yield from _repeated("plant.modes", MOST_MODES, answers)
-        return
-    ways = ways_of(answers)
-    yield Question(key="wizard.way", choices=ways, default=ways[0])
+    if not follows(answers):
+        # What engineers have most often first.
+        tower = () if is_rotary(answers) else (TOWER,)
+        others = (kind for kind in KINDS if kind not in KIND_OF_WAY.values())
+        ways = (*PAIRS, MODAL, *tower, *others, FILES)
+        yield Question(key="wizard.way", choices=ways, default=ways[0])
     if way == FILES:
         yield Question(key=MEASURED)
+    if follows(answers):
+        yield from _frequencies("plant.modes", MOST_MODES, answers)
     elif way in PAIRS:
         spring = "frequency" if way == PAIR_BY_FREQUENCY else "stiffness"
         for name in ("motor_mass", "load_mass", spring):
             yield _ask(f"pair.{name}", answers)
-        yield from _repeated("pair.modes", MOST_MODES - 1, answers, least=0)
+        yield from _frequencies("pair.modes", MOST_MODES - 1, answers, least=0)
     elif way == MODAL:
         yield _ask("plant.moving_mass", answers)
-        yield from _repeated("plant.modes", MOST_MODES, answers)
-    elif way:
-        for key, one in _known(answers).items():
-            is_spring = way == TOWER_BY_FREQUENCY and key.endswith(("stiffness", "damping"))
-            if key.startswith("plant.") and one.is_required and not is_spring:
+        yield from _frequencies("plant.modes", MOST_MODES, answers)
+    elif way and way != FILES:
+        for key, one in known_keys(answers).items():
+            if key.startswith("plant.") and one.is_required:
                 yield _ask(key, answers)
-        for part in ("base", "rotary") if way == TOWER_BY_FREQUENCY else ():
-            yield _ask(f"measured.{part}_frequency", answers)
 
 
-def _repeated(table: str, most: int, answers: Answers, *, least: int = 1) -> Iterator[Question]:
+def _frequencies(table: str, most: int, answers: Answers, *, least: int = 1) -> Iterator[Question]:
     """The frequency of each mode until one is left empty; all else of a mode has a default."""
     for i in range(most):
         question = _ask(f"{table}.{i}.frequency", answers)

@@ -2,41 +2,72 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from enum import Enum
+from itertools import combinations
 from pathlib import Path
 
 from mtcommission.base.errors import INTERRUPTED, Fault, InputError, Refused
 from mtcommission.base.files import write_text
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.base.units.quantities import MASS, wrap_whole
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.mechanics import PLANTS, Mechanics
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.profile.lines import read_key, show_key
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.readers import read_path
+from mtcommission.machine.readers import Reading, read_path
 from mtcommission.wizard.answers import (
     FILES,
     MEASURED,
     MODAL,
+    PAIRS,
     SERVO,
     Answers,
+    axis_units,
+    follows,
     is_rotary,
     note_accepted,
     note_stated,
+    si_value,
     to_profile,
 )
-from mtcommission.wizard.console import BACK, HELP, QUIT, Console, explain, means
-from mtcommission.wizard.document import update_document, write_document
-from mtcommission.wizard.insight import find_insights
+from mtcommission.wizard.files import (
+    KEPT,
+    Source,
+    gather,
+    keep,
+    measure,
+    update_document,
+    write_document,
+)
 from mtcommission.wizard.question import Question, Reply, read_reply, title
 from mtcommission.wizard.script import (
     find_question,
     list_defaults,
     list_questions,
     list_settled,
+    motor_turn,
 )
-from mtcommission.wizard.source import KEPT, Source, gather, keep, measure
+
+WIDTH = 78
+
+BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
+
+USER_LEFT = Message("wizard-left-by-user")
+INTERRUPTED_BY_USER = Message("wizard-interrupted")
+INPUT_ENDED = Message("wizard-input-ended")
+
+CHANGE = Question(key="wizard.change", is_optional=True)
+"""Asked below what is settled: the number or key of what is to be changed."""
+
+RUN = Question(key="wizard.run", choices=("yes", "no"), default="yes")
+
+ALIKE = 0.1
+"""Relative difference of two measured frequencies below which they may be one resonance."""
 
 
 class Ending(Enum):
@@ -55,14 +86,58 @@ class _Left(Exception):
         self.how, self.where = how, where
 
 
-USER_LEFT = Message("wizard-left-by-user")
-INTERRUPTED_BY_USER = Message("wizard-interrupted")
-INPUT_ENDED = Message("wizard-input-ended")
+class Console:
+    """Prompts and replies line by line.
 
-CHANGE = Question(key="wizard.change", is_optional=True)
-"""Asked below what is settled: the number or key of what is to be changed."""
+    ``read`` shows a prompt and returns the reply, or raises EOFError or KeyboardInterrupt if the
+    user leaves; ``write`` shows a text; ``is_interactive``: whether somebody sits in front of it.
+    """
 
-RUN = Question(key="wizard.run", choices=("yes", "no"), default="yes")
+    def __init__(
+        self, *, read: Callable[[str], str], write: Callable[[str], object], is_interactive: bool
+    ) -> None:
+        self._read, self._write, self.is_interactive = read, write, is_interactive
+
+    def ask(self, question: Question, *, default: str, words: Catalogue) -> str:
+        """Return the reply to a question; choices are shown with their numbers."""
+        for number, choice in enumerate(question.choices, start=1):
+            self._write(f"    {number}  {title(choice, words)}\n")
+        reply = self._read(f"{question.say(words)}{question.hint(default, words)}: ")
+        if not self.is_interactive:
+            self._write(f"{reply}\n")
+        return reply
+
+    def tell(self, text: str) -> None:
+        """Show paragraphs in lines for 80 columns, no number without its unit."""
+        for line in text.splitlines() or [""]:
+            self._write("\n".join(wrap_whole(line, WIDTH, indent="  ")) + "\n")
+
+
+def open_console() -> Console:
+    """Return the console of this process."""
+    is_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    if is_terminal:
+        _edit_lines()
+
+    def write(text: str) -> None:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+
+    return Console(read=input, write=write, is_interactive=is_terminal)
+
+
+def _edit_lines() -> None:
+    """Let arrow keys move in a reply where Python has that; a reply is no line of its history."""
+    try:
+        import readline
+    except ImportError:  # Windows, whose console edits lines itself
+        return
+    readline.set_auto_history(False)
+
+
+def means(typed: str, command: tuple[str, str], words: Catalogue) -> bool:
+    """Return whether a command was typed: its sign, or its name in English or the language."""
+    return typed.lower() in (*command, words.text(f"wizard-{command[1]}").lower())
 
 
 def run_wizard(
@@ -89,16 +164,7 @@ def run_wizard(
     try:
         if talk.answers.get(MEASURED):
             talk.take_measured()
-        if take_defaults:
-            talk.take_defaults()
-            text = talk.compose()
-            try:
-                machine = parse_profile(text, where=str(output))
-            except InputError as error:
-                faults = map(talk.source.locate, error.faults)
-                raise InputError(list(faults)) from error
-        else:
-            text, machine = talk.hold()
+        text, machine = talk.take_defaults() if take_defaults else talk.hold()
     except _Left as left:
         keep(output, talk.answers)
         message = Message("wizard-kept", how=left.how, where=left.where, file=f"{output}{KEPT}")
@@ -135,21 +201,29 @@ class _Interview:
     def tell(self, message: Message, *, indent: str = "  ") -> None:
         self.console.tell(f"{indent}{self.words.say(message)}")
 
-    def take_defaults(self) -> None:
-        """Take defaults for all that is open; every fault at once."""
+    # Without asking
+
+    def take_defaults(self) -> tuple[str, Machine]:
+        """Take defaults for all that is open; every fault at once, located in the answers."""
         faults = []
         place = 0
         while place < len(questions := list_questions(self.answers)):
             question, place = questions[place], place + 1
             typed = self.answers.get(question.key, "")
             try:
-                self.put(question, read_reply(question, typed), is_stated=bool(typed))
+                reply = read_reply(question, typed, self.words)
+                self.put(question, reply, is_stated=bool(typed))
             except Refused as error:
                 key = show_key(read_path(question.key))
                 faults.append(self.source.locate(Fault(where="", key=key, message=error.message)))
                 self.answers[question.key] = ""
         if faults:
             raise InputError(faults)
+        text = self.compose()
+        try:
+            return text, parse_profile(text, where=str(self.output))
+        except InputError as error:
+            raise InputError(list(map(self.source.locate, error.faults))) from error
 
     def put(self, question: Question, reply: Reply, *, is_stated: bool) -> None:
         """Keep a reply; a word that a profile means anyway need not stand in it."""
@@ -161,16 +235,16 @@ class _Interview:
         self.answers.setdefault(question.key, "")
         self.answers[reply.key] = text
 
+    # Asking
+
     def hold(self) -> tuple[str, Machine]:
         """Ask until the profile is valid."""
         begin = self.words.text("wizard-begin", file=str(self.output))
         self.console.tell(f"{begin}\n{self.words.text('wizard-commands')}")
         wanted: str | None = None  # a question that is asked again
         while True:
-            questions = list_questions(self.answers)
-            keys = [question.key for question in questions]
-            open_ones = [key for key in keys if key not in self.answers]
-            key = wanted or next(iter(open_ones), None)
+            keys = [question.key for question in list_questions(self.answers)]
+            key = wanted or next((key for key in keys if key not in self.answers), None)
             if key is not None:
                 place = keys.index(key) if key in keys else len(keys)
                 question = find_question(key, self.answers)
@@ -186,8 +260,10 @@ class _Interview:
                 if not self.console.is_interactive:
                     keep(self.output, self.answers)
                     raise
-                faults = [not_possible(fault) for fault in error.faults]
-                self.console.tell("\n".join(map(self.words.say, faults)))
+                # Without file and line: the profile is not written yet.
+                for fault in error.faults:
+                    said = Message("wizard-not-possible", key=fault.key, message=fault.message)
+                    self.tell(said, indent="")
                 wanted = _asked_for(read_key(error.faults[0].key), self.answers)
 
     def ask(self, question: Question, *, before: str | None) -> str | None:
@@ -211,9 +287,8 @@ class _Interview:
             self.put(question, Reply(key=question.key, text=""), is_stated=True)
             self.answers = note_stated(self.answers, question.key)
             return True
-        titles = [title(choice, self.words) for choice in question.choices]
         try:
-            reply = read_reply(question, typed or known, titles=titles)
+            reply = read_reply(question, typed or known, self.words)
         except Refused as error:
             self.tell(error.message)
             return False
@@ -222,9 +297,9 @@ class _Interview:
         self.put(question, reply, is_stated=bool(typed))
         if typed:
             self.answers = note_stated(self.answers, reply.key)
-        if typed and reply.taken_as:
-            taken = question.as_shown(reply.taken_as, self.words)
-            self.tell(Message("wizard-taken-as", what=taken))
+            if reply.taken_as:
+                taken = question.as_shown(reply.taken_as, self.words)
+                self.tell(Message("wizard-taken-as", what=taken))
         if question.key == MEASURED:
             return self._measure()
         self._tell_insights()
@@ -266,13 +341,15 @@ class _Interview:
                 raise _Left(USER_LEFT, question.key)
             if not means(typed, HELP, self.words):
                 return typed
-            self.console.tell(explain(question, self.words))
+            self.console.tell(question.explain(self.words))
 
     def _tell_insights(self) -> None:
-        for insight in find_insights(self.answers, list_defaults(self.answers)):
+        for insight in find_insights(self.answers):
             if insight not in self.said:
                 self.said.add(insight)
                 self.tell(Message("wizard-follows", what=insight))
+
+    # Measured responses
 
     def take_measured(self) -> None:
         """Identify the axis from the files that were named."""
@@ -311,6 +388,8 @@ class _Interview:
         write_text(str(self.output), self.source.text)  # who leaves now keeps it with its intervals
         return True
 
+    # What becomes of it
+
     def compose(self) -> str:
         defaults = list_defaults(self.answers)
         data = to_profile(self.answers, defaults)
@@ -330,22 +409,16 @@ class _Interview:
             self.tell(Message("warning", warning=remark))
 
     def offer_run(self) -> bool:
-        titles = [title(choice, self.words) for choice in RUN.choices]
         while True:
             try:
                 typed = self._typed(RUN)
                 if means(typed, BACK, self.words):
                     return False
-                return read_reply(RUN, typed, titles=titles).text == RUN.default
+                return read_reply(RUN, typed, self.words).text == RUN.default
             except _Left:
                 return False  # the profile is written, nothing is lost
             except Refused as error:
                 self.tell(error.message)
-
-
-def not_possible(fault: Fault) -> Message:
-    """Return a fault without file and line: the profile is not written yet."""
-    return Message("wizard-not-possible", key=fault.key, message=fault.message)
 
 
 def _asked_for(key: str, answers: Answers) -> str:
@@ -353,13 +426,10 @@ def _asked_for(key: str, answers: Answers) -> str:
     keys = [question.key for question in list_questions(answers)]
     if key in keys or not key.startswith(("plant", "moves")):
         return key if key in keys or _exists(key, answers) else keys[0]
-    for start in (
-        key,
-        key.rpartition(".")[0],
-        "wizard.way" if key.startswith("plant") else "moves",
-    ):
+    origin = "wizard.way" if key.startswith("plant") else "moves"
+    for start in filter(None, (key, key.rpartition(".")[0], origin)):
         for asked in keys:
-            if start and asked.startswith(start):
+            if asked.startswith(start):
                 return asked
     return keys[0]
 
@@ -370,3 +440,58 @@ def _exists(key: str, answers: Answers) -> bool:
     except KeyError:
         return False
     return True
+
+
+# What follows from the answers
+
+
+def find_insights(answers: Answers) -> Iterator[Message]:
+    """Yield what is known of the machine, in words, as soon as the mechanics can be read.
+
+    Modes, deflections, accelerations, and what counts twice.
+    """
+    mechanics, axis = _read_mechanics(answers), axis_units(answers)
+    if mechanics is None:
+        return
+    if follows(answers):
+        force, mass = si_value(answers, "drive.max_acceleration", axis.acceleration), 0.0
+    else:
+        force, mass = si_value(answers, "drive.max_force", axis.force), mechanics.moving_mass
+        load = si_value(answers, "drive.static_load", axis.force)
+        force = force and force - abs(load or 0.0)
+    for mode in mechanics.modes:
+        known = {"frequency": mode.frequency_hz, "damping_ratio": mode.damping_ratio}
+        yield Message("insight-mode", mode=mode.name, **known)
+        if force is not None and force > 0.0:
+            deflection = abs(mode.tcp_gain) * force / mode.natural_frequency**2
+            by = "held" if follows(answers) else "free"
+            yield Message("insight-deflection", mode=mode.name, deflection=deflection, by=by)
+    if force is not None and force <= 0.0:
+        yield Message("insight-no-force", force=force, unit=axis.force.si)
+    elif mass and force is not None:
+        yield Message(
+            "insight-acceleration",
+            acceleration=force / mass,
+            rate=axis.acceleration.si,
+            force=force,
+            unit=axis.force.si,
+            mass=mass,
+            mass_unit=axis.mass.si,
+        )
+    if turn := motor_turn(answers):
+        motor = si_value(answers, "pair.motor_mass", MASS)
+        if answers.get("wizard.way") in PAIRS and motor:
+            yield Message("insight-shaft", mass=motor, inertia=1e4 * motor / turn**2)
+        elif answers.get("wizard.way") == MODAL:
+            yield Message("insight-rotor-unknown", mass=mass, each=1e-4 * turn**2)
+    for one, other in combinations(mechanics.modes, 2):
+        first, second = one.frequency_hz, other.frequency_hz
+        if abs(first - second) < ALIKE * max(first, second):
+            yield Message("insight-twice-measured", first=first, second=second)
+
+
+def _read_mechanics(answers: Answers) -> Mechanics | None:
+    plant = to_profile(answers, list_defaults(answers)).get("plant")
+    reading = Reading(axis=axis_units(answers), states={}, outputs={}, follows=follows(answers))
+    found = PLANTS.read(plant, ("plant",), reading) if isinstance(plant, dict) else None
+    return None if reading.faults else found

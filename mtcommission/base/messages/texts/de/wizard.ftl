@@ -85,10 +85,6 @@ ask-today-jerk = Ruck in der Steuerung heute
 ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
 ask-resolution-empty = unbekannt
 ask-today-empty = unbekannt
-ask-measured-base-frequency = Eigenfrequenz des Gestells
-ask-measured-base-damping-ratio = Dämpfungsgrad des Gestells
-ask-measured-rotary-frequency = Eigenfrequenz des Turms
-ask-measured-rotary-damping-ratio = Dämpfungsgrad des Turms
 ask-pair-motor-mass = { $axis ->
     [rotary] Trägheitsmoment auf der Motorseite, an der Achse
    *[linear] Masse auf der Motorseite, an der Achse gesehen
@@ -138,7 +134,6 @@ choice-control = in der Steuerung
 choice-interpolated = in der Steuerung, Vorsteuerung interpoliert
 choice-drive = im Antrieb (DSC)
 choice-tower-masses-and-stiffness = Turm: Massen und Steifigkeit
-choice-tower-masses-and-measured-eigenfrequencies = Turm: Massen und gemessene Eigenfrequenzen
 choice-motor-and-load-masses-and-stiffness = Motor und Last: Massen und Steifigkeit
 choice-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last: Massen und gemessene Eigenfrequenz
 choice-modes-from-a-bode-plot = Eigenformen aus einem Bode-Diagramm

@@ -88,10 +88,6 @@ ask-today-jerk = Jerk limit in the control now
 ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
 ask-resolution-empty = not known
 ask-today-empty = not known
-ask-measured-base-frequency = Eigenfrequency of the base
-ask-measured-base-damping-ratio = Damping ratio of the base
-ask-measured-rotary-frequency = Eigenfrequency of the tower
-ask-measured-rotary-damping-ratio = Damping ratio of the tower
 ask-pair-motor-mass = { $axis ->
     [rotary] Inertia on the motor's side, seen at the axis
    *[linear] Mass on the motor's side, seen at the axis
@@ -146,7 +142,6 @@ choice-control = in the control
 choice-interpolated = in the control, feed-forward interpolated
 choice-drive = in the drive (DSC)
 choice-tower-masses-and-stiffness = tower: masses and stiffness
-choice-tower-masses-and-measured-eigenfrequencies = tower: masses and measured eigenfrequencies
 choice-motor-and-load-masses-and-stiffness = motor and load: masses and stiffness
 choice-motor-and-load-masses-and-measured-eigenfrequency = motor and load: masses and measured eigenfrequency
 choice-modes-from-a-bode-plot = modes from a Bode plot

@@ -1,14 +1,16 @@
-"""What is known before the first question: the profile, kept answers, a file of answers."""
+"""The wizard's files: what is known before the first question, and the profile at the end.
+
+A profile is TOML that reads well in an editor; one that was there keeps the user's comments.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
@@ -16,23 +18,28 @@ from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.files import write_text
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.quantities import LENGTH, RATIO, TIME
+from mtcommission.base.units.quantities import TIME
 from mtcommission.machine.profile.describe import find_unknown
 from mtcommission.machine.profile.lines import find_key_lines, read_key
 from mtcommission.machine.profile.read import load_toml, parse_profile, read_profile_text
 from mtcommission.machine.readers import propose
+from mtcommission.wizard import answers as own_keys
 from mtcommission.wizard.answers import (
     ACCEPTED,
     MEASURED,
     Answers,
+    Data,
+    as_text,
     close_arrays,
+    flatten,
     is_rotary,
     note_accepted,
+    schema_key,
     si_value,
     to_answers,
 )
-from mtcommission.wizard.answers import OWN as OWN_TABLES
-from mtcommission.wizard.script import OWN, list_questions
+from mtcommission.wizard.question import title
+from mtcommission.wizard.script import OWN, list_questions, motor_turn
 
 if TYPE_CHECKING:
     from mtcommission.identify.identified import Identified
@@ -48,6 +55,9 @@ LAG, LEAST_LAG = "drive.force_lag", 5e-5
 
 OPEN = re.compile(r"\n\n# [^\n]*\n(#   [\w.\[\]]+\n)+\Z")
 """The list of open questions at the end of an identified profile: the wizard asks them."""
+
+COLUMN = 34
+"""Where the comments of a profile begin, if the line leaves room."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,9 +126,9 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
     own = (*OWN, "wizard.way", MEASURED, ACCEPTED)
     faults = []
     for key in answers:
-        if re.sub(r"\.\d+(?=\.)", ".0", key) in own:
+        if schema_key(key) in own:
             continue
-        is_own = key.startswith(OWN_TABLES)
+        is_own = key.startswith(own_keys.OWN)
         wrong = propose(key, own) if is_own else find_unknown(tuple(key.split(".")))
         if wrong:
             message = Message("key-unknown", hint=wrong)
@@ -148,11 +158,9 @@ def measure(
     if len(axes) > 1:
         message = Message("wizard-several-axes", axes=", ".join(axes))
         raise InputError([Fault(where=typed, message=message)])
-    lead = si_value(answers, "drive.lead", LENGTH)
-    gear = si_value(answers, "drive.gear", RATIO) or 1.0
     given = Given(
         rotary=is_rotary(answers) if before or answers.get("machine.motion") else None,
-        motor_turn=2.0 * pi * gear / lead if lead and not is_rotary(answers) else 0.0,
+        motor_turn=motor_turn(answers),
     )
     evidence = evidence_file(str(output))
     axis = identify_files(
@@ -171,3 +179,94 @@ def measure(
         raise InputError([Fault(where=typed, message=axis.doubt)])
     write_text(evidence, axis.json)
     return axis
+
+
+# The profile
+
+
+def write_document(data: Data, answers: Answers, defaults: Answers, words: Catalogue) -> str:
+    """Return a new profile; each key is commented by its name, [plant] by what was typed for it."""
+    document = tomlkit.document()
+    for line in ("head", "check", "assumed"):
+        document.add(tomlkit.comment(words.text(f"document-{line}")))
+    document.add(tomlkit.nl())
+    for name, value in data.items():
+        notes = _origins(answers, defaults, words) if name == "plant" else ()
+        document.add(name, _item(name, value, words, notes))
+    return tomlkit.dumps(document)
+
+
+def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[str]:
+    """What was typed where the profile holds derived values."""
+    if way := answers.get("wizard.way", ""):
+        yield title(way, words)
+    for key, text in {**answers, **defaults}.items():
+        if text and key.startswith("pair."):
+            mark = f" ({words.text('source-accepted-default')})" if key in defaults else ""
+            yield f"  {key.partition('.')[2]} = {text}{mark}"
+
+
+def _item(path: str, value: object, words: Catalogue, notes: Iterable[str] = ()) -> Any:
+    """A value of a profile with its comments; tables stand behind the keys beside them."""
+    if _is_tables(value) and isinstance(value, list):
+        tables = tomlkit.aot()
+        tables.extend(_item(path, one, words) for one in value)
+        return tables
+    if not isinstance(value, Mapping):
+        return tomlkit.item(value)
+    table = tomlkit.table()
+    for note in notes:
+        table.add(tomlkit.comment(note))
+    for key, inner in sorted(value.items(), key=lambda one: _is_table(one[1])):
+        item, name = _item(f"{path}.{key}", inner, words), words.name(f"{path}.{key}")
+        table.add(key, item)
+        if name != key and (key, path) != ("kind", "plant") and not _is_table(inner):
+            item.comment(name)
+            width = COLUMN - len(f"{tomlkit.key(key).as_string()} = {item.as_string()}")
+            item.trivia.comment_ws = " " * max(width, 1)
+    return table
+
+
+def update_document(text: str, data: Data) -> str:
+    """Return a profile with other values; comments, order and unchanged lines stay."""
+    document = tomlkit.parse(text)
+    if _kind_of(document) != _kind_of(data) and "plant" in document:
+        document["plant"] = data["plant"]  # another kind shares no key with it
+    _merge(document, data)
+    return tomlkit.dumps(document)
+
+
+def _kind_of(data: Mapping[str, object]) -> str:
+    plant = data.get("plant")
+    return as_text(plant.get("kind", "")) if isinstance(plant, Mapping) else ""
+
+
+def _merge(old: Any, new: Mapping[str, object]) -> None:
+    for key in [key for key in old if key not in new]:
+        del old[key]
+    for key, value in new.items():
+        present = old.get(key)
+        if isinstance(value, dict) and isinstance(present, Mapping):
+            _merge(present, value)
+        elif _is_tables(value) and _is_tables(present):
+            _merge_tables(present, value)
+        elif present is None or flatten(present) != flatten(value):
+            old[key] = value
+
+
+def _merge_tables(old: Any, new: Any) -> None:
+    for one, other in zip(old, new, strict=False):
+        _merge(one, other)
+    for table in new[len(old) :]:
+        added = tomlkit.table()
+        added.update(table)
+        old.append(added)
+    del old[len(new) :]
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping) or _is_tables(value)
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
