@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 from math import ceil, inf
+from typing import Any, NoReturn
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
@@ -43,6 +44,50 @@ class Axis:
     def small_unit(self) -> str:
         """Unit of a position that most controls have."""
         return "deg" if self.is_rotary else "mm"
+
+    @property
+    def identifier(self) -> str:
+        """Its name as part of an identifier."""
+        kept = "".join(sign if sign.isascii() and sign.isalnum() else "_" for sign in self.name)
+        return kept if kept[:1].isalpha() else f"Axis_{kept}"
+
+    def letter(self, allowed: str, control: str) -> str:
+        """Return its letter, or raise an error that says which letters the control has."""
+        letter = self.name[:1].upper()
+        if letter not in tuple(allowed):
+            letters = tuple(allowed)
+            _refuse("export-other-letter", control=control, letters=letters, axis_name=self.name)
+        return letter
+
+    def require_linear(self, control: str) -> None:
+        """Raise an error where the axis turns."""
+        if self.is_rotary:
+            _refuse("export-linear-only", control=control)
+
+    def cycles(self, unit: float) -> int:
+        """Return the position cycle in whole units of time, at least one; ``unit`` in s."""
+        return max(1, ceil(self.position_cycle / unit - 1e-9))
+
+    def acceleration_row(self, name: str, meaning: str = "", **more: Any) -> Row:
+        """Return a row of the acceleration in the small unit."""
+        unit = f"{self.small_unit}/s^2"
+        return Row(Setting.ACCELERATION, name, unit=unit, meaning=meaning, **more)
+
+    def jerk_row(self, name: str, meaning: str, *, section: str = "") -> Row:
+        """Return a row of the jerk in the small unit."""
+        unit = f"{self.small_unit}/s^3"
+        return Row(Setting.JERK, name, unit=unit, meaning=meaning, section=section)
+
+    def say_mode(self, mode: str) -> Message:
+        """Return what a column of limits is for: a machining mode with its band."""
+        if mode not in self.bands:
+            return Message("way-recommended")
+        band = show_value(self.bands[mode], self.units.length.si, in_degrees=True)
+        return Message("limit-of-mode", mode=name_mode(mode), band=band)
+
+
+def _refuse(kind: str, **values: Any) -> NoReturn:
+    raise InputError([Fault(where="--control", message=Message(kind, **values))])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,54 +227,3 @@ def complete(rows: Iterable[Row], loop: Values, units: AxisUnits) -> tuple[Row, 
     held = {row.key for row in kept}
     missing = say_neutrally((key for key in loop if key not in held), units)
     return (*kept, *(replace(row, is_elsewhere=True) for row in missing))
-
-
-def acceleration_row(
-    axis: Axis, name: str, meaning: Message | str = "", *, section: str = "", step: float = 0.0
-) -> Row:
-    """Return a row of the acceleration in the small unit."""
-    unit = f"{axis.small_unit}/s^2"
-    return Row(Setting.ACCELERATION, name, unit=unit, meaning=meaning, section=section, step=step)
-
-
-def jerk_row(axis: Axis, name: str, meaning: Message | str, *, section: str = "") -> Row:
-    """Return a row of the jerk in the small unit."""
-    unit = f"{axis.small_unit}/s^3"
-    return Row(Setting.JERK, name, unit=unit, meaning=meaning, section=section)
-
-
-def cycles(axis: Axis, unit: float) -> int:
-    """Return the position cycle in whole units of time, at least one; ``unit`` in s."""
-    return max(1, ceil(axis.position_cycle / unit - 1e-9))
-
-
-def say_mode(axis: Axis, mode: str) -> Message:
-    """Return what a column of limits is for: a machining mode with its band."""
-    if mode not in axis.bands:
-        return Message("way-recommended")
-    band = show_value(axis.bands[mode], axis.units.length.si, in_degrees=True)
-    return Message("limit-of-mode", mode=name_mode(mode), band=band)
-
-
-def identifier(axis: Axis) -> str:
-    """Return the axis name as part of an identifier."""
-    kept = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in axis.name)
-    return kept if kept[:1].isalpha() else f"Axis_{kept}"
-
-
-def letter_of(axis: Axis, allowed: str, control: str) -> str:
-    """Return the axis letter, or raise an error that says which letters the control has."""
-    letter = axis.name[:1].upper()
-    if letter not in tuple(allowed):
-        message = Message(
-            "export-other-letter", control=control, letters=tuple(allowed), axis_name=axis.name
-        )
-        raise InputError([Fault(where="--control", message=message)])
-    return letter
-
-
-def require_linear(axis: Axis, control: str) -> None:
-    """Raise an error where the axis turns."""
-    if axis.is_rotary:
-        message = Message("export-linear-only", control=control)
-        raise InputError([Fault(where="--control", message=message)])

@@ -127,18 +127,12 @@ def _padded(heads: Iterable[str]) -> list[str]:
     return [f"{head:<{width}}" for head in heads]
 
 
-def hash_comment(text: str) -> str:
-    """Return a comment of INI, YAML and table files."""
-    return f"# {text}".rstrip()
+def _comment(mark: str) -> Callable[[str], str]:
+    return lambda text: f"{mark} {text}".rstrip()
 
 
-def _semicolon_comment(text: str) -> str:
-    return f"; {text}".rstrip()
-
-
-def _bracket_comment(text: str) -> str:
-    """A comment behind a value of an ISG list: everything from the parenthesis on."""
-    return f"( {text}".rstrip()
+_hash = _comment("#")
+"""Of INI, YAML and table files."""
 
 
 def _text_comment(text: str) -> str:
@@ -180,7 +174,7 @@ def _sections(mark: str) -> Layout:
             for entry in entries:
                 if entry.row.section == section:
                     head = f"{entry.row.name}{mark}{entry.value}"
-                    lines += [hash_comment(entry.remark(words)), head]
+                    lines += [_hash(entry.remark(words)), head]
         return lines[1:]
 
     def read(text: str) -> Iterator[Found]:
@@ -192,7 +186,7 @@ def _sections(mark: str) -> Layout:
                 name, _, value = line.partition(mark)
                 yield section, name, value
 
-    return Layout(comment=hash_comment, write=write, read=read)
+    return Layout(comment=_hash, write=write, read=read)
 
 
 def _write_yaml(entries: Sequence[Entry], words: Catalogue) -> list[str]:
@@ -205,7 +199,7 @@ def _write_yaml(entries: Sequence[Entry], words: Catalogue) -> list[str]:
         lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
         open_parts = parts
         head = f"{'  ' * len(parts)}{entry.row.name}: {entry.value}"
-        lines.append(f"{head}  {hash_comment(entry.remark(words))}")
+        lines.append(f"{head}  {_hash(entry.remark(words))}")
     return lines
 
 
@@ -269,7 +263,7 @@ def _harmless(cell: str) -> str:
 
 def _list_comment(line: str) -> str:
     """One cell, whatever commas and quotation marks are in it."""
-    comment = hash_comment(line).replace('"', '""')
+    comment = _hash(line).replace('"', '""')
     return f'"{comment}"'
 
 
@@ -280,19 +274,17 @@ def _read_list(text: str) -> Iterator[Found]:
         yield section, name, row["new_value"]
 
 
-MACHINE_DATA = _lines(
-    "{name}={value}", r"(?P<name>[Np$]\d[^=;]*)=(?P<value>\S+)", _semicolon_comment
-)
-G_CODE = _lines("{name}{value}", r"(?P<name>M[^;]*?)(?P<value>[\d.]+) *;", _semicolon_comment)
+MACHINE_DATA = _lines("{name}={value}", r"(?P<name>[Np$]\d[^=;]*)=(?P<value>\S+)", _comment(";"))
+G_CODE = _lines("{name}{value}", r"(?P<name>M[^;]*?)(?P<value>[\d.]+) *;", _comment(";"))
 NAMED_LIST = _lines(
     "{name}  {value}",
     r"(?P<name>[^#\s]\S*)  (?P<value>\S+) +\(",
-    hash_comment,
-    _bracket_comment,
+    _hash,
+    _comment("("),  # behind a value everything from the parenthesis on
 )
-TABLE = Layout(comment=hash_comment, write=_write_table, read=_read_table)
+TABLE = Layout(comment=_hash, write=_write_table, read=_read_table)
 INI, CONFIG = _sections(" = "), _sections(": ")
-YAML = Layout(comment=hash_comment, write=_write_yaml, read=_read_yaml)
+YAML = Layout(comment=_hash, write=_write_yaml, read=_read_yaml)
 CONSTANTS = Layout(comment=_text_comment, write=_write_constants, read=_read_constants)
 LIST = Layout(comment=_list_comment, write=_write_list, read=_read_list)
 """The parameter list as CSV: what is set elsewhere stands in it like all else."""

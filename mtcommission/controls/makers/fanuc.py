@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed, cycles
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed
 from mtcommission.controls.kind import (
     MOVING_AVERAGE,
     ControlKind,
@@ -21,7 +21,7 @@ from mtcommission.controls.wording import MILLI
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     gain = "gain-kv-name-and-unit"
     yield Row(Setting.RISE_TIME, "1620", unit="ms", step=1)
-    yield Row(Setting.JERK_TIME, "1774", unit="ms", step=cycles(axis, MILLI))
+    yield Row(Setting.JERK_TIME, "1774", unit="ms", step=axis.cycles(MILLI))
     yield doubted(Setting.POSITION_GAIN, "1825", unit="0.01/s", step=1, meaning=gain)
     yield doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", step=1)
     yield Row(Setting.RAPID, "1420", unit=f"{axis.small_unit}/min", is_elsewhere=True)

@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import (
-    LETTERS,
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    Typed,
-    acceleration_row,
-    letter_of,
-)
+from mtcommission.controls.control import LETTERS, Axis, Control, Corner, CornerRule, Typed
 from mtcommission.controls.makers.stepping import make_up, sends_steps
 from mtcommission.controls.row import Row, Values, at_corners
 from mtcommission.controls.syntax import YAML
 
 
 def _rows(axis: Axis, _loop: Values) -> list[Row]:
-    letter = letter_of(axis, LETTERS[:6], "FluidNC").lower()
-    return [acceleration_row(axis, "acceleration_mm_per_sec2", section=f"axes/{letter}")]
+    letter = axis.letter(LETTERS[:6], "FluidNC").lower()
+    return [axis.acceleration_row("acceleration_mm_per_sec2", section=f"axes/{letter}")]
 
 
 def _notes(axis: Axis, typed: Typed) -> tuple[Message, ...]:

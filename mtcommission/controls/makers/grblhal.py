@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.controls.control import (
-    LETTERS,
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    acceleration_row,
-    jerk_row,
-    letter_of,
-)
+from mtcommission.controls.control import LETTERS, Axis, Control, Corner, CornerRule
 from mtcommission.controls.kind import Jerk
 from mtcommission.controls.makers.stepping import sends_steps
 from mtcommission.controls.row import Row, Values, at_corners
@@ -21,9 +12,9 @@ from mtcommission.controls.syntax import MACHINE_DATA
 
 
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
-    index = LETTERS.index(letter_of(axis, LETTERS[:6], "grblHAL"))
-    yield acceleration_row(axis, f"${120 + index}")
-    yield jerk_row(axis, f"${800 + index}", "limit-jerk")
+    index = LETTERS.index(axis.letter(LETTERS[:6], "grblHAL"))
+    yield axis.acceleration_row(f"${120 + index}")
+    yield axis.jerk_row(f"${800 + index}", "limit-jerk")
 
 
 CONTROL = Control(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from mtcommission.controls.control import Axis, Control, Corner, CornerRule, say_mode
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule
 from mtcommission.controls.kind import MOVING_AVERAGE, ControlKind, FilterChoice, PositionLoop
 from mtcommission.controls.row import Row, Setting, Values, at_corners, on_path
 from mtcommission.controls.syntax import TABLE
@@ -18,7 +18,7 @@ def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     for mode in ("", "surface", "accuracy", "speed"):
         row = partial(Row, index=mode, is_verified=not (axis.is_rotary or mode))
         name, unit = f"maxAcceleration{f', {mode}' if mode else ''}", f"{length}/s^2"
-        yield row(Setting.ACCELERATION, name, unit=unit, meaning=say_mode(axis, mode))
+        yield row(Setting.ACCELERATION, name, unit=unit, meaning=axis.say_mode(mode))
         unit = f"{length}/s^3"
         for name, said in (
             ("axPathJerk", "limit-axis-jerk"),

@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.controls.control import (
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    acceleration_row,
-    cycles,
-)
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule
 from mtcommission.controls.kind import (
     MOVING_AVERAGE,
     ControlKind,
@@ -41,8 +34,8 @@ RAMPS = {
 def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
     slope = "getriebe[0].slope_profil"
     for name, meaning in ACCELERATIONS.items():
-        yield acceleration_row(axis, f"{slope}.{name}", meaning, step=1)
-    step = cycles(axis, MICRO)
+        yield axis.acceleration_row(f"{slope}.{name}", meaning, step=1)
+    step = axis.cycles(MICRO)
     for name, meaning in RAMPS.items():
         yield Row(Setting.JERK_TIME, f"{slope}.{name}", unit="us", step=step, meaning=meaning)
     yield Row(

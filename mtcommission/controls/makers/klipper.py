@@ -6,19 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import (
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    Typed,
-    letter_of,
-    require_linear,
-)
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed
 from mtcommission.controls.kind import KLIPPER_SHAPERS, FilterChoice
 from mtcommission.controls.makers.stepping import (
     PRINTER,
-    USUAL_CORNER,
+    corner_velocity,
     make_up,
     of_corner,
     sends_steps,
@@ -38,13 +30,12 @@ HEAD, SHAPER, CORNER = "printer", "input_shaper", "square_corner_velocity"
 
 
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
-    require_linear(axis, "Klipper")
-    letter = letter_of(axis, "XYZ", "Klipper").lower()
+    axis.require_linear("Klipper")
+    letter = axis.letter("XYZ", "Klipper").lower()
     unit, said = "mm/s^2", "klipper-tool-head"
     yield Row(Setting.ACCELERATION, "max_accel", unit=unit, meaning=said, section=HEAD)
     if axis.follows:
-        # Klipper's default, or less where that leaves the band.
-        corner = f"{1e3 * min(axis.corner_velocity(USUAL), USUAL_CORNER):.3g}"
+        corner = f"{1e3 * corner_velocity(axis, USUAL):.3g}"
         yield fixed(CORNER, corner, "klipper-corner", unit="mm/s", section=HEAD)
     codes: dict[float | str, str] = {kind: kind for kind in KLIPPER_SHAPERS}
     for row in (

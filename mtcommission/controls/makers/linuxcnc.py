@@ -6,33 +6,24 @@ from collections.abc import Iterator
 from math import sqrt
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import (
-    LETTERS,
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    acceleration_row,
-    jerk_row,
-    letter_of,
-)
+from mtcommission.controls.control import LETTERS, Axis, Control, Corner, CornerRule
 from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.controls.row import Row, Setting, Values, at_corners, fixed, on_path
 from mtcommission.controls.syntax import INI
 
 
 def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
-    letter = letter_of(axis, LETTERS, "LinuxCNC")
+    letter = axis.letter(LETTERS, "LinuxCNC")
     joint = f"JOINT_{LETTERS.index(letter)}"
     yield fixed("PLANNER_TYPE", "1", "linuxcnc-planner", section="TRAJ")
     if not axis.is_rotary:
         ceiling, path = "linuxcnc-path-acceleration", "linuxcnc-path-jerk"
-        yield acceleration_row(axis, "MAX_LINEAR_ACCELERATION", ceiling, section="TRAJ")
-        yield jerk_row(axis, "MAX_LINEAR_JERK", path, section="TRAJ")
+        yield axis.acceleration_row("MAX_LINEAR_ACCELERATION", ceiling, section="TRAJ")
+        yield axis.jerk_row("MAX_LINEAR_JERK", path, section="TRAJ")
     yield Row(Setting.POSITION_CYCLE, "SERVO_PERIOD", unit="ns", step=1, section="EMCMOT")
     for section in (joint, f"AXIS_{letter}"):
-        yield acceleration_row(axis, "MAX_ACCELERATION", section=section)
-        yield jerk_row(axis, "MAX_JERK", "linuxcnc-jerk", section=section)
+        yield axis.acceleration_row("MAX_ACCELERATION", section=section)
+        yield axis.jerk_row("MAX_JERK", "linuxcnc-jerk", section=section)
     if loop[Setting.POSITION_LOOP, ""] == "control":
         said = Message("linuxcnc-gain")
         yield Row(Setting.POSITION_GAIN, "P", unit="1/s", meaning=said, section=joint)

@@ -6,20 +6,12 @@ from collections.abc import Iterator
 from math import sqrt
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import (
-    Axis,
-    Control,
-    Corner,
-    CornerRule,
-    Typed,
-    acceleration_row,
-    letter_of,
-    require_linear,
-)
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed
 from mtcommission.controls.kind import FilterChoice
 from mtcommission.controls.makers.stepping import (
     PRINTER,
     USUAL_CORNER,
+    corner_velocity,
     make_up,
     of_corner,
     sends_steps,
@@ -50,9 +42,9 @@ LEAST_DEVIATION, MOST_DEVIATION = 1e-5, 3e-4
 
 
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
-    require_linear(axis, "Marlin")
-    letter = letter_of(axis, "XYZ", "Marlin")
-    yield acceleration_row(axis, f"M201 {letter}")
+    axis.require_linear("Marlin")
+    letter = axis.letter("XYZ", "Marlin")
+    yield axis.acceleration_row(f"M201 {letter}")
     if axis.follows:
         yield _corner(axis, letter)
     yield fixed("M493 S", "1", "marlin-fixed-time")
@@ -65,8 +57,8 @@ def _corner(axis: Axis, letter: str) -> Row:
     """By junction deviation; by the step of velocity where J would be below what M205 takes."""
     if deviation := _junction_deviation(axis):
         return fixed("M205 J", f"{1e3 * deviation:.3g}", "marlin-corner", unit="mm")
-    corner = min(axis.corner_velocity(USUAL), USUAL_CORNER)
-    return fixed(f"M205 {letter}", f"{1e3 * corner:.3g}", "marlin-step", unit="mm/s")
+    corner = f"{1e3 * corner_velocity(axis, USUAL):.3g}"
+    return fixed(f"M205 {letter}", corner, "marlin-step", unit="mm/s")
 
 
 def _junction_deviation(axis: Axis) -> float:

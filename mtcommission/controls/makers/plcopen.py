@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.controls.control import Axis, Control, acceleration_row, identifier, jerk_row
+from mtcommission.controls.control import Axis, Control
 from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.controls.row import Row, Values
 from mtcommission.controls.syntax import CONSTANTS
@@ -12,10 +12,10 @@ from mtcommission.controls.syntax import CONSTANTS
 
 def constants(axis: Axis, _loop: Values) -> Iterator[Row]:
     """Yield the limits as constants of a program."""
-    name = identifier(axis)
-    yield acceleration_row(axis, f"c{name}_Acceleration", "limit-acceleration")
-    yield acceleration_row(axis, f"c{name}_Deceleration", "limit-deceleration")
-    yield jerk_row(axis, f"c{name}_Jerk", "limit-jerk")
+    name = axis.identifier
+    yield axis.acceleration_row(f"c{name}_Acceleration", "limit-acceleration")
+    yield axis.acceleration_row(f"c{name}_Deceleration", "limit-deceleration")
+    yield axis.jerk_row(f"c{name}_Jerk", "limit-jerk")
 
 
 CONTROL = Control(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.controls.control import Axis, Control, identifier
+from mtcommission.controls.control import Axis, Control
 from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.controls.row import Row, Setting, Values, fixed
 from mtcommission.controls.syntax import YAML
 
 
 def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
-    name, units = identifier(axis), axis.units
+    name, units = axis.identifier, axis.units
     limits = f"joint_limits/{name}"
     yield fixed("has_acceleration_limits", "true", section=limits)
     a = units.acceleration.si

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed, say_mode
+from mtcommission.controls.control import Axis, Control, Corner, CornerRule, Typed
 from mtcommission.controls.kind import (
     MOVING_AVERAGE,
     NOTCH,
@@ -41,7 +41,7 @@ def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
     length = "rev" if axis.is_rotary else "m"
     for index, (dynamic, mode) in enumerate(DYNAMIC_MODES.items()):
         name, unit = f"N32300 $MA_MAX_AX_ACCEL[{index}]", f"{length}/s^2"
-        said = Message("sinumerik-mode", dynamic=dynamic, about=say_mode(axis, mode))
+        said = Message("sinumerik-mode", dynamic=dynamic, about=axis.say_mode(mode))
         yield Row(Setting.ACCELERATION, name, index=mode, unit=unit, meaning=said)
     for index, (dynamic, mode) in enumerate(DYNAMIC_MODES.items()):
         name, unit = f"N32431 $MA_MAX_AX_JERK[{index}]", f"{length}/s^3"

@@ -65,6 +65,11 @@ def make_up(axis: Axis, typed: Typed) -> tuple[Message, ...]:
     return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
 
 
+def corner_velocity(axis: Axis, kinds: tuple[str, ...]) -> float:
+    """Return Klipper's default, or less where that leaves the band behind some shapers [m/s]."""
+    return min(axis.corner_velocity(kinds), USUAL_CORNER)
+
+
 def of_corner(
     axis: Axis, kind: str, kinds: tuple[str, ...], **values: float
 ) -> tuple[Message, ...]:
