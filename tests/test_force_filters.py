@@ -14,7 +14,6 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import GENERIC
 from mtcommission.loop.model.controller import filter_delay, filter_polynomials
 from mtcommission.loop.tuning.family import (
-    FilteredLoop,
     LoopFamily,
     cascade_family,
     find_filters,
@@ -44,13 +43,13 @@ def ball_screw(**changes: object) -> Machine:
 
 
 @cache
-def loops() -> tuple[LoopFamily, TunedLoop, FilteredLoop]:
+def loops() -> tuple[LoopFamily, TunedLoop, LoopFamily, TunedLoop]:
     family = cascade_family(ball_screw())
     tuned = tune_shape(family, SHAPE, largest=4.0)
     assert tuned is not None
     found = find_filters(family, SHAPE)
     assert found is not None
-    return family, tuned, found
+    return family, tuned, *found
 
 
 def test_width_and_damping_make_depth_and_delay() -> None:
@@ -69,33 +68,33 @@ def test_width_and_damping_make_depth_and_delay() -> None:
 
 
 def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner() -> None:
-    _, tuned, found = loops()
-    machine = found.family.machine
-    assert machine.control.force_filters == found.filters == found.tuned.controller.force_filters
-    again = close_loop(corner_plants(machine), found.tuned.controller)
+    _, tuned, family, found = loops()
+    machine, filters = family.machine, found.controller.force_filters
+    assert machine.control.force_filters == filters
+    again = close_loop(corner_plants(machine), found.controller)
     assert len(again.analyses) == 3
     assert again.keeps_margins
-    assert found.tuned.controller.velocity_gain > 1.1 * tuned.controller.velocity_gain
+    assert found.controller.velocity_gain > 1.1 * tuned.controller.velocity_gain
     assert again.least_stiffness > 1.1 * tuned.least_stiffness
     # The resonance on the screw is what limits Kp.
-    assert found.filters[0].natural_frequency == pytest.approx(2 * pi * 137.9, rel=0.11)
+    assert filters[0].natural_frequency == pytest.approx(2 * pi * 137.9, rel=0.11)
 
 
 def test_without_its_filters_the_loop_would_lack_the_margins() -> None:
     """Otherwise Kp could have risen anyway."""
-    _, _, found = loops()
-    bare = replace(found.tuned.controller, force_filters=())
-    again = close_loop(corner_plants(found.family.machine), bare)
+    _, _, family, found = loops()
+    bare = replace(found.controller, force_filters=())
+    again = close_loop(corner_plants(family.machine), bare)
     assert not again.keeps_margins
 
 
 def test_no_more_filters_than_the_control_has() -> None:
-    family, _, _ = loops()
+    family, *_ = loops()
     for kind in (replace(GENERIC, force_filters=0), replace(GENERIC, force_filters=1)):
         control = replace(family.machine.control, kind=kind)
         limited = replace(family, machine=replace(family.machine, control=control))
         found = find_filters(limited, SHAPE)
-        assert len(found.filters if found else ()) <= kind.force_filters
+        assert len(found[1].controller.force_filters if found else ()) <= kind.force_filters
 
 
 def test_filters_are_used_only_where_asked_for() -> None:

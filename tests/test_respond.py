@@ -13,7 +13,7 @@ from mtcommission.limits.requirements import rms_forces
 from mtcommission.loop import poles as pole_module
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_at, set_in_motion
-from mtcommission.loop.simulate import LoopResponse, simulate
+from mtcommission.loop.simulate import LoopResponse, drive_loop, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import TcpSensor
@@ -75,7 +75,7 @@ def steps_of(machine: Machine, move: Move, a: Array, j: Array) -> JerkSteps:
     return filter_steps(steps, machine.control.setpoint_filter)
 
 
-def stepped(machine: Machine, tuned: TunedLoop, move: Move, a: float, j: float) -> LoopResponse:
+def sampled(machine: Machine, tuned: TunedLoop, move: Move, a: float, j: float) -> LoopResponse:
     strong = replace(machine.drive, max_force=1e12)
     setpoint = plan_within(machine, MotionLimits(acceleration=a, jerk=j))(move)
     band = machine.requirements.tcp_deviation
@@ -88,28 +88,20 @@ def test_every_sample_is_that_of_the_stepped_loop(name: str) -> None:
     breaks."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
-    poles = find_poles(tuned.loops)
+    poles, n = find_poles(tuned.loops), np.arange(120)
     for move in MOVES:
         a, j = limits(machine, 2)
-        for i in range(len(a)):
-            full = stepped(machine, tuned, move, a[i], j[i])
-            motions = set_in_motion(poles, steps_of(machine, move, a[i : i + 1], j[i : i + 1]))
-            n = np.arange(len(full.t) // poles.cycles)[None]
-            found = outputs_at(motions, n, np.eye(poles.outputs))[0, -1]
-            found = found.reshape(-1, poles.outputs)
-            for k, expected in ((2, full.force), *enumerate(full.states.T, start=3)):
-                expected = expected[: len(found)]
-                scale = max(np.abs(expected).max(), 1e-12)
-                assert np.abs(found[:, k] - expected).max() < 1e-6 * scale + 1e-14
-            setpoint = plan_within(machine, MotionLimits(acceleration=a[i], jerk=j[i]))(move)
-            late = full.t[: len(found)] - poles.delay
-            e = found[:, 0] - sample_setpoint(setpoint, late)[:, 0]
-            size = full.peak_deviation
-            assert np.abs(e - full.deviation[: len(e)]).max() < 1e-6 * size + 1e-14
+        motions = set_in_motion(poles, steps_of(machine, move, a, j))
+        found = outputs_at(motions, np.tile(n, (2, 1)), np.eye(poles.outputs))[:, -1]
+        for ours, limit in zip(found, zip(a, j, strict=True), strict=True):
+            plan = plan_within(machine, MotionLimits(acceleration=limit[0], jerk=limit[1]))
+            stepped = drive_loop(tuned.loops[-1], sample_setpoint(plan(move), n * poles.dt))
+            scale = np.maximum(np.abs(stepped).max(axis=0), 1e-12)
+            assert np.all(np.abs(ours.reshape(stepped.shape) - stepped) < 1e-6 * scale + 1e-14)
 
 
 @pytest.mark.parametrize("name", MACHINES)
-def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: str) -> None:
+def test_what_is_left_and_what_is_asked_for_agree_with_every_sample(name: str) -> None:
     """The search would recommend limits that the sheet then judges otherwise."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
@@ -123,7 +115,7 @@ def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: st
         asked = extremes(motions, grid, force, parts=parts)[..., 0]
         off = extremes(motions, grid, np.eye(1, poles.outputs), parts=parts, less=0)[..., 0]
         for i in range(len(a)):
-            full = stepped(machine, tuned, move, a[i], j[i])
+            full = sampled(machine, tuned, move, a[i], j[i])
             # Instants are thinned, late ones most: crossings of a long ring are seen roughly.
             assert free.residual[i, -1] == pytest.approx(full.residual_deviation, rel=2e-3)
             assert asked[i, -1] == pytest.approx(full.max_force, rel=2e-3)
@@ -134,14 +126,14 @@ def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: st
 
 
 @pytest.mark.parametrize("name", ["paper", "two averages", "drive", "four modes"])
-def test_rms_force_is_that_of_the_stepped_loop(name: str) -> None:
+def test_rms_force_is_that_of_every_sample(name: str) -> None:
     """A drive would run hot on limits that were called cool."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
     poles = find_poles(tuned.loops)
     for move in MOVES[:3]:
         a, j = limits(machine, 2)
-        full = stepped(machine, tuned, move, a[0], j[0])
+        full = sampled(machine, tuned, move, a[0], j[0])
         steps = steps_of(machine, move, a[:1], j[:1])
         found = rms_forces(machine, poles, move, steps, 4000)
         assert found[-1] == pytest.approx(full.rms_force, rel=5e-3)

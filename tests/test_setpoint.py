@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ from hypothesis import strategies as st
 import mtcommission
 from mtcommission.base.errors import ComputationError
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint, sample_setpoint
 
@@ -63,35 +61,6 @@ def test_seven_segment_duration_of_textbooks() -> None:
     setpoint = plan_setpoint(move, MotionLimits(acceleration=5.0, jerk=100.0))
     assert setpoint.duration == pytest.approx(0.4 / 0.5 + 0.5 / 5 + 5 / 100, rel=1e-12)
     assert sample_setpoint(setpoint, np.array([setpoint.duration]))[0, 0] == 0.4
-
-
-def test_derivatives_are_consistent_between_samples() -> None:
-    """A wrong polynomial between the knots would reach the loop as a false acceleration."""
-    setpoint = plan_setpoint(
-        VelocityStep(velocity_step=0.1),
-        MotionLimits(acceleration=2.0, jerk=150.0, setpoint_filter=moving_average(7e-3)),
-    )
-    t = np.linspace(-0.01, 0.1, 110001)
-    values = sample_setpoint(setpoint, t)
-    for column in range(3):
-        integral = np.concatenate(
-            [[0.0], np.cumsum(0.5 * (values[1:, column + 1] + values[:-1, column + 1])) * 1e-6]
-        )
-        scale = np.max(np.abs(values[:, column]))
-        assert np.allclose(integral, values[:, column], atol=2e-4 * scale)
-
-
-def test_moving_average_is_the_average_of_the_unfiltered_setpoint() -> None:
-    """The filter of the control is a sliding mean over the stated time."""
-    move, limits = VelocityStep(velocity_step=0.1), MotionLimits(acceleration=2.0, jerk=500.0)
-    plain = plan_setpoint(move, limits)
-    filtered = plan_setpoint(move, replace(limits, setpoint_filter=moving_average(0.02)))
-    assert filtered.duration == pytest.approx(plain.duration + 0.02, rel=1e-12)
-    window = np.linspace(0.0, 0.02, 20001)
-    for t in (0.003, 0.02, 0.041, 0.06):
-        fine = sample_setpoint(plain, t - window)[:, 1]
-        mean = np.mean(0.5 * (fine[1:] + fine[:-1]))
-        assert sample_setpoint(filtered, np.array([t]))[0, 1] == pytest.approx(mean, rel=1e-6)
 
 
 def test_border_on_which_ruckig_fails_is_stepped_over() -> None:

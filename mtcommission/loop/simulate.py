@@ -454,11 +454,6 @@ def window_shares(n: Cycles, window: float, *, step: float, cycles: int) -> Arra
 
     Of some position cycles ``n``, each standing for those until the next one; ``step``: a velocity
     cycle [s]. The window may end between two of them; it cuts the last one.
-
-    Examples
-    --------
-    >>> window_shares(np.arange(4), 1.7, step=1.0, cycles=1).ravel()
-    array([1. , 1. , 0.2, 0. ])
     """
     left = window / step - (n[:, None] * cycles + np.arange(cycles))
     return np.asarray(step * np.clip(left + 0.5, 0.0, 1.0) * np.gradient(n.astype(float))[:, None])
@@ -468,11 +463,6 @@ def rms_force(first: Array, square: Array, *, window: Array | float, static_load
     """Return the RMS force over a window [s], the static load in its worse direction [N].
 
     Of the integrals of force and square over it; the motion may go either way against the load.
-
-    Examples
-    --------
-    >>> round(float(rms_force(np.array(2.0), np.array(8.0), window=2.0, static_load=-1.0)), 6)
-    2.645751
     """
     load = abs(static_load)
     return np.asarray(np.sqrt(square / window + load**2 + 2.0 * load * np.abs(first / window)))

@@ -53,14 +53,6 @@ def lay_sizes(
     two apart; ``decayed``: time in which the answer to a step of the jerk dies away: what is held
     or cruised for longer is as good as for ever [s]. ``cycle``: where stated, sizes on either side
     of each at which a step of the setpoint passes a sample of it are added [s].
-
-    Examples
-    --------
-    >>> step = VelocityStep(velocity_step=0.1)
-    >>> limits = MotionLimits(acceleration=2.0, jerk=200.0)
-    >>> sizes = lay_sizes(step, limits, pointed_spacing=0.006, spacing=0.015, decayed=1.0)
-    >>> sizes.round(4).tolist()
-    [0.005, 0.02, 0.0467, 0.0733, 0.1]
     """
     a, j, t_j, listed = limits.acceleration, limits.jerk, limits.jerk_time, size_of(move)
     found: list[Array] = [np.array([listed])]

@@ -68,7 +68,7 @@ def find_improvements(
 
     def filter_force(changed: Machine) -> TunedLoop | None:
         found = find_filters(family(changed), shape)
-        return found.tuned if found else None
+        return found[1] if found else None
 
     rows = [
         _improve(change, changed, tune, choice, is_near=is_near)

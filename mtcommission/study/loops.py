@@ -18,7 +18,6 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.family import (
-    FilteredLoop,
     Proposal,
     Proposals,
     cascade_family,
@@ -142,8 +141,18 @@ def settle_on_loop(machine: Machine) -> LoopChoice:
         base = tune_shape(family, CLASSIC, largest=TUNING.largest_fraction)
         filtered = find_filters(family, CLASSIC) if base else None
         if base and filtered:
-            family = filtered.family
-            remarks.append(_say_filters("loop-filters-used", base, filtered))
+            family, stiff = filtered
+            added = stiff.controller.force_filters[len(base.controller.force_filters) :]
+            remarks.append(
+                Message(
+                    "loop-filters-used",
+                    filters=tuple(map(name_filter, added)),
+                    Kp=base.controller.velocity_gain,
+                    higher=stiff.controller.velocity_gain,
+                    stiffness=base.least_stiffness,
+                    stiffer=stiff.least_stiffness,
+                )
+            )
         elif machine.control.velocity_gain is None:
             remarks.append(Message("loop-no-filters"))
     cascades = propose_cascades(family)
@@ -328,17 +337,6 @@ def show_state_feedback(machine: Machine, choice: LoopChoice) -> LoopChoice:
     without = replace(used, tuned=choice.tuned, name=WITHOUT, is_used=True)
     remarks = (*choice.remarks, remark)
     return replace(choice, variants=(without, best), remarks=remarks)
-
-
-def _say_filters(kind: str, before: TunedLoop, found: FilteredLoop) -> Message:
-    return Message(
-        kind,
-        filters=tuple(map(name_filter, found.filters)),
-        Kp=before.controller.velocity_gain,
-        higher=found.tuned.controller.velocity_gain,
-        stiffness=before.least_stiffness,
-        stiffer=found.tuned.least_stiffness,
-    )
 
 
 def describe_loop(controller: Controller) -> list[Message]:

@@ -183,15 +183,6 @@ def seems_to_keep(grid: GainGrid, controller: Controller) -> bool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FilteredLoop:
-    """A loop with filters that the profile does not name."""
-
-    filters: tuple[ForceFilter, ...]  # those that were added
-    family: LoopFamily  # with all filters
-    tuned: TunedLoop  # in every corner
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class _Sketch:
     """A loop as far as the grid tells."""
 
@@ -201,8 +192,8 @@ class _Sketch:
     stiffness: float  # in the worst corner [N/m]
 
 
-def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
-    """Return the loop of the same shape with the filters that make the tool stiffest.
+def find_filters(family: LoopFamily, shape: Shape) -> tuple[LoopFamily, TunedLoop] | None:
+    """Return the family with the filters that make the tool stiffest, and its loop of a shape.
 
     No more than the kind of control has; None if none is worth its place, or if Kp is given.
     """
@@ -227,7 +218,7 @@ def find_filters(family: LoopFamily, shape: Shape) -> FilteredLoop | None:
     if not best or not best.filters:
         return None
     tuned = tune_shape(best.family, shape, largest=TUNING.largest_fraction)
-    return FilteredLoop(filters=best.filters, family=best.family, tuned=tuned) if tuned else None
+    return (best.family, tuned) if tuned else None
 
 
 def _sketch(family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]) -> _Sketch | None:
