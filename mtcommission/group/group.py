@@ -393,7 +393,7 @@ def _judge_again(group: Group) -> Group:
             choice = replace(
                 axis.choice,
                 candidate=judge(row),
-                explain=lambda: BY_CONTOUR,
+                why=BY_CONTOUR,
             )
             axes[i] = replace(axis, choice=choice)
     return replace(group, axes=tuple(axes))

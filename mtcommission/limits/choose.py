@@ -6,9 +6,8 @@ rounded to what is typed in and judged exactly, in every corner: only that verdi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -22,7 +21,6 @@ from mtcommission.limits.requirements import Requirement, Yields, keep_reserve, 
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling
-from mtcommission.machine.requirements import Reserve
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 __all__ = ["Choice", "choose_limits"]
@@ -40,17 +38,17 @@ RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
 choice)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Choice:
-    """Recommended limits, judged, and what the search saw."""
+    """Recommended limits, judged; of few is asked what binds them, so that is found then."""
 
+    machine: Machine  # whose requirements count as they stand
+    kept: Machine  # the same with what was kept: its reserve where that can be, else itself
+    tuned: TunedLoop
     candidate: Candidate  # rounded to what is typed in, and the verdict on exactly that
     moves: tuple[MoveResult, ...]  # in every corner
-    reserve: Reserve  # what was to be kept of band and force
-    reserve_used: bool  # the limits need more than that leaves: nothing else meets all
-    ceiling: tuple[Message, ...]  # said where a practical one of the control's kind ends them
-    explain: Callable[[], Message]  # names what forbids faster limits: few choices are asked
-    chart: Callable[[], Landscape]  # the map to be printed, likewise
+    largest_jerk: float  # that was allowed [m/s³]
+    why: Message | None = None  # what forbids faster limits, where somebody else knows it
 
     @property
     def limits(self) -> MotionLimits:
@@ -63,21 +61,60 @@ class Choice:
         return self.candidate.assessment.is_met
 
     @property
+    def reserve_used(self) -> bool:
+        """Whether the limits need more than the reserve leaves: nothing else meets all."""
+        had_one = keep_reserve(self.machine) is not self.machine
+        return self.meets_requirements and self.kept is self.machine and had_one
+
+    @property
     def warnings(self) -> tuple[Message, ...]:
         """What the verdict does not show."""
-        kept = self.reserve
-        used = Message("reserve-used", band=kept.band, force=kept.force)
-        return (*((used,) if self.reserve_used else ()), *self.ceiling)
+        reserve, ceiling = self.machine.requirements.reserve, practical_ceiling(self.machine)
+        used = Message("reserve-used", band=reserve.band, force=reserve.force)
+        why = Message("ceiling-source", kind=self.machine.control.kind.key)
+        ended = Message("acceleration-ceiling", ceiling=ceiling, why=why)
+        return (*[used] * self.reserve_used, *[ended] * self._is_at_ceiling)
 
     @property
+    def _is_at_ceiling(self) -> bool:
+        """Whether the search ended at the practical ceiling of the control's kind."""
+        ceiling, a = practical_ceiling(self.kept), self.limits.acceleration
+        return largest_acceleration(self.kept) >= ceiling and RAISED[0][0] * a > ceiling
+
+    @cached_property
     def bound_by(self) -> Message:
-        """What forbids faster limits."""
-        return self.explain()
+        """What breaks when either limit is raised a little, and in which measured state."""
+        if self.why:
+            return self.why
+        machine, tuned, limits = self.kept, self.tuned, self.limits
+        broken = dict[Requirement, str]()
+        missed = [item.requirement for item in self.candidate.assessment.checks if not item.is_met]
+        if any(item.yields is Yields.FIRST for item in missed):
+            return Message("bound-by-nothing-met")
+        has_jerk = machine.control.kind.has_jerk_limit
+        for a, j in RAISED if has_jerk else RAISED[:1]:
+            if j * limits.jerk > self.largest_jerk:
+                return Message("bound-by-jerk-in-proportion", jerk=self.largest_jerk)
+            raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
+            for check in judge_sizes(machine, tuned, raised):
+                if check.share(machine) > 1.0:
+                    broken.setdefault(check.requirement, check.corner.state)
+        named = [_in_state(item.message, state) for item, state in broken.items()]
+        motor = machine.drive.motion_force
+        if self._is_at_ceiling:
+            named.append(Message("bound-by-ceiling", acceleration=practical_ceiling(machine)))
+        if not named and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
+            return Message("bound-by-motor", acceleration=motor)
+        if not named:
+            times = [[one.settling_time for one in each.responses] for each in self.moves]
+            slowest = int(np.max(times, axis=0).argmax())
+            return _in_state(Message("bound-by-settling-later"), tuned.corners[slowest].state)
+        return Message("bound-by-requirements", requirements=join_by_and(named))
 
-    @property
+    @cached_property
     def landscape(self) -> Landscape:
         """Settling time, residual deviation and use of force over all limits."""
-        return self.chart()
+        return chart_landscape(self.machine, self.tuned, self.limits)
 
 
 def choose_limits(
@@ -129,65 +166,21 @@ def may_be_in_time(machine: Machine, settling_time: float) -> bool:
 
 def _judged(
     machine: Machine,
-    allowed: Machine,
+    kept: Machine,
     tuned: TunedLoop,
     typed: Typed,
     largest_jerk: float,
 ) -> Choice:
-    """The verdict on limits by the requirements as they stand; ``allowed``: what they keep."""
+    """The verdict on limits by the requirements as they stand; ``kept``: what they keep."""
     moves = simulate_moves(machine, tuned, typed.limits)
-    candidate = evaluate_moves(machine, tuned, moves, sizes=typed.sizes)
-    met = candidate.assessment.is_met
     return Choice(
-        candidate=candidate,
+        machine=machine,
+        kept=kept,
+        tuned=tuned,
+        candidate=evaluate_moves(machine, tuned, moves, sizes=typed.sizes),
         moves=moves,
-        reserve=machine.requirements.reserve,
-        ceiling=_say_ceiling(allowed, typed.limits),
-        reserve_used=met and allowed is machine and keep_reserve(machine) is not machine,
-        explain=cache(partial(_explain, allowed, tuned, candidate, moves, largest_jerk)),
-        chart=cache(partial(chart_landscape, machine, tuned, typed.limits)),
+        largest_jerk=largest_jerk,
     )
-
-
-def _say_ceiling(machine: Machine, limits: MotionLimits) -> tuple[Message, ...]:
-    """The practical ceiling of the control's kind, where the search ended at it."""
-    ceiling, kind = practical_ceiling(machine), machine.control.kind.key
-    if largest_acceleration(machine) < ceiling or RAISED[0][0] * limits.acceleration <= ceiling:
-        return ()
-    why = Message("ceiling-source", kind=kind)
-    return (Message("acceleration-ceiling", ceiling=ceiling, why=why),)
-
-
-def _explain(
-    machine: Machine,
-    tuned: TunedLoop,
-    candidate: Candidate,
-    moves: Sequence[MoveResult],
-    largest_jerk: float,
-) -> Message:
-    """Name what breaks when either limit is raised a little, and in which measured state."""
-    limits, broken = candidate.limits, dict[Requirement, str]()
-    missed = [item.requirement for item in candidate.assessment.checks if not item.is_met]
-    if any(item.yields is Yields.FIRST for item in missed):
-        return Message("bound-by-nothing-met")
-    has_jerk = machine.control.kind.has_jerk_limit
-    for a, j in RAISED if has_jerk else RAISED[:1]:
-        if j * limits.jerk > largest_jerk:
-            return Message("bound-by-jerk-in-proportion", jerk=largest_jerk)
-        raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
-        for check in judge_sizes(machine, tuned, raised):
-            if check.share(machine) > 1.0:
-                broken.setdefault(check.requirement, check.corner.state)
-    named = [_in_state(item.message, state) for item, state in broken.items()]
-    motor = machine.drive.motion_force
-    if _say_ceiling(machine, limits):
-        named.append(Message("bound-by-ceiling", acceleration=practical_ceiling(machine)))
-    if not named and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
-        return Message("bound-by-motor", acceleration=motor)
-    if not named:
-        times = np.max([[one.settling_time for one in each.responses] for each in moves], axis=0)
-        return _in_state(Message("bound-by-settling-later"), tuned.corners[times.argmax()].state)
-    return Message("bound-by-requirements", requirements=join_by_and(named))
 
 
 def _in_state(what: Message, state: str) -> Message:
