@@ -19,7 +19,7 @@ from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.simulate import simulate
-from mtcommission.loop.tuning.gains import add_state_feedback, design_observer, is_seen
+from mtcommission.loop.tuning.gains import design_observer, feedback_gains, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
@@ -73,8 +73,9 @@ def tuned_member(seed: int) -> TunedLoop:
     if not seen or seed % 2 == 0:
         return tuned
     observer = design_observer(machine, plant, cascade)
-    controller = add_state_feedback(machine, plant, cascade, weight=0.3, observer=observer)
-    return close_loop(corner_plants(machine), controller)
+    gains = feedback_gains(machine, plant, cascade, weight=0.3, observed=observer.states)
+    fed_back = replace(cascade, state_gains=gains, observer=observer)
+    return close_loop(corner_plants(machine), fed_back)
 
 
 def assert_same(ours: Array, theirs: Array) -> None:

@@ -76,18 +76,8 @@ class CrossCheck:
     phase_margin_deg: float | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Stage:
-    """A discrete single-input single-output block x⁺ = A x + B u, y = C x + D u."""
-
-    A: Array
-    B: Array
-    C: Array
-    D: float
-
-
-def discretise_filter(item: ForceFilter, velocity_cycle: float) -> Stage:
-    """Return a set-force filter at the velocity cycle [s], by the bilinear transform.
+def _sampled(item: ForceFilter, velocity_cycle: float) -> tuple[Array, Array, Array, float]:
+    """A, B, C, D of a set-force filter at the velocity cycle [s], by the bilinear transform.
 
     Of b(s)/a(s) in controllable form, with trapezoidal integration over the cycle:
     x⁺ = (I - A T/2)⁻¹ ((I + A T/2) x + B T u), read halfway between x and x⁺.
@@ -99,7 +89,7 @@ def discretise_filter(item: ForceFilter, velocity_cycle: float) -> Stage:
     implicit = np.asarray(np.linalg.inv(np.eye(2) - half * A), dtype=np.float64)
     B = 2.0 * half * implicit[:, 0]
     step, D = implicit @ (np.eye(2) + half * A), float(numerator[0] + 0.5 * C @ B)
-    return Stage(A=step, B=B, C=C @ implicit, D=D)
+    return step, B, C @ implicit, D
 
 
 def kept_samples(controller: Controller) -> int:
@@ -406,9 +396,9 @@ def _velocity_cycle(
     force = handed_down.force @ held - gains @ estimate
     demand = controller.velocity_gain * (error + z) + force
     for i, item in enumerate(controller.force_filters):
-        stage, part = discretise_filter(item, T_v), slice(rest + 2 * i, rest + 2 * i + 2)
-        step[part] = stage.A @ unit[part] + np.outer(stage.B, demand)
-        demand = stage.C @ unit[part] + stage.D * demand
+        (A, B, C, D), part = _sampled(item, T_v), slice(rest + 2 * i, rest + 2 * i + 2)
+        step[part] = A @ unit[part] + np.outer(B, demand)
+        demand = C @ unit[part] + D * demand
     return step, demand, T_v / controller.integral_time * integrated
 
 

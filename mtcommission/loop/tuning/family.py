@@ -23,9 +23,9 @@ from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import (
     CLASSIC,
     Shape,
-    add_state_feedback,
     build_cascade,
     design_observer,
+    feedback_gains,
     given_state_feedback,
     moving_modes,
 )
@@ -110,7 +110,8 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
     if not family.damps:
         return replace(cascade, state_gains=base.state_gains, observer=base.observer)
     weight, observer = shape.mode_weight, base.observer
-    return add_state_feedback(machine, model, cascade, weight=weight, observer=observer)
+    gains = feedback_gains(machine, model, cascade, weight=weight, observed=observer.states)
+    return replace(cascade, state_gains=gains, observer=observer)
 
 
 def find_largest(keeps: Callable[[float], bool], begin: float, *, least: float) -> float | None:

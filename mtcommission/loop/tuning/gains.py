@@ -40,7 +40,7 @@ class Shape:
     position_ratio: float = 0.25  # Kv m / Kp [-]; 1/4: speed loop damping 1
     integral_ratio: float = 4.0  # Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop
     mode_weight: float = 0.0
-    """Of the state feedback, see ``add_state_feedback`` [-]; 0: none."""
+    """Of the state feedback, see ``feedback_gains`` [-]; 0: none."""
 
 
 CLASSIC = Shape()
@@ -142,19 +142,6 @@ def _tool_share(mode: PlantMode) -> float:
     return abs(mode.tcp_gain) / mode.natural_frequency
 
 
-def add_state_feedback(
-    machine: Machine, plant: Plant, cascade: Controller, *, weight: float, observer: Observer
-) -> Controller:
-    """Return the cascade with the state feedback that damps what moves the tool.
-
-    Machine and plant are nominal, ``cascade`` is without state feedback. ``weight``: of the squared
-    vibration of the tool against the squared force, in units of what F_max does to the mode that
-    moves the tool most [-]; ``observer``: from ``design_observer``.
-    """
-    gains = _gains(machine, plant, cascade, weight, observer.states)
-    return replace(cascade, state_gains=gains, observer=observer)
-
-
 def given_state_feedback(machine: Machine, plant: Plant, cascade: Controller) -> Controller:
     """Return the cascade with the state gains that the profile gives; machine and plant nominal.
 
@@ -201,16 +188,19 @@ def design_observer(machine: Machine, plant: Plant, cascade: Controller) -> Obse
     return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
 
-def _gains(
-    machine: Machine, plant: Plant, cascade: Controller, weight: float, observed: tuple[int, ...]
+def feedback_gains(
+    machine: Machine, plant: Plant, cascade: Controller, *, weight: float, observed: tuple[int, ...]
 ) -> Array:
-    """LQR gains on the observed plant states, shape (n_plant,).
+    """Return LQR gains on the observed plant states that damp what moves the tool, (n_plant,).
 
-    The design model is the plant under its continuous cascade, with the integrator as last
-    state, without the modes that no sensor sees (no gain can use them) and with a trace of
-    damping on every mode: so its Riccati equation has a stabilising solution even where a
-    mode is stated as undamped. The gain on the integrator is left out: the cost does not
-    weigh it.
+    Machine and plant are nominal, ``cascade`` is without state feedback. ``weight``: of the squared
+    vibration of the tool against the squared force, in units of what F_max does to the mode that
+    moves the tool most [-].
+
+    The design model is the plant under its continuous cascade, with the integrator as last state,
+    without the modes that no sensor sees (no gain can use them) and with a trace of damping on
+    every mode: so its Riccati equation has a stabilising solution even where a mode is stated as
+    undamped. The gain on the integrator is left out: the cost does not weigh it.
     """
     n, encoder = plant.order, plant.row("encoder")
     lag = encoder @ plant.A + cascade.position_gain * encoder

@@ -39,7 +39,7 @@ class TuningSettings:
     than engineers type (Yaskawa: 40 ms at 50 Hz is a ratio of 12.6, 120 ms at 20 Hz one of 15)."""
     mode_weights: tuple[float, ...] = (1.0, 10.0)
     """Weights of the squared vibration of the tool against the squared force, see
-    ``gains.add_state_feedback``; each is tried."""
+    ``gains.feedback_gains``; each is tried."""
     least_integral_share: float = 0.5
     """Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
     displaces, summed over time, is the reciprocal (design choice)."""
