@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import asdict, replace
-from math import nan
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from benchmarks import tools
-from benchmarks.__main__ import with_row
 from benchmarks.answer import Answer, grid_answer, judge
-from benchmarks.child import Measurement, measure, read
-from benchmarks.limits_quality import SEARCH, Score, rank, search_by_grid
+from benchmarks.limits_quality import search_by_grid
 from benchmarks.population import random_machine
-from benchmarks.problems import MAIN, NAMES, find_problem
-from benchmarks.race import Entry, entries, is_late, race, run
-from benchmarks.report import compose_report
-from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
+from benchmarks.problems import MAIN, find_problem
+from benchmarks.tools import find_tool, is_installed
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -152,64 +145,6 @@ def test_residual_is_the_amplitude_with_which_the_tool_swings_on() -> None:
     assert judge(problem, held).residual == pytest.approx(total, rel=1e-3)
 
 
-def test_a_measurement_in_a_process_of_its_own_is_whole() -> None:
-    row = run(Entry(tool=find_tool("mtcommission"), problem="P1", cells=0), seconds=10.0)
-    assert not row.failure
-    assert row.t_f == pytest.approx(solve("ours", "P1", 0).t_f, rel=1e-12)
-    assert row.warm
-    assert row.first > 0.0
-    assert 20.0 < row.megabytes < 2000.0
-
-
-def test_a_peer_that_is_missing_or_too_slow_is_shown_as_that() -> None:
-    missing = replace(find_tool("gekko"), package="no_such_package")
-    row = run(Entry(tool=missing, problem="P1", cells=100), seconds=1.0)
-    assert row.failure == "not installed: pip install gekko"
-    slow = replace(find_tool("CasADi/IPOPT, tuned"), cells=(10_000, 20_000))
-    chain = [Entry(tool=slow, problem="P1", cells=cells) for cells in slow.cells]
-    first, second = race(chain, seconds=2.0, workers=1, tell=lambda _: None)
-    assert is_late(first)
-    assert second.failure == "not tried: N = 10000 was too slow"
-
-
-def test_a_failure_keeps_the_message_of_the_tool(tmp_path: Path) -> None:
-    file = tmp_path / "row.json"
-    tool = find_tool("HiGHS, linear programs").name
-    measure(tool, "P3", cells=10, seconds=5.0, file=file)
-    assert read(file).failure.startswith("NotImplementedError: linear programs only")
-
-
-def test_every_tool_meets_every_problem() -> None:
-    planned = {(entry.tool.name, entry.problem) for entry in entries(quick=False)}
-    assert planned == {(tool.name, name) for tool in TOOLS for name in NAMES}
-
-
-def test_lines_count_neither_documentation_nor_imports(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    text = '"""What."""\n\nimport os\n\n# why\ndef f(\n    x,\n):\n    """Says."""\n    return x\n'
-    (tmp_path / "ours.py").write_text(text, encoding="utf-8")
-    monkeypatch.setattr(tools, "PEERS", tmp_path)
-    assert user_lines(TOOLS[0]) == 4
-
-
-def test_standings_count_only_machines_on_which_anything_meets() -> None:
-    def score(seed: int, source: str, *, met: bool, time: float) -> Score:
-        return Score(seed=seed, source=source, is_met=met, settling_time=time, seconds=0.0)
-
-    scores = [
-        score(0, SEARCH, met=True, time=1.0),
-        score(0, "other", met=True, time=1.5),
-        score(1, SEARCH, met=True, time=2.0),
-        score(1, "other", met=False, time=1.0),
-        score(2, SEARCH, met=False, time=2.0),
-        score(2, "other", met=False, time=1.0),
-    ]
-    first, second = rank(scores)
-    assert (first.source, first.machines, first.share_met) == (SEARCH, 2, 1.0)
-    assert (second.share_met, second.ratio, second.sooner) == (0.5, 1.5, 0.0)
-
-
 def test_a_plain_grid_never_finds_sooner_limits_than_the_search() -> None:
     machine = random_machine(2)
     plant, tuned = build_plant(machine), tune_loop(machine)
@@ -218,41 +153,3 @@ def test_a_plain_grid_never_finds_sooner_limits_than_the_search() -> None:
     ours = evaluate(machine, tuned, found)
     assert brute.assessment.is_met
     assert ours.settling_time < 1.005 * brute.settling_time
-
-
-def test_the_page_shows_ratios_failures_and_who_is_better() -> None:
-    ours = Measurement(
-        tool="mtcommission",
-        problem="P1",
-        cells=0,
-        first=0.02,
-        warm=(0.01, 0.012, 0.011),
-        t_f=0.04,
-        lower_bound=0.04,
-        terminal_error=1e-14,
-        residual=0.0,
-        violation=0.0,
-        megabytes=80.0,
-    )
-    faster = replace(ours, tool="gekko", cells=200, warm=(0.0055,), t_f=0.0404, lower_bound=nan)
-    broken = Measurement(tool="dymos", problem="P1", cells=20, failure="ValueError: a | b")
-    stamp = {"date": "", "commit": "", "machine": "", "load": [1.0], "versions": {"Python": "3"}}
-    stamp |= {"seconds": 10.0, "workers": 1}
-    section = {**stamp, "rows": [asdict(row) for row in (ours, faster, broken)]}
-    page = compose_report({"race": section})
-    assert "| gekko | 200 | 0.5 × | +1.0e-02 |" in page
-    assert "| dymos | 20 | ValueError: a / b |" in page
-    assert "Faster than this package: P1 (gekko, N = 200)" in page
-
-
-def test_a_renewed_row_takes_the_place_of_the_old_one_and_the_page_says_so() -> None:
-    old = Measurement(tool="mtcommission", problem="P1", cells=0, first=0.02, t_f=0.04)
-    other = replace(old, tool="gekko", cells=200, first=0.2)
-    rows = with_row([asdict(old), asdict(other)], asdict(replace(old, first=0.01)))
-    assert [(row["tool"], row["first"]) for row in rows] == [("gekko", 0.2), ("mtcommission", 0.01)]
-    begun = {"date": "monday", "commit": "c1", "machine": "", "load": [1.0], "versions": {}}
-    begun |= {"seconds": 10.0, "workers": 1}
-    renewed = [{**begun, "date": "tuesday", "commit": "c2", "tools": ["ours"], "problems": []}]
-    page = compose_report({"race": {**begun, "rows": rows, "renewed": renewed}})
-    assert "Renewed tuesday, commit c2, load 1.0, at most 10 s each: ours." in page
-    assert "| gekko | 200 | 20 × |" in page
