@@ -23,9 +23,8 @@ from mtcommission.group.contours import worst_circle
 from mtcommission.group.group import Group, join
 from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.task import Task
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
 from mtcommission.machine.profile.read import ProfileSource, parse_profile
-from mtcommission.machine.variations import Corner, vary
 from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
 
 ROUNDING = 1.005

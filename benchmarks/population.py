@@ -17,10 +17,9 @@ from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, Positioning, VelocityStep, peak_velocity
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.requirements import Modes, Peak, Requirements, Reserve
-from mtcommission.machine.rigid_body import peak_velocity
 
 MODE_KEYS = ("damping_ratio", "tcp_gain", "measured_gain")
 NEED_KEYS = ("tcp_deviation", "max_settling_time", "frequency_spread")

@@ -30,8 +30,7 @@ from mtcommission.identify.measurement import AllDirections
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.shapers import shape
+from mtcommission.machine.setpoint_filter import SetpointFilter, shape
 
 Array = NDArray[np.float64]
 Impulses = list[tuple[float, float]]

@@ -41,10 +41,9 @@ from mtcommission.limits.judge import evaluate
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, corners, moving_mass
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import Plant, build_plant, dominant_mode
-from mtcommission.machine.variations import corners
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 

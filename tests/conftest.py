@@ -8,7 +8,7 @@ import os
 import pytest
 from hypothesis import settings
 
-from mtcommission.base.messages.languages import ENGLISH
+from mtcommission.base.messages import ENGLISH
 from mtcommission.cli.language import LOCALE, choose
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):

@@ -26,8 +26,7 @@ from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
-from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.shapers import HUMPS, shape
+from mtcommission.machine.setpoint_filter import HUMPS, SetpointFilter, shape
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import drive_loop, find_friction
+from mtcommission.machine.machine import Corner, vary
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.machine.variations import Corner, vary
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.verify.prediction import Rebuilt

@@ -18,9 +18,8 @@ import yaml
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import NO_OBSERVER, Controller
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.machine import Machine, Motion, corners, vary
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.machine.variations import corners, vary
 from tests.independent_loop import judge, profile_of, run, shaper
 
 TAIL = 0.3

@@ -14,11 +14,10 @@ from mtcommission.limits.judge import Assessment, Check, assess, describe_place,
 from mtcommission.limits.requirements import CONTOUR_DEVIATION, requirements_of
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import NOMINAL, Corner, Machine
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
-from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.machines import paper_machine

@@ -14,11 +14,10 @@ from scipy.optimize import linprog
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.limits.optima import find_optima, find_time_optimum
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum
 from mtcommission.optimal.modes import free_peaks, free_row, free_waves, in_moments
 from mtcommission.study.optimum import find_within_band

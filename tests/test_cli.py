@@ -21,10 +21,10 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.__main__ import main as start
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.optimum_view import describe_optimum
-from mtcommission.cli.terminal import fold, show
+from mtcommission.cli.terminal import fold
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
@@ -421,14 +421,6 @@ def shown(machine: Machine, plant: Plant, optimum: TimeOptimum) -> str:
     return "\n".join(fold(describe_optimum(machine, plant, optimum, Catalogue())))
 
 
-def test_check_shows_modes_and_rigid_limits(run: Run) -> None:
-    code, out, _ = run("check", PAPER)
-    assert code == 0
-    assert "72.06" in out
-    assert "2.667" in out
-    assert max(map(len, out.splitlines())) <= 80
-
-
 def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> None:
     """The limits that are recommended must do in `simulate` what `limits` says."""
     profile = tmp_path / "plain.toml"
@@ -461,14 +453,6 @@ def test_simulate_refuses_what_would_take_for_ever(run: Run) -> None:
     # 0.1 m/s at 1e-6 m/s^2 are 100 000 s, in cycles of 125 us.
     assert "a move of 1e+05 s is 8×10⁸ velocity cycles" in err
     assert "check the unit of max_force, or of the acceleration and jerk that were given" in err
-
-
-def test_names_between_colons_are_printed_as_they_are(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """``boundary:v:+`` came out with a picture of a hand in it."""
-    show(["boundary:v:+"])
-    assert capsys.readouterr().out == "boundary:v:+\n"
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.compute import ROWS_BELOW
 from mtcommission.cli.limits_view import ROWS, describe_limits
 from mtcommission.cli.terminal import fold

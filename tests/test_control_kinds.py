@@ -16,7 +16,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import ControlKind, FilterChoice, PositionLoop
 from mtcommission.controls.kinds import GENERIC, KINDS, STATE_SPACE
 from mtcommission.export.catalogue import CONTROL_KEYS
-from mtcommission.machine.basis import describe_kind
+from mtcommission.machine.checks import describe_kind
 from mtcommission.machine.profile.read import parse_profile
 from tests.test_profile import MANIPULATOR
 

@@ -19,11 +19,10 @@ from mtcommission.loop.simulate import simulate_corners
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
-from mtcommission.machine.moves import Positioning, VelocityStep
+from mtcommission.machine.moves import Positioning, VelocityStep, least_motion_time
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal import bang_bang
 from mtcommission.optimal.control import balanced_expm, follow_control, joint_system
 from mtcommission.optimal.free import solve_time_optimal

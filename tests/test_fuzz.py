@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import re
-from argparse import Namespace
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,6 @@ import numpy as np
 import pint
 import pytest
 
-from benchmarks import fuzz
 from benchmarks.fuzz import Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
 from mtcommission.base.errors import ComputationError, InputError
@@ -25,7 +23,7 @@ from mtcommission.commission.commission import commission
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.profile.shipped import read_shipped, shipped_names
+from mtcommission.machine.profile.shipped import read_shipped
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 
@@ -86,24 +84,6 @@ def test_the_fuzzer_sees_what_is_bad(ending: Ending, fault: str) -> None:
     assert fault_of("check", ending, longest=LONGEST) == fault
 
 
-def test_a_broken_profile_may_take_as_long_as_the_same_one_unbroken(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    """Held to the quickest profile's time, every mutant of a slow one was called bad."""
-    slow = shipped_names()[2]
-    times = {name: 5.0 if name == slow else 2.0 for name in shipped_names()}
-    ending = Ending(code=0, processor=3.0, said="done")
-    monkeypatch.setattr(fuzz.GoodRuns, "time_of", lambda _, name: times[name])
-    monkeypatch.setattr(fuzz, "in_place", lambda _work: ending)
-    count = len(times)
-    options = {"command": "check", "count": count, "first": 0, "series": 1, "keep": tmp_path}
-    options |= {"values": False, "machines": False, "second": False, "longest": 1.0, "seconds": 1}
-    assert fuzz.fuzz(Namespace(**options), tmp_path) == 1
-    said = capsys.readouterr().out
-    bad = re.findall(r"BAD seed (\d+): .*3\.0 s of CPU, more than 2\.0 s", said)
-    assert sorted(map(int, bad)) == [seed for seed in range(count) if seed != 2]
-
-
 def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
     """Opened as the profile to be changed, and taken as a file of answers: what it writes is a
     profile, or it says what is wrong."""
@@ -122,15 +102,6 @@ def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
             codes[code] = codes.get(code, 0) + 1
     assert codes[0] > 0.05 * COUNT / 5
     assert codes[2] > 0.05 * COUNT / 5
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_random_bytes_are_refused(seed: int, tmp_path: Path) -> None:
-    path = tmp_path / "bytes.toml"
-    path.write_bytes(dice_of(18, seed).bytes(4096))
-    code, said = call("check", str(path))
-    assert code == 2
-    assert "bytes.toml" in said
 
 
 UREG = pint.UnitRegistry()

@@ -29,10 +29,10 @@ from mtcommission.group.group import Group, join, tell
 from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.record import build_group_record, load_group
 from mtcommission.group.task import Task, read_task
+from mtcommission.machine.machine import vary
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.machine.variations import vary
 from mtcommission.record.shape import dump_json, find_checksum
 from mtcommission.study.variations import Row, choose
 from tests.group_record import PROFILES, mill

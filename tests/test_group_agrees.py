@@ -24,8 +24,8 @@ from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record, load_group, read_pair
 from mtcommission.group.sheet import compose_group, words_of
 from mtcommission.group.task import read_task
+from mtcommission.machine.machine import vary
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash, read_source
-from mtcommission.machine.variations import vary
 from mtcommission.record.shape import dump_json
 from mtcommission.sheet.document import Table
 from tests.independent_circle import line_off

@@ -19,10 +19,9 @@ from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import NOMINAL, Machine
 from mtcommission.machine.plant.plant import OUTPUTS, Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.variations import NOMINAL
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
 from tests import measured_example

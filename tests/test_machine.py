@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kinds import KINDS
-from mtcommission.machine.basis import list_neglected
+from mtcommission.machine.checks import list_neglected
 from mtcommission.machine.control import Control
-from mtcommission.machine.machine import moving_mass
+from mtcommission.machine.machine import NOMINAL, Corner, corners, moving_mass, vary
 from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.record.machine import list_assumed
 from tests.machines import paper_machine, random_modal_machine
 

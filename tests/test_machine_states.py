@@ -12,10 +12,9 @@ from mtcommission.base.errors import InputError
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.test_cli import Run, run
 

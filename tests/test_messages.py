@@ -19,11 +19,10 @@ from fluent.syntax.visitor import Visitor
 
 import mtcommission
 from mtcommission.base.errors import ComputationError, Outcome
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue, entries_of
-from mtcommission.base.messages.functions import functions_of
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.base.messages.message import Message, from_json, to_json
-from mtcommission.base.messages.quantities import Formatter
+from mtcommission.base.messages.quantities import Formatter, functions_of
 
 SOURCE = Path(mtcommission.__file__).parent
 FUNCTIONS = set(functions_of(Formatter()))
@@ -100,21 +99,12 @@ def test_every_text_calls_functions_that_there_are() -> None:
             assert _places(language, kind).functions <= FUNCTIONS, f"{language}: {kind}"
 
 
-def test_no_file_of_texts_has_a_line_that_is_no_text() -> None:
-    for path in sorted((SOURCE / "base" / "messages" / "texts").rglob("*.ftl")):
-        junk = [
-            entry.content
-            for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body
-            if isinstance(entry, ftl.Junk)
-        ]
-        assert not junk, f"{path.name}: {junk[0]}"
-
-
-def test_no_key_stands_in_two_files_of_a_language() -> None:
+def test_every_line_of_the_files_is_of_a_text_and_every_key_of_one_file() -> None:
     for language in LANGUAGES:
         seen: dict[str, str] = {}
         for path in sorted((SOURCE / "base" / "messages" / "texts" / language).glob("*.ftl")):
             for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body:
+                assert not isinstance(entry, ftl.Junk), f"{path.name}: {entry.content}"
                 if isinstance(entry, ftl.Message | ftl.Term):
                     key = entry.id.name
                     assert key not in seen, f"{language}: {key} in {seen[key]} and {path.name}"
@@ -169,8 +159,8 @@ NO_PROSE = {
     "controls/wording.py": "umlauts among capitals",
     "sheet/html.py": "indices of a formula",
     "sheet/verdict.py": "numbers and units as they are typed",
-    "sweep/case_table.py": "columns of a table of cases",
     "sweep/plan.py": "ranges as one types them",
+    "sweep/request.py": "columns of a table of cases",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",
 }
 """Modules behind the results that search in texts, and what they search."""

@@ -18,16 +18,15 @@ import pytest
 from mtcommission import cli
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
-from mtcommission.base.units.quantities import Dimension
+from mtcommission.base.units.quantities import AxisUnits, Dimension
+from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.keys import Misfit, keyed, list_keys
+from mtcommission.machine.machine import Corner, vary
 from mtcommission.machine.mechanics import KINDS, FlexibleMode, Mechanics, ModeStates, register
 from mtcommission.machine.plant.plant import build_plant, kalman_rank
-from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.profile.describe import profile_schema, questions
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.ranges import MASSES, RATIOS, STIFFNESSES
-from mtcommission.machine.variations import Corner, vary
+from mtcommission.machine.readers import MASSES, RATIOS, STIFFNESSES
 from mtcommission.record.record import load_record
 from mtcommission.verify.prediction import rebuild
 from mtcommission.wizard.script import find_question, list_questions

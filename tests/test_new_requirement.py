@@ -23,12 +23,11 @@ from mtcommission.loop.respond import Signal, output_of_states
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.keys import keyed
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, corners
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.machine.profile.shipped import read_shipped
-from mtcommission.machine.ranges import VELOCITIES
+from mtcommission.machine.readers import VELOCITIES
 from mtcommission.machine.requirements import Requirements
-from mtcommission.machine.variations import Corner, corners
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of

@@ -49,10 +49,6 @@ def test_poles_of_the_notes_to_the_paper() -> None:
     assert np.sum(np.abs(poles) < 1e-6) == 2
 
 
-def test_kalman_rank_of_the_paper_is_7() -> None:
-    assert kalman_rank(build_plant(paper_machine())) == 7
-
-
 @given(seed=st.integers(0, 10_000), n_modes=st.integers(1, 4))
 @settings(max_examples=40, deadline=None)
 def test_modal_axes_are_controllable_and_follow_their_definition(seed: int, n_modes: int) -> None:

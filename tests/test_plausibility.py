@@ -9,8 +9,8 @@ import pytest
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import THIN_SPACE
+from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.machine import Motion
-from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.profile.read import parse_profile
 from tests.test_profile import MANIPULATOR, MODAL, cases, changed
 

@@ -16,7 +16,7 @@ from mtcommission.limits.requirements import keep_reserve
 from mtcommission.limits.typed import find_typed
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.basis import say_jerk
+from mtcommission.machine.checks import say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant

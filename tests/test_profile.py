@@ -15,8 +15,7 @@ from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile.describe import questions
-from mtcommission.machine.profile.lines import find_key_lines
-from mtcommission.machine.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.read import find_key_lines, line_of, parse_profile, read_profile
 from mtcommission.machine.requirements import NO_RESERVE, Reserve
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from tests.machines import paper_machine
@@ -175,9 +174,20 @@ state_feedback = { v_phi = "1e4 N s/rad", phi = -2e5 }
 setpoint_filter = { kind = "moving_average", time = "20 ms" }
 force_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]
 minimum_bandwidth = "15 Hz"
+[[moves]]
+distance = "20 mm"
+max_velocity = "30 m/min"
+dwell = 1
+[[moves]]
+distance = 0.5
 """
     )
     machine = parse_profile(text, where="p.toml")
+    assert machine.moves == (
+        VelocityStep(velocity_step=0.1),
+        Positioning(distance=0.02, max_velocity=0.5, dwell=1.0),
+        Positioning(distance=0.5),
+    )
     needs, control = machine.requirements, machine.control
     assert (needs.max_settling_time, needs.frequency_spread, needs.damping_spread) == (
         0.2,
@@ -220,18 +230,6 @@ def test_what_is_left_out_has_the_defaults_of_the_interface() -> None:
     assert machine.control.state_feedback is StateFeedback.OFF
     assert machine.control.force_filters == ()
     assert machine.motion is Motion.LINEAR
-
-
-def test_moves_of_both_kinds_in_order() -> None:
-    text = MANIPULATOR + (
-        '[[moves]]\ndistance = "20 mm"\nmax_velocity = "30 m/min"\ndwell = 1\n'
-        "[[moves]]\ndistance = 0.5\n"
-    )
-    assert parse_profile(text, where="p.toml").moves == (
-        VelocityStep(velocity_step=0.1),
-        Positioning(distance=0.02, max_velocity=0.5, dwell=1.0),
-        Positioning(distance=0.5),
-    )
 
 
 def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
@@ -531,6 +529,15 @@ damping_ratio = 0.02  ->  damping_ratio = 1
     digit
 "2e-3 1/kg"  ->  "2e-3 kg"
   13: plant.modes[1].tcp_gain: got "2e-3 kg", which is a mass; must be a gain per mass, in 1/kg
+damping_ratio = 0.02  ->  damping_ratio = 0.8
+  24: requirements.damping_spread: got 0.3, which raises a damping ratio to 1.04 in the worst
+    corner, where it must stay < 1; state at most 0.24 (24 %)
+"80 Hz"\ndamping_ratio = "3 %"  ->  40.00000001\ndamping_ratio = 0.02
+  16: plant.modes[2].frequency: modes beam and ram at 40 Hz: two modes have the same poles, so
+    one force cannot bring both to rest independently; merge them into one mode (add their
+    tcp_gain and measured_gain)
+[[moves]]  ->  [moves]
+  22: moves: got a table, must be an array; write the header as [[moves]]
 """
 """The same of the modal profile."""
 
@@ -551,24 +558,6 @@ def test_one_fault_one_line(old: str, new: str, expected: str) -> None:
 @pytest.mark.parametrize(("old", "new", "expected"), cases(FAULTS_OF_MODES))
 def test_one_fault_in_one_mode(old: str, new: str, expected: str) -> None:
     assert faults_in(changed(MODAL, old, new)) == [f"p.toml:{expected}"]
-
-
-def test_the_assumed_spread_of_damping_is_refused_where_no_vibration_is_left() -> None:
-    """Nobody wrote the 30 %, so the message must say where to write less."""
-    text = changed(MODAL, "damping_ratio = 0.02", "damping_ratio = 0.8")
-    assert faults_in(text) == [
-        "p.toml:24: requirements.damping_spread: got 0.3, which raises a damping ratio to 1.04 in "
-        "the worst corner, where it must stay < 1; state at most 0.24 (24 %)"
-    ]
-
-
-def test_equal_poles_are_said_with_their_remedy() -> None:
-    text = changed(changed(MODAL, '"80 Hz"', "40.00000001"), '"3 %"', "0.02")
-    assert faults_in(text) == [
-        "p.toml:16: plant.modes[2].frequency: modes beam and ram at 40 Hz: two modes have the "
-        "same poles, so one force cannot bring both to rest independently; merge them into one "
-        "mode (add their tcp_gain and measured_gain)"
-    ]
 
 
 def test_an_unknown_control_and_too_many_modes_are_refused() -> None:
@@ -672,12 +661,6 @@ def test_what_is_no_toml_has_the_line_of_the_parser_and_a_remedy(
     """TOML's own words ("Illegal character") tell nobody what to type instead."""
     text = changed(MANIPULATOR, 'max_force = "2 kN"', f"max_force = {value}")
     assert faults_in(text) == [f"p.toml:{line}: TOML syntax: {reason}{REMEDY}"]
-
-
-def test_a_single_move_needs_double_brackets() -> None:
-    assert faults_in(changed(MANIPULATOR, "[[moves]]", "[moves]")) == [
-        "p.toml:20: moves: got a table, must be an array; write the header as [[moves]]"
-    ]
 
 
 def test_missing_tables_are_asked_for() -> None:
@@ -801,7 +784,7 @@ x = { y = 1, z = [1, 2] }
         ("moves", 2): 19,
         ("nowhere",): 1,
     }
-    assert {path: lines.line_of(path) for path in expected} == expected
+    assert {path: line_of(path, lines) for path in expected} == expected
 
 
 # Robustness and schema

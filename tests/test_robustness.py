@@ -17,15 +17,15 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import (
+    Machine,
+    corners,
+    vary,
+)
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.requirements import Peak
 from mtcommission.machine.setpoint_filter import moving_average
-from mtcommission.machine.variations import (
-    corners,
-    vary,
-)
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study import robustness

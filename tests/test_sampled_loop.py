@@ -16,12 +16,11 @@ from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.machine.variations import vary
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_within
 from tests.independent_loop import Run, axis_of, behind, delayed, profile_of, quiet_copy, run

@@ -17,10 +17,9 @@ from benchmarks.population import random_machine
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, vary
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import read_profile
-from mtcommission.machine.variations import vary
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.study.loops import settle_on_loop
 from tests.independent_loop import behind, judge, profile_of, quiet_copy, run

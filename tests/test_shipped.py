@@ -12,15 +12,15 @@ import pytest
 
 from mtcommission import cli
 from mtcommission.base.errors import InputError
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
 from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Motion
 from mtcommission.machine.plant.modal import Modal
-from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.profile import shipped
 from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
 

@@ -37,12 +37,9 @@ from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.control import Bound
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.sweep import solve
-from mtcommission.sweep.case_table import read_cases
-from mtcommission.sweep.columns import columns
 from mtcommission.sweep.engine import run_sweep
 from mtcommission.sweep.lanes import Engine, open_lane
 from mtcommission.sweep.library import sweep
-from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.plan import (
     Axis,
     Plan,
@@ -52,10 +49,10 @@ from mtcommission.sweep.plan import (
     read_range,
     vary_profile,
 )
-from mtcommission.sweep.request import check_plan, read_plan
-from mtcommission.sweep.solve import Answer, Work, solve_case
+from mtcommission.sweep.request import check_plan, read_cases, read_plan
+from mtcommission.sweep.solve import Answer, Work, columns, solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
-from mtcommission.sweep.table import read_table, summarise, write_table
+from mtcommission.sweep.table import print_sweep, read_table, summarise, write_table
 from tests.machines import paper_machine
 
 PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.base.units.advice import FOREIGN
 from mtcommission.base.units.quantities import (
     ACCELERATION,
     ANGLE,
     ANGULAR_VELOCITY,
     DAMPING,
     FORCE,
+    FOREIGN,
     FREQUENCY,
     GAIN,
     INERTIA,

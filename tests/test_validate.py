@@ -17,8 +17,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import fsolve
 
 from mtcommission import cli
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep

@@ -24,13 +24,12 @@ from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.mechanics import MachineState
 from mtcommission.machine.moves import Move
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import Corner, vary
 from mtcommission.record.loop import WhatIfPart, what_if_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint

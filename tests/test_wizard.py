@@ -18,8 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.base.errors import InputError, Refused
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.base.messages.languages import LANGUAGES
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile.read import parse_profile, read_profile

@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from secrets import token_hex
 from typing import BinaryIO
 
 from mtcommission.base.errors import Fault, InputError
@@ -25,10 +24,7 @@ def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
 
     ``folder``: what to say if it is a folder.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read.
+    Raises InputError if it cannot be read.
     """
     try:
         if str(path) == "-":
@@ -80,11 +76,8 @@ def require_writable(*names: str, inputs: Sequence[Path] = ()) -> None:
 
     Of the names "" is none, "-" standard output; ``inputs`` are files that must stay as they are.
 
-    Raises
-    ------
-    InputError
-        With a fault for each that is a folder or write-protected, whose folder is missing or
-        write-protected, that is named twice, or that is an input.
+    Raises InputError with a fault for each that is a folder or write-protected, whose folder is
+    missing or write-protected, that is named twice, or that is an input.
     """
     faults, places = [], list[str]()
     for name in filter(None, names):
@@ -167,7 +160,7 @@ def _replacing(path: Path, content: bytes | Callable[[BinaryIO], object]) -> Ite
         yield
         return
     place = Path(os.path.realpath(path))
-    fresh = place.with_name(f".mtcommission-{token_hex(8)}")
+    fresh = place.with_name(f".mtcommission-{os.urandom(8).hex()}")
     try:
         with fresh.open("xb") as file:
             if place.exists():

@@ -1,4 +1,4 @@
-"""The command line: ``machines``, ``measured``, ``compute``, ``records``, ``verify``, ``batch``.
+"""The command line: ``machines``, ``measured``, ``compute``, ``records``.
 
 Each command is a few lines: read the input, call one verb, write the result. Heavy imports sit
 inside the commands, so that ``--help`` answers at once.
@@ -18,16 +18,20 @@ from mtcommission.base import __version__
 from mtcommission.base.errors import INTERRUPTED, MtcommissionError
 from mtcommission.base.process import end_as_if_by_keyboard, now
 from mtcommission.cli.arguments import LANGUAGE, flag
-from mtcommission.cli.batch import sweep, validate
-from mtcommission.cli.compute import limits, optimal, run, simulate
-from mtcommission.cli.group import group
-from mtcommission.cli.help import SpokenCommand, SpokenGroup
-from mtcommission.cli.language import choose, find_language, say, words
+from mtcommission.cli.compute import group, limits, optimal, run, simulate, sweep, validate
+from mtcommission.cli.language import (
+    SpokenCommand,
+    SpokenGroup,
+    UsageError,
+    choose,
+    describe_usage,
+    find_language,
+    say,
+    words,
+)
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
-from mtcommission.cli.measured import identify
+from mtcommission.cli.measured import identify, verify
 from mtcommission.cli.records import export, sheet
-from mtcommission.cli.usage import UsageError, describe_usage
-from mtcommission.cli.verify import verify
 
 EXIT_CODES = (
     "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "

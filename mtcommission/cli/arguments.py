@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from mtcommission.base.messages.languages import LANGUAGES
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.cli.language import SPOKEN, choose
 
 if TYPE_CHECKING:

@@ -1,10 +1,11 @@
-"""Commands that compute from a profile: run, optimal, limits, simulate.
+"""Commands that compute: run, optimal, limits, simulate, group, sweep, validate.
 
 What can be refused is refused before the loop's libraries are imported, which takes seconds.
 """
 
 from __future__ import annotations
 
+import os
 import shlex
 import sys
 from dataclasses import replace
@@ -14,22 +15,33 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import now
 from mtcommission.cli.arguments import (
     APPENDIX,
     CSV,
     F_MAX,
+    FOLDER,
     JSON,
     LANGUAGE,
     NO_PDF,
     PROFILE,
     SIZES,
+    argument,
+    flag,
     option,
     read_machine,
 )
 from mtcommission.cli.language import say, words
-from mtcommission.cli.terminal import print_said, show, show_stage
+from mtcommission.cli.terminal import (
+    print_note,
+    print_said,
+    print_written,
+    show,
+    show_bar,
+    show_stage,
+)
 
 if TYPE_CHECKING:
     from mtcommission.commission.recommend import Recommendation
@@ -53,8 +65,6 @@ def run(
 
     DIR gets record.json, sheet.html, sheet.pdf and, for each move, a setpoint.csv.
     """
-    from mtcommission.base.files import require_folder, write_files
-
     names = ("record.json", "sheet.html", "sheet.pdf", "setpoint.csv")
     require_folder(output, *names, inputs=[profile])
     machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
@@ -154,7 +164,6 @@ def optimal(
     """Compute one optimal control."""
     from time import perf_counter
 
-    from mtcommission.base.files import require_writable, write_text
     from mtcommission.cli.csv_texts import motion_csv
     from mtcommission.cli.optimum_view import describe_optimum
     from mtcommission.commission.options import final_time_origin, read_optimal_request, solve
@@ -204,8 +213,6 @@ def limits(
     page: str = option("--page", "FILE", "Only a page to try values on, without the rest."),
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
-    from mtcommission.base.files import require_writable, write_text
-
     require_writable(json_file, page, inputs=[profile])
     machine, source = read_machine(profile, f_max=f_max, sizes=sizes)
     is_page_only = bool(page and not json_file)
@@ -274,9 +281,8 @@ def simulate(
 
     The loop is that of the profile, whatever is tried.
     """
-    from mtcommission.base.files import require_writable, write_text
     from mtcommission.commission.options import read_limits, read_tried
-    from mtcommission.machine.rigid_body import require_force
+    from mtcommission.machine.machine import require_force
     from mtcommission.setpoint.duration import require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
@@ -331,3 +337,153 @@ def simulate(
         assumed = list_assumed(tried.machine, plant, source.text, words())
         show(describe_simulation(tried.machine, part, assumed, words()))
     raise typer.Exit(0 if part.assessment.met else 1)
+
+
+def group(
+    profiles_of_axes: list[Path] = argument("PROFILE...", "Profile of each axis, two or three."),
+    output: Path | None = option("-o --output", "DIR", "Folder.", None),
+    tolerance: str = option(
+        "--tolerance", "T", "Largest contour deviation, e.g. 10um; default: least of the profiles."
+    ),
+    plane: str = option("--plane", "XY", "The axes of circles and corners."),
+    feed: str = option("--feed", "V", "Fastest feed of contours, e.g. 6m/min."),
+    radius: str = option("--radius", "R", "Of a circle that keeps the tolerance then, e.g. 10mm."),
+    language: str = LANGUAGE,
+    json_file: str = JSON,
+) -> None:
+    """Axes that move together: one filter, one delay, limits; circle and corner.
+
+    DIR gets group.json, sheet.html and sheet.pdf.
+    """
+    if output:
+        require_folder(output, "group.json", "sheet.html", "sheet.pdf", inputs=profiles_of_axes)
+    require_writable(json_file, inputs=profiles_of_axes)
+    read = [read_machine(profile) for profile in profiles_of_axes]
+
+    from mtcommission.cli.group_view import describe_group
+    from mtcommission.group.group import join
+    from mtcommission.group.record import build_group_record
+    from mtcommission.group.sheet import print_group
+    from mtcommission.group.task import read_task
+    from mtcommission.record.shape import dump_json
+
+    task = read_task(
+        [machine for machine, _ in read],
+        [source for _, source in read],
+        tolerance=tolerance,
+        plane=plane,
+        feed=feed,
+        radius=radius,
+    )
+    files: dict[str, bytes] = {}
+    with show_stage() as progress:
+        joined = join(task, progress=progress)
+        record = build_group_record(joined, created=now())
+        if output:
+            progress(Message("stage-sheet"))
+            printed = print_group(record, joined.pair, language=words().language)
+            files = {"group.json": dump_json(record).encode(), **printed}
+    if json_file:
+        write_text(json_file, dump_json(record))
+    if output:
+        write_files(output, files)
+    if json_file != "-":
+        show(describe_group(record, words()))
+    if output:
+        show([say("cli-written-into", folder=str(output), files=tuple(files))])
+        file = shlex.quote(str(output / "group.json"))
+        print_said("cli-next-export", record=file, control=record.axes[0].loop.kind)
+    raise typer.Exit(0 if record.assessment.met else 1)
+
+
+def sweep(
+    profile: Path = PROFILE,
+    output: Path = FOLDER,
+    f_max: str = option("--f-max", "RANGE", "E.g. 0.5kN:4kN:100, log:300:20e3:50."),
+    vary: list[str] | None = option(
+        "--vary", "KEY=RANGE", "E.g. plant.slider_mass=600:900:7.", None
+    ),
+    cases: Path | None = option("--cases", "FILE", "CSV: keys, then a case a line.", None),
+    paired: bool = flag("--paired", "Ranges go together instead of each with each."),
+    quantity: str = option("--quantity", "optimal|limits|run", "What to compute.", "optimal"),
+    limit: list[str] | None = option(
+        "--limit",
+        "NAME=RANGE",
+        "For optimal, e.g. v_phi=5mrad/s or v_phi=4mrad/s:20mrad/s:9.",
+        None,
+    ),
+    move: int = option("--move", "N", "Which of the profile's moves (optimal).", 1),
+    workers: int = option("--workers", "N", "Processes; 0: one per core.", 0, min=0),
+    scheduler: str = option("--scheduler", "ADDRESS", "Dask, e.g. tcp://host:8786."),
+    resume: bool = flag("--resume", "Continue what is in DIR."),
+    language: str = LANGUAGE,
+) -> None:
+    """Compute many cases; write a table and a page.
+
+    A RANGE is START:STOP:COUNT, log:START:STOP:COUNT, random:LOW:HIGH:COUNT:SEED or a comma list.
+    Several ranges make a grid. DIR gets rows.parquet, rows.csv and sweep.html.
+    """
+    from mtcommission.sweep.engine import RESULTS, run_sweep
+    from mtcommission.sweep.lanes import Engine
+    from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.table import (
+        print_sweep,
+        read_table,
+        summarise,
+        write_safely,
+        write_table,
+    )
+
+    require_folder(output, *RESULTS, inputs=[profile, *([cases] if cases else [])])
+    plan = read_plan(
+        profile,
+        f_max=f_max,
+        vary=vary or [],
+        limits=limit or [],
+        cases=cases,
+        is_paired=paired,
+        quantity=quantity,
+        move=move,
+        created=now(),
+    )
+    engine = Engine(workers=workers or os.cpu_count() or 1, scheduler=scheduler)
+    with show_bar(plan.count) as progress:
+        store = run_sweep(
+            plan, folder=output, engine=engine, resume=resume, progress=progress, notice=print_note
+        )
+    table = read_table(plan, store)
+    write_table(table, output, words())
+    page = print_sweep(plan, table, words(), created=store.created)
+    write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
+    sys.stdout.write("\n".join(summarise(table, words())) + "\n")
+    print_written(output, RESULTS)
+    raise typer.Exit(0 if table.is_met else 1 if table.done else 3)
+
+
+def validate(
+    all_rows: bool = flag("--all", "Every row, not only what does not agree as printed."),
+    json_file: str = JSON,
+    output: str = option("-o --output", "DIR", "Write validation.html there."),
+    language: str = LANGUAGE,
+) -> None:
+    """Put the paper's numbers and claims beside ours.
+
+    Exit code 1 if one is out of its stated tolerance.
+    """
+    from mtcommission.cli.validation_view import describe_validation
+    from mtcommission.record.shape import dump_json
+    from mtcommission.validate import page
+
+    require_writable(json_file)
+    if output:
+        require_folder(Path(output), "validation.html")
+    with show_stage() as progress:
+        found = page.validate(progress)
+    if json_file:
+        write_text(json_file, dump_json(page.validation_entry(found)))
+    if output:
+        text = page.print_validation(found, words(), created=now())
+        write_files(Path(output), {"validation.html": text.encode()})
+    if json_file != "-":
+        show(describe_validation(found, words(), every_row=all_rows))
+    raise typer.Exit(0 if found.is_met else 1)

@@ -10,7 +10,7 @@ from mtcommission.cli.verified_view import STYLES, describe_table
 from mtcommission.group.record import GroupRecord
 from mtcommission.group.sheet import corners_table, feeds_table
 from mtcommission.group.verify import CircleVerification, say_found
-from mtcommission.machine.basis import say_filter
+from mtcommission.machine.checks import say_filter
 from mtcommission.sheet.tables import show
 from mtcommission.verify.report import check_row, say_reasons
 

@@ -8,7 +8,7 @@ from math import inf
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
-from mtcommission.machine.basis import say_filter, say_jerk
+from mtcommission.machine.checks import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.record.limits import LimitsAnswer, RecommendedEntry, RuleResult, TodayEntry
 from mtcommission.record.moves import AssessmentPart, SimulationPart

@@ -8,7 +8,7 @@ from math import isfinite
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
-from mtcommission.machine.basis import (
+from mtcommission.machine.checks import (
     OF_LOOP,
     describe_kind,
     list_neglected,
@@ -17,8 +17,8 @@ from mtcommission.machine.basis import (
     say_loop,
 )
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.moves import least_motion_time
 from mtcommission.machine.plant.plant import Plant, kalman_rank
-from mtcommission.machine.rigid_body import least_motion_time
 
 
 def describe_machine(

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import require_writable, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import LANGUAGE, argument, flag, option, read_machine
 from mtcommission.cli.compute import run
@@ -25,7 +26,6 @@ def wizard(
     language: str = LANGUAGE,
 ) -> None:
     """Ask for the machine and write a commented profile."""
-    from mtcommission.base.files import require_writable
     from mtcommission.wizard import Ending, open_console, run_wizard
 
     require_writable(str(output), inputs=[answers] if answers else [])
@@ -55,8 +55,8 @@ def check(
     if profile is None:
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.machine_view import describe_machine
+    from mtcommission.machine.checks import check_plausibility
     from mtcommission.machine.plant.plant import build_plant
-    from mtcommission.machine.plausibility import check_plausibility
     from mtcommission.record.machine import list_assumed
     from mtcommission.setpoint.duration import require_short_moves
 
@@ -98,7 +98,6 @@ def copy_profile(
     language: str = LANGUAGE,
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
-    from mtcommission.base.files import write_text
     from mtcommission.machine.profile.shipped import read_shipped
 
     found = read_shipped(name)

@@ -1,16 +1,18 @@
-"""Commands that read measurements: identify."""
+"""Commands that read measurements: identify and verify."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import typer
 
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import now
 from mtcommission.base.units.quantities import FREQUENCY, parse_quantity
@@ -19,13 +21,14 @@ from mtcommission.cli.arguments import (
     CONSTANT,
     JSON,
     LANGUAGE,
+    RECORD,
     argument,
     flag,
     option,
     read_machine,
 )
-from mtcommission.cli.language import words
-from mtcommission.cli.terminal import print_said, print_written, show, show_stage
+from mtcommission.cli.language import speak_of, words
+from mtcommission.cli.terminal import Line, print_said, print_written, show, show_stage
 
 MOST_MODES = 8
 """Of a profile."""
@@ -84,8 +87,13 @@ def identify(
             for axis, own in axes.items()
         ]
     for job in jobs:
-        _require_writable(job)
-    written = [_identify(job, given, limits, count, ratio, language, force=force) for job in jobs]
+        inputs = [Path(split_name(one).name) for one in job.files]
+        require_writable(job.beside, job.page, job.output, inputs=inputs)
+        _keep_others(job.output, job.profile)
+    written = [
+        _identify(job, given, language, ratio=ratio, force=force, band_hz=limits, count=count)
+        for job in jobs
+    ]
     raise typer.Exit(0 if all(written) else 1)
 
 
@@ -109,29 +117,14 @@ class _Job(NamedTuple):
         return evidence_file(self.output)
 
 
-def _require_writable(job: _Job) -> None:
-    from mtcommission.base.files import require_writable
-    from mtcommission.identify.gather import split_name
-
-    inputs = [Path(split_name(one).name) for one in job.files]
-    require_writable(job.beside, job.page, job.output, inputs=inputs)
-    _keep_others(job.output, job.profile)
-
-
 def _identify(
-    job: _Job,
-    given: Given,
-    limits: tuple[float, float] | None,
-    count: int | None,
-    ratio: float | None,
-    language: str,
-    *,
-    force: bool,
+    job: _Job, given: Given, language: str, *, ratio: float | None, force: bool, **fit: Any
 ) -> bool:
     """One axis: files to profile, page and terminal; whether a profile may be written."""
-    before = _read_before(job.profile)
+    from mtcommission.machine.profile.read import read_profile_text
 
-    from mtcommission.base.files import write_text
+    before = read_profile_text(job.profile) if job.profile else ""
+
     from mtcommission.cli.identified_view import describe_identified, refusal
     from mtcommission.identify.profile import Writing, identify_files, name_from
 
@@ -150,9 +143,8 @@ def _identify(
             ),
             created=now(),
             before=before,
-            band_hz=limits,
-            count=count,
             forced=force,
+            **fit,
         )
     is_sound = axis.doubt is None or force
     if not is_sound:
@@ -214,14 +206,6 @@ def _read_given(
     return given.on(read_machine(profile)[0]) if profile else given
 
 
-def _read_before(profile: Path | None) -> str:
-    if profile is None:
-        return ""
-    from mtcommission.machine.profile.read import read_profile_text
-
-    return read_profile_text(profile)
-
-
 def _refuse(option: str, message: Message) -> NoReturn:
     raise InputError([Fault(where=option, message=message)])
 
@@ -270,3 +254,135 @@ def read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
             _refuse("--columns", Message("identify-option-columns", got=pair))
         found[name.strip()] = column.strip()
     return found
+
+
+EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
+
+
+def verify(
+    record: Path = RECORD,
+    traces: list[str] = argument("TRACE...", "Recorded moves, or circles."),
+    columns: list[str] | None = COLUMNS,
+    constant: str = CONSTANT,
+    renewed: str = option("--refine", "NEW.toml", "Profile as the traces show it."),
+    output: Path | None = option("-o --output", "DIR", "Folder for the page.", None),
+    language: str = LANGUAGE,
+    json_file: str = JSON,
+) -> None:
+    """Recorded moves beside the prediction: does it hold, and why not.
+
+    Says first whether the control sent what was entered. Reads what identify reads.
+    """
+    from mtcommission.identify.measurement import Given
+
+    inputs = [record, *(Path(name) for name in traces if name != "-")]
+    require_writable(json_file, renewed, inputs=inputs)
+    if output:
+        require_folder(output, "verification.html", "verdict.json", inputs=inputs)
+    said = read_columns(columns or [])
+    force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
+
+    from mtcommission.record.shape import dump_json, names_group
+
+    is_group = names_group(record)
+    for name, given in (("--constant", constant), ("--refine", renewed)):
+        if is_group and given:
+            raise InputError([Fault(where=name, message=Message("group-verify-one-axis"))])
+    with show_stage() as progress:
+        if is_group:
+            told = _verify_circles(record, traces, said, language, progress)
+        else:
+            about = Given(columns=said, constant=force)
+            told = _verify_moves(record, traces, about, renewed, language, progress)
+    entry, files = dump_json(told.entry), dict[str, bytes]()
+    if output:
+        page = told.page(now())
+        files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
+        write_files(output, files)
+    if json_file:
+        write_text(json_file, entry)
+    if "-" not in (json_file, renewed):
+        show(told.lines())
+        if output:
+            print_written(output, files)
+        if renewed:
+            print_written(Path(), [renewed])
+    raise typer.Exit(EXIT_BY_VERDICT[told.verdict])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Told:
+    """What traces say: verdict and entry of the JSON, page by its date, terminal."""
+
+    verdict: str
+    entry: dict[str, object]
+    page: Callable[[str], str]
+    lines: Callable[[], list[Line]]
+
+
+def _verify_moves(
+    record: Path,
+    names: Sequence[str],
+    about: Given,
+    renewed: str,
+    language: str,
+    progress: Callable[[Message], None],
+) -> _Told:
+    """Recorded moves beside the record of a run."""
+    from mtcommission.cli.verified_view import describe_verification
+    from mtcommission.machine.profile.read import parse_profile
+    from mtcommission.record.record import load_record
+    from mtcommission.verify.renew import find_new_limits, renew_profile
+    from mtcommission.verify.report import report, verification_entry
+    from mtcommission.verify.trace import read_trace
+    from mtcommission.verify.verify import verify as compare
+
+    loaded = load_record(record)
+    machine = parse_profile(loaded.profile.text, where=loaded.profile.name)
+    speak_of(machine)
+    recorded = [read_trace(name, about.on(machine)) for name in names]
+    progress(Message("verify-stage"))
+    told = report(compare(loaded, recorded))
+    if renewed:
+        progress(Message("limits-name"))
+        text = loaded.profile.text
+        text = renew_profile(text, told.refined, words=words(), date=now()[:10])
+        told = replace(told, limits=find_new_limits(loaded, text))
+        write_text(renewed, text)
+
+    def page(created: str) -> str:
+        from mtcommission.verify.page import print_verification
+
+        return print_verification(told, created=created, language=language)
+
+    return _Told(
+        verdict=told.found.verdict.value,
+        entry=verification_entry(told),
+        page=page,
+        lines=lambda: describe_verification(told),
+    )
+
+
+def _verify_circles(
+    record: Path,
+    names: Sequence[str],
+    said: Mapping[str, str],
+    language: str,
+    progress: Callable[[Message], None],
+) -> _Told:
+    """Recorded circles beside the record of a group."""
+    from mtcommission.cli.group_view import describe_circles
+    from mtcommission.group.record import load_group
+    from mtcommission.group.recorded import read_circular
+    from mtcommission.group.verify import circles_entry, print_circles, verify_circles
+
+    loaded = load_group(record)
+    traces = [read_circular(name, said, loaded.plane) for name in names]
+    progress(Message("verify-stage"))
+    found = verify_circles(loaded, traces)
+    return _Told(
+        verdict=found.verdict.value,
+        entry=circles_entry(found),
+        page=lambda created: print_circles(found, created=created, language=language),
+        lines=lambda: describe_circles(found, words()),
+    )

@@ -9,6 +9,7 @@ from typing import NoReturn
 import typer
 
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import (
     APPENDIX,
@@ -38,7 +39,6 @@ def sheet(
     appendix: bool = APPENDIX,
 ) -> None:
     """Print the sheet again from the record alone."""
-    from mtcommission.base.files import require_folder, write_files
     from mtcommission.record.read_back import load_verdict
     from mtcommission.record.record import load_record
     from mtcommission.record.shape import names_group
@@ -101,7 +101,6 @@ def export(
 
     Text for entry by hand, to be verified; nothing is sent to a control.
     """
-    from mtcommission.base.files import require_writable, write_text
     from mtcommission.export.catalogue import describe_controls, find_control_key
 
     if control.strip() == "?":

@@ -15,12 +15,12 @@ from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING
 
-from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, Value, printable
 from mtcommission.base.units.quantities import wrap_whole
 from mtcommission.cli.language import say, words
 
 if TYPE_CHECKING:
+    from mtcommission.base.messages.catalogue import Catalogue
     from mtcommission.limits.judge import Candidate
     from mtcommission.machine.machine import Machine
 

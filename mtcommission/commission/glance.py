@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.limits.judge import Candidate, MoveResult
-from mtcommission.machine.basis import say_filter, say_jerk
-from mtcommission.machine.machine import Machine, Motion
-from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.machine.checks import say_filter, say_jerk
+from mtcommission.machine.machine import NOMINAL, Corner, Machine, Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

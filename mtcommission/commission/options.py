@@ -25,12 +25,11 @@ from mtcommission.base.units.quantities import (
     parse_quantity,
 )
 from mtcommission.controls.kind import FIR, MOVING_AVERAGE, TWO_AVERAGES
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import Plant, driven_at_once
 from mtcommission.machine.readers import Reading, propose
 from mtcommission.machine.setpoint_filter import HELD_FILTER, KEYS, SetpointFilter, list_misfits
-from mtcommission.machine.variations import Corner
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.smaller_moves import resize
 
@@ -261,7 +260,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
         With a named outcome.
     """
     from mtcommission.limits.optima import find_damping_optimum, find_time_optimum
-    from mtcommission.machine.rigid_body import require_force
+    from mtcommission.machine.machine import require_force
     from mtcommission.optimal.control import Bound
     from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
 

@@ -13,9 +13,8 @@ from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.judge import Candidate
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, require_force
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.machine.rigid_body import require_force
 from mtcommission.setpoint.duration import require_short_moves
 from mtcommission.study.loops import LoopChoice, settle_on_loop
 from mtcommission.study.rules import TodaysValues, evaluate_rules, judge_today

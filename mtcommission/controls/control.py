@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import LINEAR, AxisUnits
+from mtcommission.base.units.quantities import LINEAR, AxisUnits
 from mtcommission.controls.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
 from mtcommission.controls.row import AT_CORNERS, Key, Row, Setting, Values
 from mtcommission.controls.syntax import Layout

@@ -19,8 +19,8 @@ from mtcommission.controls.kind import ControlKind, PositionLoop
 from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.moves import peak_velocity
 from mtcommission.machine.plant.plant import build_plant, dominant_mode
-from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.read_back import AxisRecord, close_as_held, read_held, read_limits
 from mtcommission.setpoint.motion_limits import MotionLimits

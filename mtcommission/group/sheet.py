@@ -25,7 +25,7 @@ from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel
 from mtcommission.group.record import GroupRecord
-from mtcommission.machine.basis import filter_rows, say_filter
+from mtcommission.machine.checks import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed
 from mtcommission.sheet.document import (
     HASH_DIGITS,

@@ -18,7 +18,7 @@ import numpy as np
 
 from mtcommission.identify.measurement import AllDirections, Array
 from mtcommission.machine.identified import ShaperProposal
-from mtcommission.machine.shapers import TOLERANCE, shape
+from mtcommission.machine.setpoint_filter import TOLERANCE, shape
 
 LEAST_FREQUENCIES_HZ = {"zv": 21.0, "mzv": 23.0, "ei": 29.0, "2hump_ei": 39.0, "3hump_ei": 48.0}
 """Shapers that it tries, in its order, and from which frequency."""

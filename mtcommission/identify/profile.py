@@ -14,7 +14,7 @@ import tomlkit
 from mtcommission.base import __version__
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
 from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import Identified, identify
 from mtcommission.identify.measurement import Given

@@ -27,11 +27,10 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import MOVING_AVERAGE, Jerk
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, corners, moving_mass, vary
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant, PlantMode
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.machine.variations import corners, vary
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
 

@@ -16,9 +16,8 @@ from __future__ import annotations
 from cmath import exp
 from math import inf
 
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, corners, vary
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import corners, vary
 
 
 def find_corner_velocity(machine: Machine, item: SetpointFilter | None) -> float:

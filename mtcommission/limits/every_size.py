@@ -34,10 +34,9 @@ from mtcommission.loop.respond import (
     set_in_motion,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.moves import Move, Positioning
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import Corner
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import JerkSteps, filter_steps
 from mtcommission.setpoint.smaller_moves import lay_sizes, plan_sizes, size_of

@@ -18,8 +18,7 @@ from mtcommission.controls.kind import (
 )
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
-from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.shapers import frequencies_told_apart
+from mtcommission.machine.setpoint_filter import SetpointFilter, frequencies_told_apart
 
 TIMES = 8
 """Lengths of one moving average, or of two alike, that are tried at first, logarithmic, beside

@@ -17,10 +17,9 @@ from mtcommission.limits.requirements import Requirement, requirements_of
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import NOMINAL, Corner, Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_within
 

@@ -11,8 +11,8 @@ from math import isfinite
 
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.moves import peak_velocity
 from mtcommission.machine.plant.plant import Plant, PlantMode, dominant_mode
-from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 SLOWER_RAMPS = (2, 3)

@@ -9,24 +9,11 @@ from math import pi
 from typing import Any
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.base.units.quantities import AxisUnits
 from mtcommission.controls.kind import ControlKind, Jerk, PositionLoop
 from mtcommission.controls.kinds import GENERIC, KINDS
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import Misfit, Table, keyed
-from mtcommission.machine.ranges import (
-    ACCELERATIONS,
-    CYCLES,
-    DELAYS,
-    FEEDFORWARDS,
-    FILTER_DAMPINGS,
-    FREQUENCIES,
-    JERKS,
-    MASSES,
-    MODEL_TIMES,
-    POSITION_GAINS,
-    TIMES,
-    VELOCITY_GAINS,
-)
 from mtcommission.machine.readers import (
     Array,
     PerSignal,
@@ -97,15 +84,15 @@ class ForceFilter:
 
     kind: FilterKind = keyed(word_of(FilterKind), "Kind of filter.", "notch")
     natural_frequency: float = keyed(
-        FREQUENCIES, "Frequency of the filter.", "72 Hz", key="frequency", factor=2.0 * pi
+        of.FREQUENCIES, "Frequency of the filter.", "72 Hz", key="frequency", factor=2.0 * pi
     )  # [rad/s]
     damping: float = keyed(
-        FILTER_DAMPINGS,
+        of.FILTER_DAMPINGS,
         "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.",
         "0.1",
     )
     width: float = keyed(
-        FILTER_DAMPINGS,
+        of.FILTER_DAMPINGS,
         "Damping ratio of the denominator of a notch; depth = damping / width.",
         "0.5",
         default=1.0,
@@ -118,12 +105,12 @@ class Today:
     """What the control holds now; None for what is not known, which is then as recommended."""
 
     acceleration: float = keyed(
-        ACCELERATIONS, "Limit of the acceleration that is in the control now.", "2 m/s^2"
+        of.ACCELERATIONS, "Limit of the acceleration that is in the control now.", "2 m/s^2"
     )
-    jerk: float | None = keyed(JERKS, "Limit of the jerk.", "40 m/s^3", left_out=None)
-    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
-    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
-    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
+    jerk: float | None = keyed(of.JERKS, "Limit of the jerk.", "40 m/s^3", left_out=None)
+    position_gain: float | None = keyed(of.POSITION_GAINS, "Kv.", "60 1/s", default=None)
+    velocity_gain: float | None = keyed(of.VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
+    integral_time: float | None = keyed(of.TIMES, "Tn.", "20 ms", default=None)
     setpoint_filter: SetpointFilter | None = keyed(
         HELD_FILTER, 'Filter behind the setpoint generator, or "none".', "none", default=None
     )
@@ -152,18 +139,18 @@ class Control:
         default=PositionLoop.CONTROL,
         left_out=None,
     )
-    position_gain: float | None = keyed(POSITION_GAINS, "Kv.", "60 1/s", default=None)
-    velocity_gain: float | None = keyed(VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
-    integral_time: float | None = keyed(TIMES, "Tn.", "20 ms", default=None)
+    position_gain: float | None = keyed(of.POSITION_GAINS, "Kv.", "60 1/s", default=None)
+    velocity_gain: float | None = keyed(of.VELOCITY_GAINS, "Kp.", "200 kN s/m", default=None)
+    integral_time: float | None = keyed(of.TIMES, "Tn.", "20 ms", default=None)
     reference_model_time: float = keyed(
-        MODEL_TIMES,
+        of.MODEL_TIMES,
         "Time constant of the reference model in the integral branch; 0 = none.",
         "5 ms",
         default=0.0,
         is_listed=False,
     )
     velocity_feedforward: float = keyed(
-        FEEDFORWARDS,
+        of.FEEDFORWARDS,
         "Weight; left out: 1 where the control has it.",
         "1.0",
         default=1.0,
@@ -171,7 +158,7 @@ class Control:
         is_listed=False,
     )
     acceleration_feedforward: float = keyed(
-        FEEDFORWARDS,
+        of.FEEDFORWARDS,
         "Weight, times feedforward_mass; left out: 1 where the control has it.",
         "1.0",
         default=1.0,
@@ -179,31 +166,31 @@ class Control:
         is_listed=False,
     )
     jerk_feedforward: float = keyed(
-        FEEDFORWARDS,
+        of.FEEDFORWARDS,
         "Weight, times feedforward_mass and force_lag.",
         "0.0",
         default=0.0,
         is_listed=False,
     )
     feedforward_mass: float | None = keyed(
-        MASSES,
+        of.MASSES,
         "Mass of the feed-forward; default: moving mass at mid payload.",
         "800 kg",
         default=None,
         is_listed=False,
     )
     reference_delay: float | None = keyed(
-        DELAYS, "Delay of the reference path, or auto.", AUTO, default=None, is_listed=False
+        of.DELAYS, "Delay of the reference path, or auto.", AUTO, default=None, is_listed=False
     )  # τ [s]; None: chosen so that feed-forward meets feedback
     position_cycle: float = keyed(
-        CYCLES,
+        of.CYCLES,
         "Position controller cycle; left out: what is usual for the kind of control.",
         "2 ms",
         default=2e-3,
         left_out=None,
     )  # [s], a whole multiple of the velocity cycle
     velocity_cycle: float = keyed(
-        CYCLES,
+        of.CYCLES,
         "Velocity controller cycle; left out: what is usual for the kind of control.",
         "125 us",
         default=125e-6,
@@ -246,7 +233,7 @@ class Control:
     seeks_force_filters: bool = False
     """Whether those that let Kp rise are used; otherwise they are only suggested."""
     minimum_bandwidth_hz: float = keyed(
-        FREQUENCIES,
+        of.FREQUENCIES,
         "What tuning must at least reach, closed velocity loop, -3 dB.",
         "15 Hz",
         key="minimum_bandwidth",

@@ -12,23 +12,11 @@ from typing import Any
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import ROTARY, AxisUnits
+from mtcommission.base.units.quantities import ROTARY, AxisUnits
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import ELSEWHERE, ByKind, Misfit, Table, keyed
 from mtcommission.machine.mechanics import SOURCE
 from mtcommission.machine.moves import Move, largest_velocity
-from mtcommission.machine.ranges import (
-    ACCELERATIONS,
-    DAMPINGS,
-    FORCES,
-    FRICTIONS,
-    GEARS,
-    LAGS,
-    LEADS,
-    RESOLUTIONS,
-    STATIC_LOADS,
-    STEP_RATES,
-    VELOCITIES,
-)
 from mtcommission.machine.readers import Array, as_typed
 
 
@@ -48,50 +36,50 @@ class Drive:
     """
 
     kind: DriveKind = DriveKind.SERVO  # a force behind a loop, or an open-loop axis
-    force_lag: float = keyed(LAGS, "Time constant of the force loop, T.", "2.5 ms")
+    force_lag: float = keyed(of.LAGS, "Time constant of the force loop, T.", "2.5 ms")
     """[s]; 0 of a position source."""
-    max_force: float = keyed(FORCES, "Largest force, F_max.", "2 kN")
+    max_force: float = keyed(of.FORCES, "Largest force, F_max.", "2 kN")
     max_velocity: float = inf  # of a position source, by step rate or torque [m/s]; inf: none
     force_velocity: float | None = None
     """Velocity at which ``max_force`` was read off the motor's curve [m/s]; None: it was stated."""
     continuous_force: float = keyed(
-        FORCES, "Thermal (RMS) limit over move and dwell.", "1 kN", default=inf
+        of.FORCES, "Thermal (RMS) limit over move and dwell.", "1 kN", default=inf
     )
     static_load: float = keyed(
-        STATIC_LOADS,
+        of.STATIC_LOADS,
         "Weight or process force; its amount is not available for motion.",
         "0 N",
         default=0.0,
     )
     coulomb_friction: float = keyed(
-        FRICTIONS,
+        of.FRICTIONS,
         "Friction that any motion must overcome; not available for motion.",
         "0 N",
         default=0.0,
         is_listed=False,
     )
     viscous_friction: float = keyed(
-        DAMPINGS,
+        of.DAMPINGS,
         "Friction per velocity, on the line of the drive.",
         "0 N s/m",
         default=0.0,
         is_listed=False,
     )
     lead: float | None = keyed(
-        LEADS,
+        of.LEADS,
         "Travel of a linear axis per turn of screw or pinion; left out: linear motor, or unknown.",
         "10 mm",
         default=None,
     )
     gear: float = keyed(
-        GEARS,
+        of.GEARS,
         "Turns of the motor per turn of screw, pinion or rotary axis.",
         "1",
         default=1.0,
         is_listed=False,
     )
     encoder_resolution: float = keyed(
-        RESOLUTIONS,
+        of.RESOLUTIONS,
         "Smallest step of the measured position.",
         "0.1 um",
         default=0.0,
@@ -138,9 +126,9 @@ class Drive:
 class CurvePoint:
     """What the torque of a motor leaves at one velocity."""
 
-    velocity: float = keyed(VELOCITIES, "Of the axis.", "0.2 m/s")
+    velocity: float = keyed(of.VELOCITIES, "Of the axis.", "0.2 m/s")
     acceleration: float = keyed(
-        ACCELERATIONS, "That the motor follows at this velocity.", "8 m/s^2"
+        of.ACCELERATIONS, "That the motor follows at this velocity.", "8 m/s^2"
     )
 
 
@@ -149,10 +137,10 @@ class PositionSource:
     """[drive] with a motor that follows its setpoint."""
 
     max_acceleration: float = keyed(
-        ACCELERATIONS, "Largest acceleration that the motor follows.", "10 m/s^2"
+        of.ACCELERATIONS, "Largest acceleration that the motor follows.", "10 m/s^2"
     )
     max_velocity: float = keyed(
-        VELOCITIES, "Largest velocity that the motor follows.", "0.5 m/s", default=inf
+        of.VELOCITIES, "Largest velocity that the motor follows.", "0.5 m/s", default=inf
     )
     acceleration_curve: tuple[CurvePoint, ...] = keyed(
         Array(Table(CurvePoint), 2, 1000),
@@ -161,10 +149,10 @@ class PositionSource:
         default=(),
     )
     step_rate: float = keyed(
-        STEP_RATES, "Steps per second that the control sends at most.", "100 kHz", default=inf
+        of.STEP_RATES, "Steps per second that the control sends at most.", "100 kHz", default=inf
     )
     step_length: float = keyed(
-        RESOLUTIONS, "Travel per (micro)step: 1 mm by the steps per mm.", "12.5 um", default=inf
+        of.RESOLUTIONS, "Travel per (micro)step: 1 mm by the steps per mm.", "12.5 um", default=inf
     )
 
     def find_faults(self, stated: Mapping[str, Any], axis: AxisUnits) -> Iterator[Misfit]:

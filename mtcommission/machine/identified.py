@@ -9,18 +9,8 @@ from dataclasses import dataclass
 from math import inf
 
 from mtcommission.controls.kind import SHAPERS
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import REQUIRED, Table, keyed
-from mtcommission.machine.ranges import (
-    ACCELERATIONS,
-    BANDS,
-    FREQUENCIES,
-    MEASURED_FREQUENCIES,
-    MEASURED_MASSES,
-    MEASURED_TIMES,
-    MODE_GAINS,
-    RATIOS,
-    SPREADS,
-)
 from mtcommission.machine.readers import IDENTIFIER, Array, AxisRange, Flag, Text, word_of
 
 LONGEST_FILE = 400
@@ -56,14 +46,14 @@ class MeasuredMode:
 
     name: str = keyed(IDENTIFIER, "Name of the mode.", "mode1", default="", left_out=REQUIRED)
     frequency_hz: Estimate = keyed(
-        _pair(MEASURED_FREQUENCIES), "Eigenfrequency.", '["40 Hz", "0.05 Hz"]', key="frequency"
+        _pair(of.MEASURED_FREQUENCIES), "Eigenfrequency.", '["40 Hz", "0.05 Hz"]', key="frequency"
     )  # f [Hz]
-    damping_ratio: Estimate = keyed(_pair(RATIOS), "Damping ratio.", "[0.03, 0.001]")  # ζ [-]
+    damping_ratio: Estimate = keyed(_pair(of.RATIOS), "Damping ratio.", "[0.03, 0.001]")  # ζ [-]
     measured_gain: Estimate | None = keyed(
-        _pair(MODE_GAINS), "At the encoder.", '["1e-3 1/kg", "1e-5 1/kg"]', default=None
+        _pair(of.MODE_GAINS), "At the encoder.", '["1e-3 1/kg", "1e-5 1/kg"]', default=None
     )  # [1/kg]; None where no sensor with a force tells, like the next
     tcp_gain: Estimate | None = keyed(
-        _pair(MODE_GAINS), "At the tool.", '["2e-3 1/kg", "2e-5 1/kg"]', default=None
+        _pair(of.MODE_GAINS), "At the tool.", '["2e-3 1/kg", "2e-5 1/kg"]', default=None
     )
 
 
@@ -81,11 +71,13 @@ class ShaperProposal:
     """What Klipper's calibrate_shaper would set: [[identified.calibrate_shaper]]."""
 
     shaper: str = keyed(word_of(SHAPERS), "Shaper.", "mzv")
-    frequency_hz: float = keyed(FREQUENCIES, "Its frequency.", "45.2 Hz", key="frequency")
-    vibration: float = keyed(SPREADS, "Share of the power it leaves.", "0.02")  # by its measure
-    smoothing: float = keyed(BANDS, "How it rounds corners.", "0.1 mm")  # at 5 m/s², likewise [m]
+    frequency_hz: float = keyed(of.FREQUENCIES, "Its frequency.", "45.2 Hz", key="frequency")
+    vibration: float = keyed(of.SPREADS, "Share of the power it leaves.", "0.02")  # by its measure
+    smoothing: float = keyed(
+        of.BANDS, "How it rounds corners.", "0.1 mm"
+    )  # at 5 m/s², likewise [m]
     max_acceleration: float = keyed(
-        ACCELERATIONS, "At which it rounds them by 0.12 mm.", "11.7 m/s^2"
+        of.ACCELERATIONS, "At which it rounds them by 0.12 mm.", "11.7 m/s^2"
     )
     is_recommended: bool = keyed(
         Flag(), "Whether the script recommends it.", "true", key="recommended", default=False,
@@ -99,23 +91,23 @@ class Identification:
 
     date: str = keyed(Text(10), "Day of the identification.", "2026-11-22")
     band_hz: tuple[float, float] | None = keyed(
-        Array(MEASURED_FREQUENCIES, 2, 2),
+        Array(of.MEASURED_FREQUENCIES, 2, 2),
         "Lines that were fitted.",
         '["2 Hz", "300 Hz"]',
         key="band",
         default=None,
     )
     misfit: float | None = keyed(
-        SPREADS, "Weighted rms of the residuals by the noise.", "1.0", default=None
+        of.SPREADS, "Weighted rms of the residuals by the noise.", "1.0", default=None
     )
     moving_mass: Estimate | None = keyed(
-        _pair(MEASURED_MASSES), "Rigid mass.", '["800 kg", "2 kg"]', default=None
+        _pair(of.MEASURED_MASSES), "Rigid mass.", '["800 kg", "2 kg"]', default=None
     )
     delay: Estimate | None = keyed(
-        _pair(MEASURED_TIMES), "From set force to sensor.", '["0.4 ms", "2 us"]', default=None
+        _pair(of.MEASURED_TIMES), "From set force to sensor.", '["0.4 ms", "2 us"]', default=None
     )
     lag: Estimate | None = keyed(
-        _pair(MEASURED_TIMES), "First-order lag beside it.", '["0.6 ms", "5 us"]', default=None
+        _pair(of.MEASURED_TIMES), "First-order lag beside it.", '["0.6 ms", "5 us"]', default=None
     )
     evidence: str = keyed(
         Text(LONGEST_FILE),

@@ -14,7 +14,7 @@ from math import inf
 from typing import Any
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.base.units.quantities import AxisUnits
 from mtcommission.machine.readers import (
     Array,
     AxisRange,
@@ -48,7 +48,7 @@ class Key:
     reader: Reader
     meaning: str  # for the schema and for remedies
     example: str = ""  # without quotes
-    name: str = ""  # as the profile spells it; "" if as the field
+    key: str = ""  # as the profile spells it; "" if as the field
     factor: float = 1.0  # value of the field per value of the key, SI
     left_out: Any = MISSING  # the field where the key is left out; MISSING: it must be given
     table: str = ""  # table in which it stands, where the field's dataclass is of several
@@ -81,28 +81,17 @@ def keyed(
     meaning: str,
     example: str = "",
     *,
-    key: str = "",
-    factor: float = 1.0,
     default: Any = MISSING,
     left_out: Any = _AS_DEFAULT,
-    table: str = "",
-    is_listed: bool = True,
+    **more: Any,
 ) -> Any:
-    """Return a field that stands in the profile.
+    """Return a field that stands in the profile; ``more`` are further fields of its ``Key``.
 
     ``default`` is that of a machine built in a program; ``left_out`` what a profile means that says
     nothing, where that is something else.
     """
-    about = Key(
-        reader=reader,
-        meaning=meaning,
-        example=example,
-        name=key,
-        factor=factor,
-        left_out=default if left_out is _AS_DEFAULT else left_out,
-        table=table,
-        is_listed=is_listed,
-    )
+    left_out = default if left_out is _AS_DEFAULT else left_out
+    about = Key(reader=reader, meaning=meaning, example=example, left_out=left_out, **more)
     return field(default=default, metadata={"key": about})
 
 
@@ -111,7 +100,7 @@ def list_keys(kind: type[Any], table: str = "") -> Iterator[tuple[str, Field[Any
     for one in fields(kind):
         about: Key | None = one.metadata.get("key")
         if about is not None and about.table == table:
-            yield about.name or one.name, one, about
+            yield about.key or one.name, one, about
 
 
 def list_quantities(

@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import product
 from math import ceil, inf, isfinite
 from typing import Any
 
+from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import (
+from mtcommission.base.units.quantities import (
     LINEAR,
     LINEAR_SOURCE,
     ROTARY,
@@ -27,8 +29,8 @@ from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
 from mtcommission.machine.mechanics import HELD, PLANTS, MachineState, Mechanics, States
 from mtcommission.machine.moves import Move, MoveReader, Positioning, VelocityStep, largest_velocity
-from mtcommission.machine.ranges import TIMES
 from mtcommission.machine.readers import (
+    TIMES,
     Array,
     Flag,
     PerSignal,
@@ -279,3 +281,66 @@ def largest_acceleration(machine: Machine) -> float:
 def mid_payload(machine: Machine) -> float:
     """Return the middle of the payload range [kg]."""
     return 0.5 * sum(machine.requirements.payload)
+
+
+def require_force(machine: Machine) -> None:
+    """Raise NO_FORCE_LEFT if the static load takes all of the force."""
+    drive = machine.drive
+    if drive.motion_force <= 0.0:
+        detail = Message("static-load-of-force", load=drive.static_load, force=drive.max_force)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Corner:
+    """One variation of the machine in which the requirements must hold."""
+
+    payload: float = 0.0  # [kg]
+    frequency_factor: float = 1.0  # on all eigenfrequencies [-]
+    damping_factor: float = 1.0  # on all damping ratios [-]
+    state: str = ""  # name of the measured state; "": as [plant] states the machine
+
+
+NOMINAL = Corner()
+"""The machine exactly as the profile states it: no payload, no spread."""
+
+
+def vary(machine: Machine, corner: Corner) -> Machine:
+    """Return the nominal machine as it is in a corner: with mechanics changed, all else the same.
+
+    Payload adds to the moving mass (and to the rotary inertia if ``payload_radius`` is given);
+    the frequency factor s acts through stiffness with damping ratios fixed: k s², d s.
+
+    Source: the project's definition of corners.
+    """
+    mechanics = machine.mechanics_in(corner.state).vary(
+        payload=corner.payload,
+        payload_radius=machine.requirements.payload_radius,
+        frequency=corner.frequency_factor,
+        damping=corner.damping_factor,
+    )
+    return replace(machine, mechanics=mechanics)
+
+
+def corners(machine: Machine) -> tuple[Corner, ...]:
+    """Return the nominal machine and every combination of the ends of the stated ranges.
+
+    First the nominal one, then payload ends x frequency ends x damping ends, none twice: of the
+    machine as [plant] states it, then of each measured state. Its requirements hold the ranges.
+    """
+    needs = machine.requirements
+
+    def ends(spread: float) -> tuple[float, ...]:
+        return (1.0 - spread, 1.0 + spread) if spread else (1.0,)
+
+    combinations = product(
+        ("", *(state.name for state in machine.states)),
+        dict.fromkeys(needs.payload),
+        ends(needs.frequency_spread),
+        ends(needs.damping_spread),
+    )
+    outer = [
+        Corner(payload=payload, frequency_factor=frequency, damping_factor=damping, state=state)
+        for state, payload, frequency, damping in combinations
+    ]
+    return tuple(dict.fromkeys([NOMINAL, *outer]))

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
-from typing import Any, ClassVar, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
-from mtcommission.base.units.quantities import Dimension
+from mtcommission.base.units.quantities import AxisUnits, Dimension
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import (
     ELSEWHERE,
     ByKind,
@@ -27,7 +27,6 @@ from mtcommission.machine.keys import (
     read_table,
     table_schema,
 )
-from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
 from mtcommission.machine.readers import (
     IDENTIFIER,
     LONGEST_NAME,
@@ -51,12 +50,14 @@ class FlexibleMode:
 
     name: str = keyed(IDENTIFIER, "Name of the mode.", "column")  # used in state names
     natural_frequency: float = keyed(
-        FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
+        of.FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
     )  # ω [rad/s]
-    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.03")  # ζ [-]
-    tcp_gain: float = keyed(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")  # of q, signed
+    damping_ratio: float = keyed(of.RATIOS, "Damping ratio, 0 to below 1.", "0.03")  # ζ [-]
+    tcp_gain: float = keyed(
+        of.MODE_GAINS, "Share in the tool position.", "0.002 1/kg"
+    )  # of q, signed
     measured_gain: float = keyed(
-        MODE_GAINS, "Share in the encoder position.", "0.001 1/kg", default=0.0
+        of.MODE_GAINS, "Share in the encoder position.", "0.001 1/kg", default=0.0
     )  # of q, signed [1/kg]
 
     @property
@@ -86,15 +87,15 @@ class HeldMode(FlexibleMode):
 
     name: str = keyed(IDENTIFIER, "Name of the mode.", "belt")  # used in state names
     natural_frequency: float = keyed(
-        FREQUENCIES,
+        of.FREQUENCIES,
         "Eigenfrequency with the motor held, undamped.",
         "48 Hz",
         key="frequency",
         factor=2.0 * pi,
     )  # ω [rad/s]
-    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")  # ζ [-]
+    damping_ratio: float = keyed(of.RATIOS, "Damping ratio, 0 to below 1.", "0.05")  # ζ [-]
     tcp_gain: float = keyed(
-        RATIOS,
+        of.RATIOS,
         "Share in the tool position; 1 where one mode is all of it.",
         "1",
         factor=-1.0,
@@ -302,40 +303,3 @@ class States:
             "additionalProperties": False,
         }
         return {"$ref": "#/$defs/MachineState"}
-
-
-_Mode = TypeVar("_Mode", bound=FlexibleMode)
-
-
-def scale_modes(modes: Sequence[_Mode], *, frequency: float, damping: float) -> tuple[_Mode, ...]:
-    """Return modes with frequencies and damping ratios scaled by a factor each [-]."""
-    return tuple(
-        replace(
-            mode,
-            natural_frequency=mode.natural_frequency * frequency,
-            damping_ratio=mode.damping_ratio * damping,
-        )
-        for mode in modes
-    )
-
-
-def renew_modes(modes: Sequence[_Mode], new: Sequence[FlexibleMode]) -> tuple[_Mode, ...]:
-    """Return modes with the frequencies and damping ratios of others, in the same order."""
-    return tuple(
-        replace(mode, natural_frequency=one.natural_frequency, damping_ratio=one.damping_ratio)
-        for mode, one in zip(modes, new, strict=True)
-    )
-
-
-def find_mode_faults(modes: Sequence[FlexibleMode]) -> list[Misfit]:
-    """Return key below [plant] and message of names used twice and of equal poles."""
-    names = [mode.name for mode in modes]
-    faults = [
-        (f"modes.{place}.name", Message("mode-named-twice", name=name))
-        for place, name in enumerate(names)
-        if name in names[:place]
-    ]
-    return faults + [
-        (f"modes.{place}.frequency", Message("equal-poles", modes=what))
-        for place, what in find_equal_poles(modes)
-    ]

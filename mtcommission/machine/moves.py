@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from typing import Any
 
 from mtcommission.base.messages.message import Message
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import Table, keyed, read_table
-from mtcommission.machine.ranges import DISTANCES, DWELLS, VELOCITIES
 from mtcommission.machine.readers import KeyPath, Reading
 
 
@@ -18,20 +18,20 @@ class VelocityStep:
     """An element of [[moves]]: accelerate from rest to a velocity; the end position is free."""
 
     velocity_step: float = keyed(
-        VELOCITIES, "Accelerate from rest to this velocity; the end position is free.", "0.1 m/s"
+        of.VELOCITIES, "Accelerate from rest to this velocity; the end position is free.", "0.1 m/s"
     )
-    dwell: float = keyed(DWELLS, "Rest after the move.", "0 s", default=0.0)  # for the RMS force
+    dwell: float = keyed(of.DWELLS, "Rest after the move.", "0 s", default=0.0)  # for the RMS force
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Positioning:
     """An element of [[moves]]: move from rest to rest."""
 
-    distance: float = keyed(DISTANCES, "Move over this distance from rest to rest.", "20 mm")
+    distance: float = keyed(of.DISTANCES, "Move over this distance from rest to rest.", "20 mm")
     max_velocity: float = keyed(
-        VELOCITIES, "Velocity limit of a move over a distance.", "0.5 m/s", default=inf
+        of.VELOCITIES, "Velocity limit of a move over a distance.", "0.5 m/s", default=inf
     )
-    dwell: float = keyed(DWELLS, "Rest after the move.", "0 s", default=0.0)  # for the RMS force
+    dwell: float = keyed(of.DWELLS, "Rest after the move.", "0 s", default=0.0)  # for the RMS force
 
 
 Move = VelocityStep | Positioning
@@ -59,7 +59,7 @@ class MoveReader:
             return read_table(kind, value, place, reading, beside=self.keys)
         before = len(reading.faults)
         if given:
-            VELOCITIES.read(value["velocity_step"], (*place, "velocity_step"), reading)
+            of.VELOCITIES.read(value["velocity_step"], (*place, "velocity_step"), reading)
         known = {key: one for key, one in value.items() if key != "velocity_step"}
         read_table(kind, {"distance": 1.0, **known}, place, reading, beside=self.keys)
         if len(reading.faults) == before:
@@ -70,3 +70,21 @@ class MoveReader:
     def schema(self, tables: dict[str, Any]) -> dict[str, Any]:
         """Return the JSON schema: either form."""
         return {"anyOf": [Table(kind).schema(tables) for kind in self.kinds.values()]}
+
+
+def peak_velocity(move: Move, acceleration: float) -> float:
+    """Return the largest velocity [m/s] of a move under an acceleration limit [m/s²] alone."""
+    if isinstance(move, VelocityStep):
+        return move.velocity_step
+    return min(move.max_velocity, sqrt(acceleration * move.distance))
+
+
+def least_motion_time(move: Move, acceleration: float) -> float:
+    """Return how long a rigid axis needs for a move at this acceleration, without jerk limit [s].
+
+    It is v/a, and for positioning L/v on top, with the largest velocity v that is reached;
+    ``acceleration``: a [m/s²], > 0.
+    """
+    velocity = peak_velocity(move, acceleration)
+    cruise = 0.0 if isinstance(move, VelocityStep) else move.distance / velocity
+    return velocity / acceleration + cruise

@@ -13,8 +13,22 @@ from typing import Any, Protocol
 
 from mtcommission.base.errors import Refused
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import ROTARY, AxisUnits
-from mtcommission.base.units.quantities import LARGEST, Dimension, parse_quantity
+from mtcommission.base.units.quantities import (
+    FREQUENCY,
+    GAIN,
+    INERTIA,
+    LARGEST,
+    LENGTH,
+    LINEAR,
+    RATIO,
+    ROTARY,
+    ROTARY_DAMPING,
+    ROTARY_STIFFNESS,
+    TIME,
+    AxisUnits,
+    Dimension,
+    parse_quantity,
+)
 
 KeyPath = tuple[str | int, ...]
 
@@ -56,13 +70,7 @@ class Reading:
 
 
 def as_typed(given: object, number: float, unit: str) -> str:
-    """Return a quantity with the unit that the user typed; in SI where he typed none, or nothing.
-
-    Examples
-    --------
-    >>> as_typed("3 kN", 3000.0, "N"), as_typed(3000, 3000.0, "N")
-    ('3 kN', '3000 N')
-    """
+    """Return a quantity with the unit that the user typed; in SI where he typed none."""
     return given.strip() if isinstance(given, str) else f"{number:g} {unit}".rstrip()
 
 
@@ -316,13 +324,7 @@ class Signals:
 
 
 def read_path(key: str) -> KeyPath:
-    """Return the path of a dotted key.
-
-    Examples
-    --------
-    >>> read_path("moves.0.distance")
-    ('moves', 0, 'distance')
-    """
+    """Return the path of a dotted key."""
     return tuple(int(part) if part.isdigit() else part for part in key.split(".") if part)
 
 
@@ -333,13 +335,7 @@ def one_of(words: Sequence[str]) -> Message | str:
 
 
 def describe(value: object) -> Message | str:
-    """Return a TOML value as it was written, or what it is, for a message.
-
-    Examples
-    --------
-    >>> describe(True), describe([1, 2]), describe("x" * 100)[:8]
-    ('true', Message('json-array'), '"xxxxxxx')
-    """
+    """Return a TOML value as it was written, or what it is, for a message."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -360,13 +356,7 @@ def must_be(value: object, words: Message | str, hint: Message | None = None) ->
 
 
 def propose(name: str, known: Iterable[str]) -> Message:
-    """Return a hint: what was meant, or the list of what there is.
-
-    Examples
-    --------
-    >>> propose("base_mas", ["base_mass", "slider_mass"])
-    Message('hint-did-you-mean', name='base_mass')
-    """
+    """Return a hint: what was meant, or the list of what there is."""
     known = list(known)
     close = find_close(name, known)
     if close:
@@ -377,3 +367,65 @@ def propose(name: str, known: Iterable[str]) -> Message:
 def find_close(name: str, known: Iterable[str]) -> str:
     """Return the known name that resembles a misspelt one; "" if none does."""
     return next(iter(get_close_matches(name, list(known), n=1, cutoff=0.6)), "")
+
+
+# What a quantity of a machine may be; the ends only catch slips of units: a kilometre, a nanometre
+
+
+Ends = tuple[float, float]
+
+
+def _same(of: Dimension, low: float, high: float, above: float = -inf) -> AxisRange:
+    both = Range(of, low, high, above)
+    return AxisRange(both, both)
+
+
+def _of_axis(name: str, linear: Ends, rotary: Ends | None = None, above: float = -inf) -> AxisRange:
+    """A quantity that is another one on a rotary axis; ``rotary`` None: with the same numbers."""
+    turned = Range(getattr(ROTARY, name), *(rotary or linear), above)
+    return AxisRange(Range(getattr(LINEAR, name), *linear, above), turned)
+
+
+MASSES = _of_axis("mass", (1e-3, 1e6), (1e-9, 1e7), above=0.0)
+LOADS = _of_axis("mass", (0.0, 1e6), (0.0, 1e7))
+# The tower turns on a rotary axis as well, so its own quantities stay rotary.
+INERTIAS = _same(INERTIA, 1e-9, 1e7, 0.0)
+ROTARY_STIFFNESSES = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
+ROTARY_DAMPINGS = _same(ROTARY_DAMPING, 0.0, 1e11)
+ARMS = AxisRange(Range(LENGTH, -100.0, 100.0), Range(RATIO, -1e4, 1e4))
+STIFFNESSES = _of_axis("stiffness", (1.0, 1e12), (1e-3, 1e13), above=0.0)
+DAMPINGS = _of_axis("damping", (0.0, 1e10), (0.0, 1e11))
+FORCES = _of_axis("force", (1e-3, 1e8), (1e-6, 1e8), above=0.0)
+LEADS = _same(LENGTH, 1e-5, 100.0, 0.0)
+GEARS = _same(RATIO, 1e-4, 1e4, 0.0)
+RESOLUTIONS = _of_axis("length", (1e-13, 1e-3), (1e-13, 0.1), above=0.0)
+FRICTIONS = _of_axis("force", (0.0, 1e8))
+STATIC_LOADS = _of_axis("force", (-1e8, 1e8))
+VELOCITIES = _of_axis("velocity", (1e-6, 100.0), (1e-6, 1e4), above=0.0)
+ACCELERATIONS = _of_axis("acceleration", (1e-4, 1e4), (1e-4, 1e7), above=0.0)
+JERKS = _of_axis("jerk", (1e-3, 1e8), (1e-3, 1e11), above=0.0)
+DISTANCES = _of_axis("length", (1e-7, 1e3), (1e-7, 1e5), above=0.0)
+BANDS = _of_axis("length", (1e-10, 0.1), (1e-10, 1.0), above=0.0)
+MODE_GAINS = _of_axis("gain", (-1e6, 1e6), (-1e12, 1e12))
+VELOCITY_GAINS = _of_axis("damping", (1e-6, 1e12), (1e-9, 1e12), above=0.0)
+MODEL_TIMES = _same(TIME, 0.0, 10.0)
+DELAYS = AxisRange(MODEL_TIMES.linear, MODEL_TIMES.rotary, word="auto")
+LAGS = _same(TIME, 1e-6, 0.1, 0.0)
+FILTER_TIMES = _same(TIME, 1e-6, 1.0, 0.0)
+# Drives have 31.25 us and more, controls up to 20 ms; every simulation steps through them.
+CYCLES = _same(TIME, 1e-5, 0.05, 0.0)
+DWELLS = _same(TIME, 0.0, 1e5)
+TIMES = _same(TIME, 1e-6, 1e4, 0.0)
+FREQUENCIES = _same(FREQUENCY, 1e-2, 1e5, 0.0)
+STEP_RATES = _same(FREQUENCY, 1.0, 1e9, 0.0)
+POSITION_GAINS = _same(GAIN, 1e-3, 1e5, 0.0)
+RATIOS = _same(RATIO, -1e30, 1e30)
+SPREADS = _same(RATIO, 0.0, 1e30)
+SHARES = _same(RATIO, 0.01, 1.0, 0.0)
+FILTER_DAMPINGS = _same(RATIO, 0.0, 10.0)
+TAPS = _same(RATIO, -10.0, 10.0)
+FEEDFORWARDS = _same(RATIO, 0.0, 10.0)
+# A standard error may be as small as it likes; a delay as a clock shows it may be negative.
+MEASURED_FREQUENCIES = _same(FREQUENCY, 0.0, 1e6)
+MEASURED_TIMES = _same(TIME, -10.0, 10.0)
+MEASURED_MASSES = _of_axis("mass", (0.0, 1e8))

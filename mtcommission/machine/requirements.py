@@ -8,9 +8,9 @@ from math import inf, isfinite
 from typing import Any
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.base.units.quantities import AxisUnits
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import EMPTY, Misfit, Table, keyed
-from mtcommission.machine.ranges import ARMS, BANDS, LOADS, SHARES, SPREADS, TIMES, VELOCITIES
 from mtcommission.machine.readers import Array, PerSignal, Reading, Signals, Word, as_typed
 
 LARGEST_FREQUENCY_SPREAD = 0.5
@@ -30,9 +30,9 @@ class Peak:
 class Modes:
     """[requirements.modes]: allowed residual deviation (the band) in each machining mode [m]."""
 
-    surface: float = keyed(BANDS, "Band for finishing.", "2 um", left_out=None)
-    accuracy: float = keyed(BANDS, "Band for contours.", "5 um", left_out=None)
-    speed: float = keyed(BANDS, "Band for roughing.", "20 um", left_out=None)
+    surface: float = keyed(of.BANDS, "Band for finishing.", "2 um", left_out=None)
+    accuracy: float = keyed(of.BANDS, "Band for contours.", "5 um", left_out=None)
+    speed: float = keyed(of.BANDS, "Band for roughing.", "20 um", left_out=None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,10 +40,13 @@ class Reserve:
     """Share of what is allowed that recommendations may use; given limits may use all of it."""
 
     band: float = keyed(
-        SHARES, "Share of band, contour and peaks that recommendations may use.", "0.8", default=0.8
+        of.SHARES,
+        "Share of band, contour and peaks that recommendations may use.",
+        "0.8",
+        default=0.8,
     )
     force: float = keyed(
-        SHARES,
+        of.SHARES,
         "Share of set force and RMS force that recommendations may use.",
         "0.95",
         default=0.95,
@@ -58,17 +61,17 @@ class Requirements:
     """[requirements]: what the axis must achieve, in every corner; inf: not asked for."""
 
     tcp_deviation: float = keyed(
-        BANDS, "Half width of the band about the delayed setpoint.", "5 um"
+        of.BANDS, "Half width of the band about the delayed setpoint.", "5 um"
     )
-    max_settling_time: float = keyed(TIMES, "Longest settling time.", "0.2 s", default=inf)
+    max_settling_time: float = keyed(of.TIMES, "Longest settling time.", "0.2 s", default=inf)
     contour_deviation: float = keyed(
-        BANDS,
+        of.BANDS,
         "Allowed deviation from the delayed setpoint during the whole move.",
         "20 um",
         default=inf,
     )
     contour_feed: float = keyed(
-        VELOCITIES,
+        of.VELOCITIES,
         "Largest velocity at which the contour must be kept; left out: that of each move.",
         "2 m/min",
         default=inf,
@@ -80,14 +83,14 @@ class Requirements:
         left_out=EMPTY,
     )
     frequency_spread: float = keyed(
-        SPREADS,
+        of.SPREADS,
         "Relative uncertainty of all eigenfrequencies; none must be said.",
         "5 %",
         default=0.0,
         left_out=0.05,
     )
     damping_spread: float = keyed(
-        SPREADS,
+        of.SPREADS,
         "Relative uncertainty of all damping ratios; none must be said.",
         "30 %",
         default=0.0,
@@ -102,10 +105,13 @@ class Requirements:
         left_out=True,
     )
     payload: tuple[float, float] = keyed(
-        Array(LOADS, 2, 2), "Least and largest payload.", '["0 kg", "100 kg"]', default=(0.0, 0.0)
+        Array(of.LOADS, 2, 2),
+        "Least and largest payload.",
+        '["0 kg", "100 kg"]',
+        default=(0.0, 0.0),
     )
     payload_radius: float = keyed(
-        ARMS,
+        of.ARMS,
         "Radius of gyration of the payload about the rotary joint.",
         "0.3 m",
         default=0.0,

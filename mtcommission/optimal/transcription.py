@@ -33,9 +33,8 @@ from numpy.typing import NDArray
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Weight
-from mtcommission.machine.moves import Move
+from mtcommission.machine.moves import Move, least_motion_time
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.control import (
     ArcControl,

@@ -18,10 +18,9 @@ from mtcommission.loop.model.controller import Controller, PathDelay, list_delay
 from mtcommission.loop.respond import OUTPUTS
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import ForceFilter, shortest_ramp
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import Corner, vary
 from mtcommission.record.moves import InCorner, Series, by_mode, describe_move
 from mtcommission.record.shape import Matrix, Words, entry_of, of
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -12,7 +12,7 @@ from mtcommission.machine.drive import PositionSource
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, kalman_rank
-from mtcommission.machine.profile.lines import find_key_lines, show_key
+from mtcommission.machine.profile.read import find_key_lines, show_key
 from mtcommission.machine.readers import KeyPath
 from mtcommission.record.shape import Matrix, Words, of
 
@@ -115,7 +115,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     What the text of the profile does not state is a default. Data of plant and drive have the
     machine's source, moves and requirements the profile itself, but for ``machine.assumed``.
     """
-    stated = find_key_lines(profile_text).lines
+    stated = find_key_lines(profile_text)
     given = {_spelt(machine, path) for path in stated}
     assumed = {_spelt(machine, path) for path in stated if machine.is_assumed(show_key(path))}
     return [

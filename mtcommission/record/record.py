@@ -19,7 +19,7 @@ from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import STEERING, Message
 from mtcommission.loop.model.assembly import CrossCheck
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.checks import check_plausibility
 from mtcommission.record.identified import IdentifiedPart, ToolSensorEntry, read_evidence
 from mtcommission.record.limits import LimitsPart, limits_part
 from mtcommission.record.loop import LoopPart, WhatIfPart, loop_part, what_if_part

@@ -7,7 +7,7 @@ from math import inf
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.machine.moves import least_motion_time
 
 MOST_CYCLES = 500_000
 """Velocity cycles of one move at most: a minute at 125 us, which no axis takes (empirical)."""

@@ -18,7 +18,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mtcommission.base.errors import Fault, InputError
-from mtcommission.base.messages.languages import LANGUAGES
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.message import Message
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.machine.basis import OF_LOOP, mark_assumed, name_control, say_loop
+from mtcommission.machine.checks import OF_LOOP, mark_assumed, name_control, say_loop
 from mtcommission.record.machine import say_assumed
 from mtcommission.record.moves import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.tables import show

@@ -9,8 +9,8 @@ import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.machine.basis import say_filter
+from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
+from mtcommission.machine.checks import say_filter
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.record.identified import (
     IdentifiedPart,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.machine.basis import say_jerk
+from mtcommission.machine.checks import say_jerk
 from mtcommission.record.limits import Alternative, ModeLimitsEntry
 from mtcommission.record.machine import ModeEntry
 from mtcommission.record.moves import MoveEntry

@@ -14,7 +14,7 @@ from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.control import is_neutral
 from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
-from mtcommission.machine.basis import filter_rows, say_filter
+from mtcommission.machine.checks import filter_rows, say_filter
 from mtcommission.record.limits import AttainableEntry
 from mtcommission.record.machine import datum_name
 from mtcommission.record.moves import Check

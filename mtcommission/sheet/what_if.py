@@ -17,7 +17,7 @@ from typing import Any
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.controls.kind import FIR, MOVING_AVERAGE
-from mtcommission.machine.basis import say_filter
+from mtcommission.machine.checks import say_filter
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.loop import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from mtcommission.base.errors import ComputationError
 from mtcommission.base.messages.message import Message
 from mtcommission.limits.optima import Optima
-from mtcommission.machine.machine import Machine, moving_mass
-from mtcommission.machine.moves import Positioning
+from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
+from mtcommission.machine.moves import Positioning, least_motion_time
 from mtcommission.machine.plant.plant import build_plant, driven_at_once, longest_period
-from mtcommission.machine.rigid_body import least_motion_time
-from mtcommission.machine.variations import Corner, vary
 from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.settings import BAND

@@ -31,10 +31,9 @@ from mtcommission.loop.poles import find_poles
 from mtcommission.loop.respond import extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.simulate import simulate_rubbing
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import knots_of, plan_within
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of

@@ -49,13 +49,9 @@ def run_sweep(
     ``engine``: None for this process. ``progress`` is called after each piece, ``notice`` where a
     cluster has no workers to wait for.
 
-    Raises
-    ------
-    InputError
-        The folder cannot be used, another sweep is at work there, or the disk is full.
-    ComputationError
-        WORKER_LOST if workers end again and again, SCHEDULER_LOST if a cluster's scheduler does;
-        STOPPED by Ctrl-C, kill or a closed terminal.
+    Raises InputError: the folder cannot be used, another sweep is at work there, or the disk is
+    full. Raises ComputationError: WORKER_LOST if workers end again and again, SCHEDULER_LOST if a
+    cluster's scheduler does; STOPPED by Ctrl-C, kill or a closed terminal.
     """
     with hold_folder(folder), end_as_if_by_keyboard():
         results = (*RESULTS, str(Path(place_of_record(0)).parent))

@@ -76,12 +76,7 @@ class _Immediate(Executor):
 def open_lane(engine: Engine) -> Iterator[Lane]:
     """Yield what runs the work; what has not begun is dropped at the end.
 
-    Raises
-    ------
-    InputError
-        The address is of no use.
-    NoSchedulerError
-        Nobody answers there.
+    Raises InputError if the address is of no use, NoSchedulerError if nobody answers there.
     """
     if engine.scheduler:
         with _open_cluster(engine.scheduler) as lane:

@@ -22,8 +22,7 @@ from mtcommission.base.messages.message import Message, Value
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
 from mtcommission.machine.moves import Positioning
-from mtcommission.machine.profile.lines import read_key
-from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile, read_key
 from mtcommission.optimal.control import Bound
 
 FORCE_KEY = "drive.max_force"
@@ -145,13 +144,7 @@ def _neighbours(plan: Plan) -> int:
 
 
 def read_axis(text: str, *, where: str) -> Axis:
-    """Return what ``KEY=RANGE`` asks for; raise InputError, naming the option, if it is no range.
-
-    Examples
-    --------
-    >>> read_axis("plant.slider_mass=600kg:900kg:3", where="--vary").rows
-    (('600.0 kg',), ('750.0 kg',), ('900.0 kg',))
-    """
+    """Return what ``KEY=RANGE`` asks for; raise InputError, naming the option, otherwise."""
     key, separator, values = text.partition("=")
     if not separator or not key.strip():
         raise InputError([Fault(where=where, message=Message("sweep-no-axis", got=repr(text)))])
@@ -231,10 +224,7 @@ def vary_profile(text: str, settings: Settings, *, where: str) -> str:
 
     Whether keys and values are allowed is for the profile's reader to say.
 
-    Raises
-    ------
-    InputError
-        A key leads through a value, or the text is no TOML.
+    Raises InputError: a key leads through a value, or the text is no TOML.
     """
     mark = sha256(text.encode()).hexdigest()  # stands nowhere in the text
     template = _mark_places(text, tuple(key for key, _ in settings), mark=mark, where=where)

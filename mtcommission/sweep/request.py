@@ -1,37 +1,51 @@
-"""Options of the command line -> plan; every fault at once, before any work."""
+"""Options of the command line, and a table of cases -> plan; every fault at once, before any work.
+
+The table is a CSV file as spreadsheets save it, headed like ``rows.csv``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import csv
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from itertools import chain, islice, product
 from pathlib import Path
 
+import numpy as np
+
 from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.commission.options import Options
 from mtcommission.machine.plant.plant import build_plant
-from mtcommission.machine.profile.lines import read_key
-from mtcommission.machine.profile.read import parse_profile, read_profile_text
-from mtcommission.sweep.case_table import load_cases
+from mtcommission.machine.profile.read import parse_profile, read_key, read_profile_text
 from mtcommission.sweep.plan import (
     FORCE_KEY,
+    MOST_VALUES,
     PEAKS_KEY,
     Axis,
     Plan,
     Quantity,
-    Settings,
     read_axis,
     read_range,
     unit_of,
     vary_profile,
 )
 
+LARGEST_TABLE = 30_000_000
+"""Bytes; as many cases as a sweep takes, with thirty characters each: half a gigabyte as cells."""
+MOST_COLUMNS = 200
+"""More than the keys of a profile with eight modes that make sense to vary together."""
+
+HEAD = re.compile(r"(.*\S)\s+\[([^\]]*)\]")
+"""A key, and its unit behind a blank; ``moves[1].distance`` has none."""
+
 ACCELERATION_KEY = "drive.max_acceleration"
 """What --f-max varies where the motor follows its setpoint."""
-MOST_COMPANIES = 64
-"""Combinations that a refused value is tried in: some 10 ms each."""
+MOST_CASES = 64
+"""In which a refused value is tried: some 10 ms each."""
 
 
 def read_plan(
@@ -50,10 +64,7 @@ def read_plan(
 
     ``limits`` have a value or a range; they and ``move`` go with ``optimal`` only.
 
-    Raises
-    ------
-    InputError
-        With every fault found.
+    Raises InputError with every fault found.
     """
     options = Options()
     text = read_profile_text(profile)
@@ -61,12 +72,15 @@ def read_plan(
     plant = build_plant(machine)
     varied = [limit for limit in limits if ":" in limit or "," in limit]
     bounds = tuple(options.bound(plant, limit) for limit in limits if limit not in varied)
-    readers = [partial(load_cases, cases)] if cases is not None else []
+    readers: list[Callable[[], Axis]] = []
+    if cases is not None:
+        readers.append(partial(load_cases, cases))
     readers += [partial(read_axis, item, where="--vary") for item in vary]
     readers += [partial(read_axis, PEAKS_KEY + item, where="--limit") for item in varied]
     if f_max:
         key = ACCELERATION_KEY if machine.drive.follows else FORCE_KEY
-        readers.append(partial(_read_force, key, f_max))
+        where = "--f-max"
+        readers.append(lambda: Axis(keys=(key,), rows=read_range(f_max, where=where), where=where))
     axes = []
     for read in readers:
         try:
@@ -96,10 +110,6 @@ def read_plan(
     if faults:
         raise InputError(faults)
     return plan
-
-
-def _read_force(key: str, text: str) -> Axis:
-    return Axis(keys=(key,), rows=read_range(text, where="--f-max"), where="--f-max")
 
 
 def check_plan(plan: Plan) -> None:
@@ -149,12 +159,13 @@ def _ends(texts: Sequence[str]) -> list[list[int]]:
 def _refusals(plan: Plan, axis: Axis, row: int, key: str) -> list[Fault]:
     """What the profile's reader says against a value of a key, whatever the other keys are.
 
-    Tried are nothing else that varies, and the ends of the other axes.
+    Tried are nothing else that varies, and the other keys as cases of the whole plan have them.
     """
     text = dict(zip(axis.keys, axis.rows[row], strict=True))[key]
     path = f"{read_key(key)}."
+    cases = np.linspace(0, plan.count - 1, MOST_CASES).astype(int).tolist()
     refused: list[Fault] = []
-    for others in _companies(plan, axis, row):
+    for others in ((), *map(plan.settings, dict.fromkeys(cases))):
         settings = (*((one, value) for one, value in others if one != key), (key, text))
         try:
             varied = vary_profile(plan.profile_text, settings, where=plan.where)
@@ -168,20 +179,90 @@ def _refusals(plan: Plan, axis: Axis, row: int, key: str) -> list[Fault]:
     return refused
 
 
-def _companies(plan: Plan, axis: Axis, row: int) -> Iterator[Settings]:
-    yield ()
-    if plan.is_paired:
-        yield plan.settings(row)
-        return
-    rows = [axis.rows[row : row + 1] if other is axis else _outermost(other) for other in plan.axes]
-    for met in islice(product(*rows), MOST_COMPANIES):
-        pairs = (
-            zip(other.keys, texts, strict=True) for other, texts in zip(plan.axes, met, strict=True)
-        )
-        yield tuple(chain.from_iterable(pairs))
+# A table of cases
 
 
-def _outermost(axis: Axis) -> list[tuple[str, ...]]:
-    columns = zip(*axis.rows, strict=True)
-    places = {place for texts in columns for group in _ends(texts) for place in group}
-    return [axis.rows[place] for place in sorted(places, reverse=True)]
+def load_cases(path: Path) -> Axis:
+    """Return the cases of a CSV file (UTF-8); raise InputError with every fault found in it."""
+    where = str(path)
+    data = read_bytes(path, folder=Message("file-is-folder"), most=LARGEST_TABLE + 1)
+    if len(data) > LARGEST_TABLE:
+        raise _fault(where, Message("sweep-table-too-large", most=LARGEST_TABLE))
+    try:
+        return read_cases(data.decode("utf-8-sig"), where=where)
+    except UnicodeDecodeError as error:
+        raise _fault(where, Message("sweep-no-text")) from error
+
+
+def read_cases(text: str, *, where: str) -> Axis:
+    r"""Return the cases of a CSV table: a header of keys, then one case a line.
+
+    Columns are parted by commas, semicolons or tabs, as the header shows; ``f_max`` stands for
+    ``drive.max_force``. A unit stands behind each value, or once in the header. Raises InputError
+    with every faulty line.
+    """
+    table = _cells(text, where)
+    if len(table) < 2 or not all(table[0][1]):
+        raise _fault(where, Message("sweep-table-without-cases"), line=1)
+    if len(table) - 1 > MOST_VALUES:
+        message = Message("sweep-table-too-long", count=len(table) - 1, most=MOST_VALUES)
+        raise _fault(where, message)
+    if len(table[0][1]) > MOST_COLUMNS:
+        message = Message("sweep-table-too-wide", count=len(table[0][1]), most=MOST_COLUMNS)
+        raise _fault(where, message, line=table[0][0])
+    heads = [_split_head(head) for head in table[0][1]]
+    faults = [
+        Fault(where=where, line=line, message=wrong)
+        for line, cells in table[1:]
+        if (wrong := _wrong_with(cells, heads))
+    ]
+    if faults:
+        raise InputError(faults)
+    units = [unit for _, unit in heads]
+    return Axis(
+        keys=tuple(FORCE_KEY if key == "f_max" else key for key, _ in heads),
+        rows=tuple(tuple(map(_join_unit, cells, units)) for _, cells in table[1:]),
+        lines=tuple(line for line, _ in table[1:]),
+        where=where,
+    )
+
+
+def _cells(text: str, where: str) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line that has any."""
+    head = text.lstrip().partition("\n")[0]
+    # No key holds one of these, so the header tells what parts the columns.
+    separator = next((mark for mark in ";\t" if mark in head), ",")
+    reader = csv.reader(io.StringIO(text), delimiter=separator)
+    try:
+        lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
+    except csv.Error as error:
+        raise _fault(
+            where, Message("sweep-no-csv", reason=str(error)), line=reader.line_num
+        ) from error
+    return [(number, cells) for number, cells in lines if any(cells)]
+
+
+def _split_head(head: str) -> tuple[str, str]:
+    """Key and unit of a heading."""
+    match = HEAD.fullmatch(head)
+    return (match[1], match[2].strip()) if match else (head, "")
+
+
+def _wrong_with(cells: list[str], heads: list[tuple[str, str]]) -> Message | None:
+    """What is wrong with a line; None if nothing is."""
+    if len(cells) != len(heads):
+        return Message("sweep-count-of-cells", wanted=len(heads), got=len(cells))
+    for cell, (key, unit) in zip(cells, heads, strict=True):
+        if not cell:
+            return Message("sweep-empty-cell", key=key)
+        if unit and NUMBER.match(cell) and not NUMBER.fullmatch(cell):
+            return Message("sweep-two-units", key=key, got=cell, unit=unit)
+    return None
+
+
+def _join_unit(cell: str, unit: str) -> str:
+    return f"{cell} {unit}" if unit and NUMBER.fullmatch(cell) else cell
+
+
+def _fault(where: str, message: Message, *, line: int = 0) -> InputError:
+    return InputError([Fault(where=where, line=line, message=message)])

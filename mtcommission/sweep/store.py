@@ -44,10 +44,7 @@ class Store:
     def append(self, piece: int, answers: Sequence[Answer]) -> None:
         """Write the answers of one piece, without records, and wait until they are on the disk.
 
-        Raises
-        ------
-        InputError
-            The disk is full or gone; the file is as long as before.
+        Raises InputError: the disk is full or gone; the file is as long as before.
         """
         kept = [(one.cells, one.outcome, one.message) for one in answers]
         text = json.dumps([self.plan, self.created, piece, kept], separators=(",", ":")).encode()
@@ -71,11 +68,8 @@ def open_store(
     ``results`` are files that a sweep leaves; where they are without a store, somebody else wrote
     them. A continued sweep keeps its first date; one that ended before its first row begins anew.
 
-    Raises
-    ------
-    InputError
-        There are rows already and ``resume`` was not asked for, they belong to another sweep, there
-        are files that no sweep of ours wrote, or the folder cannot be written.
+    Raises InputError: there are rows already and ``resume`` was not asked for, they belong to
+    another sweep, there are files that no sweep of ours wrote, or the folder cannot be written.
     """
     path = folder / NAME
     try:
@@ -148,10 +142,7 @@ def disk_full(path: Path, error: OSError) -> InputError:
 def hold_folder(folder: Path) -> Iterator[None]:
     """Keep other sweeps out of a folder, made if it is missing, as long as the block runs.
 
-    Raises
-    ------
-    InputError
-        Another sweep is at work there, or the folder cannot be written.
+    Raises InputError: another sweep is at work there, or the folder cannot be written.
     """
     if (folder / LOCK).is_symlink():
         raise no_folder(folder, Message("sweep-lock-is-link", name=LOCK))

@@ -8,7 +8,7 @@ import numpy as np
 
 from mtcommission.base.errors import MtcommissionError
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
+from mtcommission.base.units.quantities import AxisUnits
 from mtcommission.identify.measurement import Array
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -8,11 +8,18 @@ from functools import cache
 from math import copysign, pi, prod, sqrt
 
 from mtcommission.base.errors import Refused
-from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
-from mtcommission.base.units.quantities import FREQUENCY, RATIO, Dimension, parse_quantity
+from mtcommission.base.units.quantities import (
+    FREQUENCY,
+    LINEAR,
+    RATIO,
+    ROTARY,
+    AxisUnits,
+    Dimension,
+    parse_quantity,
+)
 from mtcommission.machine.mechanics import KINDS, SOURCE
 from mtcommission.machine.profile.describe import KeyQuestion, questions
-from mtcommission.machine.profile.lines import read_key, show_key
+from mtcommission.machine.profile.read import read_key, show_key
 from mtcommission.machine.readers import read_path
 
 Answers = Mapping[str, str]

@@ -20,8 +20,13 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import TIME
 from mtcommission.machine.profile.describe import find_unknown
-from mtcommission.machine.profile.lines import find_key_lines, read_key
-from mtcommission.machine.profile.read import load_toml, parse_profile, read_profile_text
+from mtcommission.machine.profile.read import (
+    find_key_lines,
+    load_toml,
+    parse_profile,
+    read_key,
+    read_profile_text,
+)
 from mtcommission.machine.readers import propose
 from mtcommission.wizard import answers as own_keys
 from mtcommission.wizard.answers import (
@@ -96,7 +101,7 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
     if answers_file is not None:
         given, where = read_profile_text(answers_file), str(answers_file)
         data = load_toml(given, where=where)
-        found = find_key_lines(given).lines
+        found = find_key_lines(given)
         lines = {".".join(map(str, path)): line for path, line in found.items()}
         answers |= close_arrays(_known(to_answers(data), where=where, lines=lines))
     return Source(answers=answers, text=text, where=str(answers_file or ""), lines=lines)

@@ -22,8 +22,8 @@ from mtcommission.base.units.quantities import (
     parse_quantity,
 )
 from mtcommission.controls.kinds import KINDS
-from mtcommission.machine.basis import name_control
-from mtcommission.machine.profile.lines import show_key
+from mtcommission.machine.checks import name_control
+from mtcommission.machine.profile.read import show_key
 from mtcommission.machine.readers import Range, read_path
 from mtcommission.wizard.answers import profile_key
 

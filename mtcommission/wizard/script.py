@@ -18,7 +18,7 @@ from mtcommission.machine.machine import MOST_MOVES
 from mtcommission.machine.mechanics import KINDS, SOURCE
 from mtcommission.machine.plant.modal import MOST_MODES
 from mtcommission.machine.profile.describe import KeyQuestion
-from mtcommission.machine.ranges import FREQUENCIES, LOADS, MASSES, RATIOS, STIFFNESSES
+from mtcommission.machine.readers import FREQUENCIES, LOADS, MASSES, RATIOS, STIFFNESSES
 from mtcommission.wizard.answers import (
     FILES,
     KIND_OF_WAY,

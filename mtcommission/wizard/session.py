@@ -14,11 +14,10 @@ from mtcommission.base.files import write_text
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import MASS, wrap_whole
+from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import PLANTS, Mechanics
-from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.machine.profile.lines import read_key, show_key
-from mtcommission.machine.profile.read import parse_profile
+from mtcommission.machine.profile.read import parse_profile, read_key, show_key
 from mtcommission.machine.readers import Reading, read_path
 from mtcommission.wizard.answers import (
     FILES,

@@ -1,9 +1,18 @@
-"""What the program says, as data: kinds with typed values; one text per language and axis kind.
+"""What the program says, as data: kinds with typed values; a language is a folder of texts."""
 
-message.py      a kind and its values: what results and records hold
-quantities.py   SI values -> numbers with an engineering unit
-functions.py    what the texts call to print them
-formula.py      formulas as trees
-catalogue.py    message -> text of a language, at the rim only
-texts/          the texts, in Fluent's format: ``texts/LANGUAGE/*.ftl``
-"""
+from __future__ import annotations
+
+from pathlib import Path
+
+TEXTS = Path(__file__).with_name("texts")
+"""One folder for each language, named by its code."""
+
+ENGLISH = "en"
+
+LANGUAGES: tuple[str, ...] = tuple(
+    sorted(
+        (folder.name for folder in TEXTS.iterdir() if folder.is_dir()),
+        key=lambda code: (code != ENGLISH, code),
+    )
+)
+"""Their codes, English first."""

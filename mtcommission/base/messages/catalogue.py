@@ -17,10 +17,9 @@ from types import MappingProxyType
 from fluent.runtime import FluentBundle, FluentResource
 from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
-from mtcommission.base.messages.functions import functions_of
-from mtcommission.base.messages.languages import TEXTS
+from mtcommission.base.messages import TEXTS
 from mtcommission.base.messages.message import Message, Value, printable
-from mtcommission.base.messages.quantities import Formatter
+from mtcommission.base.messages.quantities import Formatter, functions_of
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=[ ]*(.*(?:\n(?:[ }].*|(?=\n)))*)", re.MULTILINE)
 """A text begins at the margin; its further lines are indented, the last may close a bracket."""
@@ -60,12 +59,8 @@ class Catalogue:
     def say(self, message: Message | str) -> str:
         """Return the text of a message; one of the user's own stays as it is.
 
-        Raises
-        ------
-        KeyError
-            The catalogue has no such kind.
-        ValueError
-            The text asks for a value that the message lacks, or for one of another type.
+        Raises KeyError: the catalogue has no such kind. Raises ValueError: the text asks for a
+        value that the message lacks, or for one of another type.
 
         Examples
         --------
@@ -79,13 +74,7 @@ class Catalogue:
         return self.text(message.kind, **message.values)
 
     def text(self, kind: str, /, **values: Value) -> str:
-        """Return the text of a kind with values, as ``say`` does; ``KIND.PART`` is a part of it.
-
-        Examples
-        --------
-        >>> Catalogue("en", rotary=True).text("requirement-rms-force")
-        'RMS torque'
-        """
+        """Return the text of a kind with values, as ``say`` does; ``KIND.PART`` is a part of it."""
         entry, _, part = kind.partition(".")
         source = entries_of(self.language)[entry]
         if not set("{\n") & set(source):
@@ -107,27 +96,12 @@ class Catalogue:
         return self.text(kind) if self.has(kind) else otherwise
 
     def own(self, scope: str, key: str, **values: Value) -> str:
-        """Return the text that a page or table has of its own for a key, or that of all others.
-
-        Examples
-        --------
-        >>> Catalogue().own("terminal-head", "peak"), Catalogue().own("terminal-head", "jerk")
-        ('Peak', 'Jerk')
-        """
+        """Return the text that a page or table has of its own for a key, or that of all others."""
         kind = f"{scope}-{key}"
         return self.text(kind if self.has(kind) else key, **values)
 
     def name(self, key: str) -> str:
-        """Return the name of a state, an output or a key of the profile as messages spell it.
-
-        Examples
-        --------
-        >>> words = Catalogue()
-        >>> words.name("plant.modes[2].damping_ratio"), words.name("control.position_gain")
-        ('Damping ratio of mode 2', 'Position gain Kv')
-        >>> words.name("v_phi"), words.name("q_column")
-        ('Tower rotation rate v_φ', 'Deflection of mode column')
-        """
+        """Return the name of a state, an output or a key of the profile as messages spell it."""
         element = _ELEMENT.search(key)
         if element:
             name = self.name(f"{element[1]}{element[3]}")

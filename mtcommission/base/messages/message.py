@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import NoReturn, TypeAlias
+from dataclasses import dataclass
+from typing import TypeAlias
 
 Value: TypeAlias = "float | int | str | bool | Message | tuple[Value, ...] | None"
 """SI number, text of the user (names of modes, files), key of another text, or messages inside."""
@@ -15,39 +15,20 @@ STEERING = re.compile(
 )
 """Characters that move a cursor, turn the direction of writing, or are none."""
 
-NO_VALUES: Mapping[str, Value] = MappingProxyType({})
 
-
+@dataclass(frozen=True, slots=True, init=False, repr=False)
 class Message:
     """What is to be said: no words yet, they are in the catalogue of each language.
 
     ``kind`` is the key of the text in the catalogue; the catalogue knows the unit of each value.
-
-    Examples
-    --------
-    >>> Message("kept-between", low=-0.05, high=0.1)
-    Message('kept-between', low=-0.05, high=0.1)
     """
-
-    __slots__ = ("kind", "values")
 
     kind: str
     values: Mapping[str, Value]
 
     def __init__(self, kind: str, /, **values: Value) -> None:
         object.__setattr__(self, "kind", kind)
-        object.__setattr__(self, "values", MappingProxyType(values) if values else NO_VALUES)
-
-    def __setattr__(self, name: str, value: object) -> NoReturn:
-        raise AttributeError(f"a message does not change: {name}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return _again, (self.kind, dict(self.values))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Message):
-            return NotImplemented
-        return self.kind == other.kind and dict(self.values) == dict(other.values)
+        object.__setattr__(self, "values", values)
 
     def __hash__(self) -> int:
         return hash((self.kind, tuple(sorted(self.values.items(), key=lambda item: item[0]))))
@@ -57,41 +38,19 @@ class Message:
         return f"Message({self.kind!r}{values})"
 
 
-def _again(kind: str, values: dict[str, Value]) -> Message:
-    return Message(kind, **values)
-
-
 def printable(text: str) -> str:
-    r"""Return a foreign text that neither steers a terminal nor begins a line of its own.
-
-    Examples
-    --------
-    >>> printable("a\x1b[31mb")
-    'a?[31mb'
-    """
+    r"""Return a foreign text that neither steers a terminal nor begins a line of its own."""
     return STEERING.sub("?", text)
 
 
 def join_by_and(messages: Sequence[Message]) -> Message:
-    """Return one message that says all of some: a and b and c.
-
-    Examples
-    --------
-    >>> join_by_and([Message("force"), Message("band")])
-    Message('joined-by-and', first=Message('force'), second=Message('band'))
-    """
+    """Return one message that says all of some: a and b and c."""
     *before, last = messages
     return Message("joined-by-and", first=join_by_and(before), second=last) if before else last
 
 
 def parts_of(message: Message | str) -> tuple[Message, ...]:
-    """Return a message and all messages in it.
-
-    Examples
-    --------
-    >>> parts_of(Message("bound-by", what=Message("force")))[-1]
-    Message('force')
-    """
+    """Return a message and all messages in it."""
     if isinstance(message, str):
         return ()
     inner = [one for one in message.values.values() if isinstance(one, Message)]
@@ -99,13 +58,7 @@ def parts_of(message: Message | str) -> tuple[Message, ...]:
 
 
 def to_json(value: Value) -> object:
-    """Return a value as the record holds it: ``{"message": kind, "values": {...}}``.
-
-    Examples
-    --------
-    >>> to_json(Message("bound-by", what=Message("force", share=0.9)))
-    {'message': 'bound-by', 'values': {'what': {'message': 'force', 'values': {'share': 0.9}}}}
-    """
+    """Return a value as the record holds it: ``{"message": kind, "values": {...}}``."""
     if isinstance(value, Message):
         values = {name: to_json(inner) for name, inner in value.values.items()}
         return {"message": value.kind, "values": values}
@@ -115,15 +68,7 @@ def to_json(value: Value) -> object:
 def from_json(entry: object) -> Value:
     """Return what ``to_json`` was given.
 
-    Raises
-    ------
-    ValueError
-        No such entry.
-
-    Examples
-    --------
-    >>> from_json({"message": "force", "values": {"share": 0.9}})
-    Message('force', share=0.9)
+    Raises ValueError: no such entry.
     """
     if isinstance(entry, dict):
         kind, values = entry.get("message"), entry.get("values")

@@ -6,7 +6,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from fractions import Fraction
 from itertools import product
 from math import isfinite, pi
@@ -14,7 +16,6 @@ from textwrap import wrap
 
 from mtcommission.base.errors import Refused
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.advice import find_worth, list_candidates
 from mtcommission.base.units.symbols import LONGEST_TEXT, ONE, SYMBOLS, Unit, read_unit
 
 LARGEST = 10**300
@@ -72,10 +73,7 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
 
     ``decimal_comma``: whether ``"2,5 ms"`` is read as 2.5 ms instead of refused.
 
-    Raises
-    ------
-    Refused
-        With a message that says what was got and what to write.
+    Raises Refused with a message that says what was got and what to write.
 
     Examples
     --------
@@ -260,3 +258,122 @@ DIMENSIONS = (
     ROTARY_STIFFNESS, ROTARY_DAMPING, PER_MASS, PER_INERTIA, RATIO,
 )  # fmt: skip
 """All dimensions with a name of their own; a gain is a frequency by its exponents."""
+
+
+# What somebody meant who typed a unit that is none
+
+
+MEANT = {
+    "kgs": "kg", "kilo": "kg", "kilos": "kg", "kilogram": "kg", "kilograms": "kg", "to": "t",
+    "tons": "t", "tonne": "t", "tonnes": "t", "gram": "g", "grams": "g",
+    "meter": "m", "meters": "m", "metre": "m", "metres": "m", "micron": "um", "microns": "um",
+    "mu": "um", "mic": "um", "my": "um", "millimeter": "mm", "millimeters": "mm",
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us",
+    "mins": "min", "minute": "min", "minutes": "min", "mn": "min",
+    "newton": "N", "newtons": "N", "kilonewton": "kN", "hertz": "Hz", "hz": "Hz",
+    "u": "rev", "r": "rev", "turn": "rev", "turns": "rev", "umdr": "rev", "revs": "rev",
+    "grad": "deg", "degree": "deg", "degrees": "deg", "degs": "deg", "radian": "rad",
+    "radians": "rad", "mil": "mm",
+}  # fmt: skip
+"""Words by what people write for them, in lower case."""
+
+FOREIGN = {
+    "lb": "1 lb = 0.45359237 kg", "lbs": "1 lb = 0.45359237 kg", "lbf": "1 lbf = 4.4482216 N",
+    "oz": "1 oz = 0.028349523 kg", "in": "1 in = 25.4 mm", "inch": "1 in = 25.4 mm",
+    "inches": "1 in = 25.4 mm", "ft": "1 ft = 0.3048 m", "feet": "1 ft = 0.3048 m",
+    "kp": "1 kp = 9.80665 N", "kgf": "1 kgf = 9.80665 N", "ipm": "1 ipm = 25.4 mm/min",
+    "psi": "1 psi = 6894.757 N/m^2", "ps": "1 PS = 735.49875 N m/s", "hp": "1 hp = 745.7 N m/s",
+    "thou": "1 thou = 25.4 um", "h": "1 h = 3600 s", "hr": "1 h = 3600 s",
+}  # fmt: skip
+"""Units that are not taken, with what they are worth: a wrong factor must not slip in silently."""
+
+WORD = re.compile(r"[A-Za-zµμ]+")
+
+
+def find_worth(unit: str) -> str:
+    """Return what a unit is worth that is not taken, e.g. the pound; "" if it is none of them."""
+    words = (word.lower() for word in WORD.findall(unit))
+    return next((FOREIGN[word] for word in words if word in FOREIGN), "")
+
+
+def list_candidates(unit: str, usual: Sequence[str], symbols: Sequence[str]) -> tuple[str, ...]:
+    """Return what may have been meant by a unit, the likeliest first, never the unit itself.
+
+    ``usual``: units that would fit here; ``symbols``: every symbol that is known.
+
+    Examples
+    --------
+    >>> list_candidates("m/mn", ["m/s", "m/min"], ["m", "s", "min", "mN"])
+    ('m/min', 'm/mN')
+    """
+    found = [
+        WORD.sub(lambda match: _meant(match[0], symbols), unit),
+        WORD.sub(lambda match: _in_other_capitals(match[0], symbols), unit),
+        *get_close_matches(unit, usual, n=1, cutoff=0.6),
+        *get_close_matches(unit, symbols, n=1, cutoff=0.6),
+    ]
+    return tuple(dict.fromkeys(one for one in found if one != unit))
+
+
+def _meant(word: str, symbols: Sequence[str]) -> str:
+    return word if word in symbols else MEANT.get(word.lower(), word)
+
+
+def _in_other_capitals(word: str, symbols: Sequence[str]) -> str:
+    same = [symbol for symbol in symbols if symbol.lower() == word.lower()]
+    return word if word in symbols or not same else same[0]
+
+
+# What masses, forces and lengths are on an axis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisUnits:
+    """The quantities of one kind of axis, named as on the linear one."""
+
+    mass: Dimension  # what is moved
+    force: Dimension  # what moves it
+    length: Dimension
+    velocity: Dimension
+    acceleration: Dimension
+    jerk: Dimension
+    stiffness: Dimension  # of a spring in the drive train
+    damping: Dimension  # likewise; the velocity gain Kp is one, too
+    gain: Dimension  # share of a mode in a position, per mass
+    modal_deflection: Dimension  # state q of q'' + 2 ζ ω q' + ω² q = F
+    modal_rate: Dimension  # its rate
+
+
+_PAIRS = {
+    "mass": (MASS, INERTIA),
+    "force": (FORCE, TORQUE),
+    "length": (LENGTH, ANGLE),
+    "velocity": (VELOCITY, ANGULAR_VELOCITY),
+    "acceleration": (ACCELERATION, ANGULAR_ACCELERATION),
+    "jerk": (JERK, ANGULAR_JERK),
+    "stiffness": (STIFFNESS, ROTARY_STIFFNESS),
+    "damping": (DAMPING, ROTARY_DAMPING),
+    "gain": (PER_MASS, PER_INERTIA),
+    "modal_deflection": (MODAL_DEFLECTION, ROTARY_MODAL_DEFLECTION),
+    "modal_rate": (MODAL_RATE, ROTARY_MODAL_RATE),
+}
+LINEAR, ROTARY = (AxisUnits(**{name: pair[i] for name, pair in _PAIRS.items()}) for i in (0, 1))
+
+
+def of_position_source(axis: AxisUnits) -> AxisUnits:
+    """Return what the same axis measures where the motor follows its setpoint.
+
+    The plant is then driven by the acceleration of the motor: that stands for the force, on a
+    mass of 1, and the modes deflect by q'' + 2 ζ ω q' + ω² q = -x_ref'' as lengths.
+    """
+    return replace(
+        axis,
+        mass=RATIO,
+        force=axis.acceleration,
+        gain=RATIO,
+        modal_deflection=axis.length,
+        modal_rate=axis.velocity,
+    )
+
+
+LINEAR_SOURCE, ROTARY_SOURCE = of_position_source(LINEAR), of_position_source(ROTARY)

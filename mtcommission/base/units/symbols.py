@@ -112,10 +112,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
 
     ``text`` is empty for a plain number.
 
-    Raises
-    ------
-    ValueError
-        If a symbol is unknown or the text is not a product of powers of units.
+    Raises ValueError if a symbol is unknown or the text is not a product of powers of units.
 
     Examples
     --------

@@ -21,9 +21,8 @@ from mtcommission.loop.analysis import (
 )
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.machine.variations import Corner, corners, vary
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -43,8 +43,7 @@ from mtcommission.loop.tuning.tuned import (
     follow,
 )
 from mtcommission.machine.control import StateFeedback
-from mtcommission.machine.machine import Machine
-from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.machine.machine import NOMINAL, Corner, Machine
 
 
 def tune_loop(machine: Machine) -> TunedLoop:

@@ -11,19 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import AxisUnits
-from mtcommission.base.units.quantities import ANGLE, ANGULAR_VELOCITY, Dimension
+from mtcommission.base.units.quantities import ANGLE, ANGULAR_VELOCITY, AxisUnits, Dimension
+from mtcommission.machine import readers as of
 from mtcommission.machine.keys import Misfit, keyed
 from mtcommission.machine.mechanics import FlexibleMode, Mechanics, ModeStates, find_equal_poles
-from mtcommission.machine.ranges import (
-    ARMS,
-    DAMPINGS,
-    INERTIAS,
-    MASSES,
-    ROTARY_DAMPINGS,
-    ROTARY_STIFFNESSES,
-    STIFFNESSES,
-)
 
 Array = NDArray[np.float64]
 
@@ -33,35 +24,27 @@ class Manipulator(Mechanics):
     """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1); fields in SI.
 
     ``lever_arm`` reaches to the line of the drive force; the paper gives no sign of ``tcp_height``.
-
-    Examples
-    --------
-    >>> paper = Manipulator(base_mass=450, slider_mass=750, rotary_inertia=40, lever_arm=0.25,
-    ...     tcp_height=0.21, base_stiffness=44.41e6, base_damping=8500, rotary_stiffness=8.2e6,
-    ...     rotary_damping=1800)
-    >>> [round(mode.frequency_hz, 2) for mode in paper.modes]
-    [50.0, 72.06]
     """
 
     kind: ClassVar = "manipulator"
     position: ClassVar = "x_s"
     velocity: ClassVar = "v_s"
 
-    base_mass: float = keyed(MASSES, "Mass of the base, m_b.", "450 kg")
-    slider_mass: float = keyed(MASSES, "Mass of the slider, m_s.", "750 kg")
+    base_mass: float = keyed(of.MASSES, "Mass of the base, m_b.", "450 kg")
+    slider_mass: float = keyed(of.MASSES, "Mass of the slider, m_s.", "750 kg")
     rotary_inertia: float = keyed(
-        INERTIAS, "Inertia of the tower about the fictive joint, J.", "40 kg m^2"
+        of.INERTIAS, "Inertia of the tower about the fictive joint, J.", "40 kg m^2"
     )
-    lever_arm: float = keyed(ARMS, "From the joint to the drive force, r.", "0.25 m")
+    lever_arm: float = keyed(of.ARMS, "From the joint to the drive force, r.", "0.25 m")
     tcp_height: float = keyed(
-        ARMS,
+        of.ARMS,
         "Tool centre point above the joint, h; negative if the tower tilts backwards.",
         "0.21 m",
     )
-    base_stiffness: float = keyed(STIFFNESSES, "Stiffness k_b.", "44.41 N/um")  # [N/m]
-    base_damping: float = keyed(DAMPINGS, "Damping d_b.", "8500 N s/m")
-    rotary_stiffness: float = keyed(ROTARY_STIFFNESSES, "Stiffness k.", "8.2e6 N m/rad")
-    rotary_damping: float = keyed(ROTARY_DAMPINGS, "Damping d.", "1800 N m s/rad")
+    base_stiffness: float = keyed(of.STIFFNESSES, "Stiffness k_b.", "44.41 N/um")  # [N/m]
+    base_damping: float = keyed(of.DAMPINGS, "Damping d_b.", "8500 N s/m")
+    rotary_stiffness: float = keyed(of.ROTARY_STIFFNESSES, "Stiffness k.", "8.2e6 N m/rad")
+    rotary_damping: float = keyed(of.ROTARY_DAMPINGS, "Damping d.", "1800 N m s/rad")
 
     @property
     def moving_mass(self) -> float:

@@ -107,10 +107,7 @@ class Plant:
     def row(self, signal: str) -> Array:
         """Return the row c with signal = c x, shape (n,).
 
-        Raises
-        ------
-        KeyError
-            If there is no such signal.
+        Raises KeyError if there is no such signal.
         """
         if signal in self.states:
             row = np.zeros(self.order)
@@ -127,28 +124,10 @@ def build_plant(machine: Machine) -> Plant:
     States of the manipulator: x_b, x_s, phi, v_b, v_s, v_phi, F; of a modal axis: x, v, q_<name>,
     v_<name>, ..., F. Where the motor follows, its jerk is the input.
 
-    Raises
-    ------
-    ComputationError
-        EQUAL_POLES if two poles coincide; NOT_CONTROLLABLE if the force misses a state.
+    Raises ComputationError: EQUAL_POLES if two poles coincide; NOT_CONTROLLABLE if the force misses
+    a state.
 
     Source: Christiansen, Maurer & Zirn, eq. (1).
-
-    Examples
-    --------
-    >>> from mtcommission.machine.drive import Drive
-    >>> from mtcommission.machine.moves import VelocityStep
-    >>> from mtcommission.machine.requirements import Modes, Requirements
-    >>> from mtcommission.machine.mechanics import FlexibleMode
-    >>> from mtcommission.machine.plant.modal import Modal
-    >>> axis = Machine(name="a", axis="X", source="example",
-    ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
-    ...         natural_frequency=2 * pi * 40, damping_ratio=0.03, tcp_gain=0.01),)),
-    ...     drive=Drive(force_lag=2e-3, max_force=1e3), moves=(VelocityStep(velocity_step=0.1),),
-    ...     requirements=Requirements(tcp_deviation=1e-5,
-    ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
-    >>> build_plant(axis).states
-    ('x', 'v', 'q_column', 'v_column', 'F')
     """
     mechanics = machine.mechanics
     dimensions = mechanics.states([mode.name for mode in mechanics.modes], machine.axis_units)
@@ -211,13 +190,6 @@ def driven_at_once(plant: Plant) -> Plant:
 
     Behind a force lag the plant stays the same; where the motor follows, it goes without the state
     F: the input is the set acceleration, and acts at once, on position and modes alike.
-
-    Examples
-    --------
-    >>> from mtcommission.machine.profile.shipped import read_shipped
-    >>> plant = build_plant(read_shipped("printer-belt").machine)
-    >>> plant.states[-1], driven_at_once(plant).states, driven_at_once(plant).B.tolist()
-    ('F', ('x', 'v', 'q_belt', 'v_belt'), [0.0, 1.0, 0.0, -1.0])
     """
     if not plant.follows:
         return plant

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import mtcommission.machine.plant.kinds  # noqa: F401  registers them
+import mtcommission.machine.plant  # noqa: F401  registers its kinds
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
 from mtcommission.machine.drive import Drive, PositionSource
 from mtcommission.machine.keys import Table, list_keys, table_schema
 from mtcommission.machine.machine import ABOUT, Machine
@@ -25,11 +25,6 @@ def profile_schema() -> str:
     """Return the JSON schema of profiles, as JSON text.
 
     Quantities carry their SI unit as ``x-unit`` and ``x-unit-rotary``.
-
-    Examples
-    --------
-    >>> json.loads(profile_schema())["title"]
-    'Profile'
     """
     return json.dumps(_schema(tuple(KINDS)), indent=2)
 
@@ -81,13 +76,6 @@ def find_unknown(path: Sequence[str]) -> Message | None:
     """Return a proposal for the part of a key that no profile knows; None if all are known.
 
     Names below a table of signals are free.
-
-    Examples
-    --------
-    >>> find_unknown(["drive", "force_lg"])
-    Message('hint-did-you-mean', name='force_lag')
-    >>> find_unknown(["moves", "0", "distance"]), find_unknown(["requirements", "peaks", "x"])
-    (None, None)
     """
     for depth, name in enumerate(path):
         known = [key for table in tables_at(path[:depth]) for key in table["properties"]]
@@ -96,14 +84,8 @@ def find_unknown(path: Sequence[str]) -> Message | None:
     return None
 
 
-def unit_of(path: Sequence[str], *, rotary: bool) -> str | None:
-    """Return the SI unit of a key, "" for none; None where it depends on the plant.
-
-    Examples
-    --------
-    >>> unit_of(["plant", "slider_mass"], rotary=False), unit_of(["schema"], rotary=False)
-    ('kg', None)
-    """
+def unit_of_key(path: Sequence[str], *, rotary: bool) -> str | None:
+    """Return the SI unit of a key, "" for none; None where it depends on the plant."""
     name = "x-unit-rotary" if rotary else "x-unit"
     units = (place[name] for place in schemas_at(path) if name in place)
     unit = next(units, None)
@@ -128,11 +110,6 @@ def questions(
     """Return every key of a profile in the order in which one finds the data.
 
     ``kind`` of plant; ``follows``: with a motor that follows its setpoint.
-
-    Examples
-    --------
-    >>> [one.key for one in questions("manipulator")][6:9]
-    ['drive.force_lag', 'drive.max_force', 'drive.continuous_force']
     """
     plant = HELD[KINDS[kind]] if follows else KINDS[kind]
     own: list[tuple[str, type[Any], bool]] = [

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-import mtcommission.machine.plant.kinds  # noqa: F401  registers them
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.files import read_bytes
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.axis_units import LINEAR, ROTARY, of_position_source
-from mtcommission.base.units.quantities import Dimension
+from mtcommission.base.units.quantities import LINEAR, ROTARY, Dimension, of_position_source
 from mtcommission.machine.keys import build_table, read_values
 from mtcommission.machine.machine import ABOUT, MOST_ASSUMED, Machine
 from mtcommission.machine.mechanics import HELD, SOURCE, kind_of
 from mtcommission.machine.plant.plant import OUTPUTS
-from mtcommission.machine.profile.lines import find_key_lines, show_key
 from mtcommission.machine.readers import KeyPath, Reading, find_close, must_be
 
 LARGEST_FILE = 200_000
@@ -28,6 +26,18 @@ LARGEST_FILE = 200_000
 
 MOST_PARTS = 300
 """Parts of a dotted key: the time to read one grows with their square."""
+
+LONGEST_VALUE = 200
+"""Lines of an array or a text whose beginning is looked for: the time grows with their square."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileSource:
+    """A profile as it stood in its file."""
+
+    path: Path  # of the file; what was measured stands beside it
+    sha256: str  # of its bytes, 64 hexadecimal digits
+    text: str  # without byte order mark
 
 
 def read_profile(path: Path | str) -> Machine:
@@ -40,22 +50,17 @@ def read_profile(path: Path | str) -> Machine:
 
 def read_profile_text(path: Path | str) -> str:
     """Return the text of a profile file; raise InputError if it cannot be read as text."""
-    return decode_profile(read_profile_bytes(path), where=str(path))
+    return read_source(path).text
 
 
-def read_profile_bytes(path: Path | str) -> bytes:
-    """Return a profile file as it is; raise InputError if it cannot be read."""
-    return read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
+def read_source(path: Path | str) -> ProfileSource:
+    """Return a profile's text and hash, from one reading: a pipe gives it only once."""
+    data = read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
+    text = _decode(data, where=str(path))
+    return ProfileSource(path=Path(path), sha256=profile_text_hash(data), text=text)
 
 
-def decode_profile(data: bytes, *, where: str) -> str:
-    """Return the text of a profile's bytes, without byte order mark.
-
-    Raises
-    ------
-    InputError
-        If they are no text of a profile's size.
-    """
+def _decode(data: bytes, *, where: str) -> str:
     if data.lstrip()[:1] == b"{":
         raise _file_fault(where, 0, Message("file-is-json"))
     if len(data) > LARGEST_FILE:
@@ -70,41 +75,13 @@ def decode_profile(data: bytes, *, where: str) -> str:
         raise _file_fault(where, line, message) from error
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileSource:
-    """A profile as it stood in its file."""
-
-    path: Path  # of the file; what was measured stands beside it
-    sha256: str  # of its bytes, 64 hexadecimal digits
-    text: str  # without byte order mark
-
-
-def read_source(path: Path | str) -> ProfileSource:
-    """Return a profile's text and hash, from one reading: a pipe gives it only once."""
-    data = read_profile_bytes(path)
-    text = decode_profile(data, where=str(path))
-    return ProfileSource(path=Path(path), sha256=profile_text_hash(data), text=text)
-
-
 def profile_text_hash(data: bytes) -> str:
-    """Return the SHA-256 of a profile's bytes as they are on disk, as 64 hexadecimal digits.
-
-    Examples
-    --------
-    >>> profile_text_hash(b"")[:8]
-    'e3b0c442'
-    """
+    """Return the SHA-256 of a profile's bytes as they are on disk, as 64 hexadecimal digits."""
     return sha256(data).hexdigest()
 
 
 def load_toml(text: str, *, where: str) -> dict[str, Any]:
-    """Return the data of a TOML text; raise InputError with the line that TOML refuses.
-
-    Examples
-    --------
-    >>> load_toml("a = 1", where="p.toml")
-    {'a': 1}
-    """
+    """Return the data of a TOML text; raise InputError with the line that TOML refuses."""
     lines = text.split("\n")
     for number, line in enumerate(lines, start=1):
         if line.partition("=")[0].partition("#")[0].count(".") > MOST_PARTS:
@@ -123,10 +100,7 @@ def load_toml(text: str, *, where: str) -> dict[str, Any]:
 def parse_profile(text: str, *, where: str) -> Machine:
     """Return the machine that a profile text describes; ``where`` names it in messages.
 
-    Raises
-    ------
-    InputError
-        With every fault found, ordered by line.
+    Raises InputError with every fault found, ordered by line.
     """
     if not text.strip():
         raise _file_fault(where, 1, Message("file-empty"))
@@ -138,7 +112,7 @@ def parse_profile(text: str, *, where: str) -> Machine:
     if machine is None or reading.faults:
         lines = find_key_lines(text)
         faults = [
-            Fault(where=where, line=lines.line_of(path), key=show_key(path), message=message)
+            Fault(where=where, line=line_of(path, lines), key=show_key(path), message=message)
             for path, message in reading.faults
         ]
         raise InputError(sorted(faults, key=lambda fault: fault.line))
@@ -204,3 +178,72 @@ def _paths(value: object, path: KeyPath = ()) -> Iterator[KeyPath]:
     elif isinstance(value, list):
         for place, inner in enumerate(value):
             yield from _paths(inner, (*path, place))
+
+
+# Where a key stands, so that every fault can name its line: TOML's readers keep no positions
+
+
+def find_key_lines(text: str) -> dict[KeyPath, int]:
+    """Return the line of every key of a valid TOML text, counted from 1, and of every table.
+
+    What stands in a value of several lines has the line on which the value begins.
+    """
+    lines: dict[KeyPath, int] = {}
+    counts: Counter[KeyPath] = Counter()
+    table, start = KeyPath(), 1
+    rows = text.replace("\r\n", "\n").split("\n")
+    for end in range(1, len(rows) + 1):
+        try:
+            found = tomllib.loads("\n".join(rows[start - 1 : end]))
+        except tomllib.TOMLDecodeError:
+            if end - start < LONGEST_VALUE:
+                continue  # the value goes on
+            found = {}
+        if rows[start - 1].lstrip().startswith("["):
+            table = _header(found, counts)
+            if isinstance(table[-1], int):
+                lines.setdefault(table[:-1], start)
+            lines.setdefault(table, start)
+        else:
+            for path in _paths(found):
+                lines.setdefault((*table, *path), start)
+        start = end + 1
+    return lines
+
+
+def _header(found: dict[str, Any], counts: Counter[KeyPath]) -> KeyPath:
+    """A header's path, with the index of the current element of each array on the way."""
+    path: KeyPath = ()
+    inner: Any = found
+    while inner:
+        [(key, inner)] = inner.items()
+        path = (*path, key)
+        if isinstance(inner, list):
+            counts[path] += 1
+            inner = None
+        if counts[path]:
+            path = (*path, counts[path] - 1)
+    return path
+
+
+def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int:
+    """Return the line of a key, or of the nearest key or table that holds it; else 1."""
+    above = (path[:size] for size in range(len(path), 0, -1))
+    return next((lines[place] for place in above if place in lines), 1)
+
+
+def show_key(path: KeyPath) -> str:
+    """Return a key as messages and sheets spell it, ``moves[1].distance``: elements from 1 on."""
+    shown = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path)
+    return shown.removeprefix(".")
+
+
+def read_key(shown: str) -> str:
+    """Return the dotted key that ``show_key`` shows; what it does not show stays, e.g. moves[0].
+
+    Examples
+    --------
+    >>> read_key("moves[1].distance"), read_key("moves.0.distance")
+    ('moves.0.distance', 'moves.0.distance')
+    """
+    return re.sub(r"\[([1-9]\d*)\]", lambda found: f".{int(found[1]) - 1}", shown)

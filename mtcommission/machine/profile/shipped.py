@@ -26,13 +26,7 @@ class ShippedProfile:
 
 
 def shipped_names() -> tuple[str, ...]:
-    """Return the names of the shipped profiles, in alphabetical order.
-
-    Examples
-    --------
-    >>> "milling-manipulator" in shipped_names()
-    True
-    """
+    """Return the names of the shipped profiles, in alphabetical order."""
     return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
 
 
