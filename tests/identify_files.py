@@ -121,6 +121,26 @@ def response_table(
     return table(heads, columns, comments=f"# averages = {averages}\n{comments}")
 
 
+def save_response(
+    path: Path,
+    frequency_hz: Array,
+    values: ComplexArray,
+    *,
+    noise: float,
+    averages: int = 16,
+    seed: int = 0,
+    unit: str = "m/s/N",
+    comments: str = "",
+) -> str:
+    """A measured response: noise, relative in real and imaginary part, and its coherence."""
+    scatter = np.random.default_rng(seed).normal(size=(2, values.size))
+    seen = values * (1.0 + noise * (scatter[0] + 1j * scatter[1]))
+    gamma2 = 1.0 / (1.0 + 2 * averages * noise**2)
+    how = {"unit": unit, "averages": averages, "comments": comments}
+    path.write_bytes(response_table(frequency_hz, seen, gamma2, **how))  # type: ignore[arg-type]
+    return str(path)
+
+
 def encode_doubles(values: Array) -> str:
     """Base 85, two words of five signs a number, ``.`` for a word of zeros."""
     words = np.frombuffer(values.astype(">f8").tobytes(), dtype=">u4").astype(np.int64)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tomlkit
 
-from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, close_loop
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -68,32 +68,7 @@ KNOWN = {
 LAG = 0.6e-3
 """Of the force [s]; a response from the set force holds it, and shows it as delay."""
 
-NOISE, AVERAGES = 0.02, 25
 LINES = np.linspace(1.0, 500.0, 500)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Course:
-    """What a user gets, and what his axis really is."""
-
-    true: Machine
-    machine: Machine
-    tuned: TunedLoop
-    choice: Choice
-
-    def judge(self, limits: MotionLimits) -> Candidate:
-        """Limits on the true axis, in the loop that was tuned on the identified one."""
-        plant = build_plant(self.true)
-        both = CornerPlants(corners=(NOMINAL, NOMINAL), plants=(build_plant(self.machine), plant))
-        closed = close_loop(both, self.tuned.controller)
-        alone = replace(
-            closed,
-            corners=closed.corners[1:],
-            loops=closed.loops[1:],
-            responses=closed.responses[1:],
-            analyses=closed.analyses[1:],
-        )
-        return evaluate(self.true, alone, limits)
 
 
 def _complete(profile: str, *, force_lag: float) -> Machine:
@@ -108,33 +83,27 @@ def _complete(profile: str, *, force_lag: float) -> Machine:
 
 
 def _measure(path: Path, plant: Plant, *, sensor: str, seed: int) -> str:
-    """Velocity per force, with the noise that its coherence states, as an analyser writes it."""
-    rng, s = np.random.default_rng(seed), 2j * np.pi * LINES
-    eye, row = np.eye(plant.A.shape[0]), plant.C[OUTPUTS.index(sensor)]
+    """Velocity per force, as an analyser writes it."""
+    s, eye = 2j * np.pi * LINES, np.eye(plant.A.shape[0])
+    row = plant.C[OUTPUTS.index(sensor)]
     H = s * [row @ np.linalg.solve(one * eye - plant.A, plant.B.ravel()) for one in s]
-    H = H * (1.0 + NOISE * (rng.normal(size=s.size) + 1j * rng.normal(size=s.size)))
-    gamma2, says = 1.0 / (1.0 + 2.0 * AVERAGES * NOISE**2), f"# sensor = {sensor}\n"
-    path.write_bytes(made.response_table(LINES, H, gamma2, averages=AVERAGES, comments=says))
-    return str(path)
+    how = {"noise": 0.02, "averages": 25, "comments": f"# sensor = {sensor}\n"}
+    return made.save_response(path, LINES, H, seed=seed, **how)
 
 
-def _course(run: Run, folder: Path) -> Course:
-    true = _complete(TRUE, force_lag=LAG)
-    files = [
-        _measure(folder / f"{sensor}.csv", build_plant(true), sensor=sensor, seed=seed)
-        for seed, sensor in enumerate(("encoder", "tcp"))
-    ]
-    profile, entry = folder / "axis.toml", folder / "axis.json"
-    code, _, errors = run("identify", *files, "-o", str(profile), "--json", str(entry))
-    assert code == 0, errors
-    found = json.loads(entry.read_text())
-    # Who measured from the set force sees the lag.
-    lag = found["delay"]["value"] + found["lag"]["value"]
-    assert lag == pytest.approx(LAG, rel=0.05)
-    machine = _complete(profile.read_text(), force_lag=lag)
-    tuned = tune_loop(machine)
-    choice = choose_limits(machine, tuned)
-    return Course(true=true, machine=machine, tuned=tuned, choice=choice)
+def _judge(true: Machine, machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> Candidate:
+    """Limits on the true axis, in the loop that was tuned on the identified one."""
+    plant = build_plant(true)
+    both = CornerPlants(corners=(NOMINAL, NOMINAL), plants=(build_plant(machine), plant))
+    closed = close_loop(both, tuned.controller)
+    alone = replace(
+        closed,
+        corners=closed.corners[1:],
+        loops=closed.loops[1:],
+        responses=closed.responses[1:],
+        analyses=closed.analyses[1:],
+    )
+    return evaluate(true, alone, limits)
 
 
 def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
@@ -170,14 +139,27 @@ def test_readme_s_example_is_what_its_program_makes_and_its_commands_run(
 
 
 def test_limits_of_the_identified_axis_hold_on_the_true_one(run: Run, tmp_path: Path) -> None:
-    course = _course(run, tmp_path)
-    assert len(course.tuned.corners) == 5  # the intervals are corners
-    said = course.choice.candidate
+    true = _complete(TRUE, force_lag=LAG)
+    files = [
+        _measure(tmp_path / f"{sensor}.csv", build_plant(true), sensor=sensor, seed=seed)
+        for seed, sensor in enumerate(("encoder", "tcp"))
+    ]
+    profile, entry = tmp_path / "axis.toml", tmp_path / "axis.json"
+    code, _, errors = run("identify", *files, "-o", str(profile), "--json", str(entry))
+    assert code == 0, errors
+    found = json.loads(entry.read_text())
+    # Who measured from the set force sees the lag.
+    lag = found["delay"]["value"] + found["lag"]["value"]
+    assert lag == pytest.approx(LAG, rel=0.05)
+    machine = _complete(profile.read_text(), force_lag=lag)
+    tuned = tune_loop(machine)
+    assert len(tuned.corners) == 5  # the intervals are corners
+    choice = choose_limits(machine, tuned)
+    said, limits = choice.candidate, choice.limits
     assert said.assessment.is_met
-    candidate = course.judge(course.choice.limits)
+    candidate = _judge(true, machine, tuned, limits)
     assert candidate.assessment.is_met
     assert candidate.settling_time <= 1.02 * said.settling_time
     # The judge is one that refuses: a jerk that no longer suits the modes shakes them.
-    limits = course.choice.limits
     steep = MotionLimits(acceleration=limits.acceleration, jerk=3.0 * limits.jerk)
-    assert not course.judge(steep).assessment.is_met
+    assert not _judge(true, machine, tuned, steep).assessment.is_met

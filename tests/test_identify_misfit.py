@@ -47,12 +47,8 @@ def changing(f: made.Array) -> made.ComplexArray:
 
 
 def _table(path: Path, values: made.ComplexArray) -> str:
-    rng = np.random.default_rng(8)
-    noise = 2e-3 * (rng.normal(size=LINES.size) + 1j * rng.normal(size=LINES.size))
-    seen = values * (1.0 + noise)
-    unit = "rad/s/(N m)"
-    path.write_bytes(made.response_table(LINES, seen, 0.9999, unit=unit, averages=20))
-    return str(path)
+    how = {"noise": 2e-3, "averages": 20, "unit": "rad/s/(N m)", "seed": 8}
+    return made.save_response(path, LINES, values, **how)
 
 
 WRONG = {

@@ -151,14 +151,13 @@ def test_blows_of_a_hammer() -> None:
     assert np.median(np.abs(one.values / truth - 1)[inside]) < 0.05
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.2])
-def test_free_vibration_after_a_move(offset: float) -> None:
+def test_free_vibration_after_a_move() -> None:
     """Truth lies within three stated sigma, in nearly all of twenty records."""
     t = np.arange(0, 3, STEP)
     good = 0
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        reference = offset + np.clip(t / 0.5, 0, 1)
+        reference = 0.2 + np.clip(t / 0.5, 0, 1)
         y, late = reference.copy(), np.maximum(t - 0.5, 0.0)
         for hertz, zeta, size in ((21.0, 0.03, 1e-3), (64.0, 0.01, 4e-4)):
             omega = 2 * np.pi * hertz
@@ -223,14 +222,10 @@ def test_the_bench_gives_the_same_response_by_periods_as_its_makers_did() -> Non
         assert np.median(apart) < 0.01
 
 
-@pytest.mark.parametrize("drive", ["noise", "multisine"])
-def test_a_tool_shaken_by_its_motor_shows_the_modes_on_a_held_motor(drive: str) -> None:
+def test_a_tool_shaken_by_its_motor_shows_the_modes_on_a_held_motor() -> None:
     """Base-excited: q'' + 2 zeta omega q' + omega² q = -x_ref'', tool = x_ref + q."""
     rng, hertz, zeta = np.random.default_rng(4), 41.0, 0.05
-    if drive == "noise":
-        shaken = 3.0 * rng.standard_normal(60000)
-    else:
-        shaken = np.tile(made.multisine(2000, STEP, 5.0, 200.0), 12)
+    shaken = 3.0 * rng.standard_normal(60000)
     omega = 2 * np.pi * hertz
     f = np.fft.rfftfreq(shaken.size, STEP)
     s = 2j * np.pi * f

@@ -16,6 +16,7 @@ from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
+from tests import identify_files as made
 from tests.test_cli import Run, run
 
 __all__ = ["run"]
@@ -84,16 +85,11 @@ def test_what_cannot_be_is_said_at_its_place(more: str, said: str) -> None:
 
 
 def measure(path: Path, mass: float, frequency_hz: float, seed: int) -> str:
-    """A table of velocity per force of a rigid mass with one mode, coherence 0.98."""
-    rng, f = np.random.default_rng(seed), np.arange(2.0, 300.0, 0.5)
+    """Velocity per force of a rigid mass with one mode."""
+    f = np.arange(2.0, 300.0, 0.5)
     s, omega = 2j * np.pi * f, 2 * np.pi * frequency_hz
     H = s * (1.0 / (mass * s**2) + 9e-4 / (s**2 + 0.06 * omega * s + omega**2))
-    error = np.abs(H) * np.sqrt(0.02 / (2 * 16 * 0.98))
-    H = H + error * (rng.normal(size=f.size) + 1j * rng.normal(size=f.size))
-    rows = zip(f, H.real, H.imag, strict=True)
-    head = "# averages: 16\nf [Hz],re [(m/s)/N],im [(m/s)/N],coherence\n"
-    path.write_text(head + "".join(f"{a},{b:.9e},{c:.9e},0.98\n" for a, b, c in rows), "utf-8")
-    return str(path)
+    return made.save_response(path, f, H, noise=0.025, seed=seed)
 
 
 def test_two_measured_payloads_become_states_and_the_sheet_names_the_one_that_binds(
