@@ -23,10 +23,9 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.message import Message
 from mtcommission.group.follow import AFTER
 from mtcommission.identify.columns import read_signal_unit
-from mtcommission.identify.formats.contents import Column, Lines, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.formats.table import find_columns
-from mtcommission.identify.measurement import Signal
+from mtcommission.identify.measurement import Column, Lines, Signal, TimeContents, refuse
 from mtcommission.identify.record import read_clock
 from mtcommission.verify.setpoint import runs
 

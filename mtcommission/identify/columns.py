@@ -13,9 +13,16 @@ from enum import Enum, auto
 from mtcommission.base.errors import Refused
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.symbols import Unit, read_unit
-from mtcommission.identify.formats.contents import Column, broken, within
 from mtcommission.identify.formats.table import find_columns, words_of
-from mtcommission.identify.measurement import FORCES, MOTIONS, Sensor, Signal
+from mtcommission.identify.measurement import (
+    FORCES,
+    MOTIONS,
+    Column,
+    Sensor,
+    Signal,
+    broken,
+    within,
+)
 
 
 class Course(Enum):

@@ -21,13 +21,6 @@ from mtcommission.identify.averaged import (
     find_period,
     prepare,
 )
-from mtcommission.identify.formats.contents import (
-    Item,
-    ResponseContents,
-    TimeContents,
-    refuse,
-    within,
-)
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.measurement import (
     MOTIONS,
@@ -37,13 +30,17 @@ from mtcommission.identify.measurement import (
     Finding,
     FrequencyResponse,
     Given,
+    Item,
+    ResponseContents,
     Sensor,
     Signal,
     Source,
+    TimeContents,
     TimeRecord,
+    refuse,
+    within,
 )
-from mtcommission.identify.record import read_record
-from mtcommission.identify.response import read_response, read_spectrum, settle
+from mtcommission.identify.record import read_record, read_response, read_spectrum, settle
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:

@@ -12,9 +12,18 @@ import numpy as np
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.columns import Course, Meaning, read_columns
-from mtcommission.identify.formats.contents import Column, TimeContents, refuse
 from mtcommission.identify.formats.recognise import read_contents, read_measured
-from mtcommission.identify.measurement import FORCES, Array, Channel, Given, Sensor, Signal
+from mtcommission.identify.measurement import (
+    FORCES,
+    Array,
+    Channel,
+    Column,
+    Given,
+    Sensor,
+    Signal,
+    TimeContents,
+    refuse,
+)
 from mtcommission.identify.record import read_clock
 
 SAME_TRAVEL = 0.5

@@ -12,15 +12,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import (
+from mtcommission.identify.formats.table import read_table, words_of
+from mtcommission.identify.measurement import (
+    AllDirections,
+    Array,
     Column,
     FileContents,
+    Sensor,
     SpectrumContents,
     TimeContents,
     broken,
 )
-from mtcommission.identify.formats.table import read_table, words_of
-from mtcommission.identify.measurement import AllDirections, Array, Sensor
 
 HALF_POWER_BINS = 1.41
 """Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""

@@ -19,14 +19,6 @@ from math import isfinite, pi
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import (
-    Column,
-    FileContents,
-    Item,
-    ResponseContents,
-    TimeContents,
-    broken,
-)
 from mtcommission.identify.formats.table import (
     CLOCK,
     Head,
@@ -35,7 +27,20 @@ from mtcommission.identify.formats.table import (
     read_table,
     words_of,
 )
-from mtcommission.identify.measurement import INPUTS, MOTIONS, ComplexArray, Given, Sensor, Signal
+from mtcommission.identify.measurement import (
+    INPUTS,
+    MOTIONS,
+    Column,
+    ComplexArray,
+    FileContents,
+    Given,
+    Item,
+    ResponseContents,
+    Sensor,
+    Signal,
+    TimeContents,
+    broken,
+)
 
 FREQUENCY = "frequency_hz"
 

@@ -23,14 +23,18 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import (
+from mtcommission.identify.measurement import (
+    Array,
     Column,
+    ComplexArray,
     FileContents,
+    Given,
     ResponseContents,
+    Sensor,
+    Signal,
     TimeContents,
     broken,
 )
-from mtcommission.identify.measurement import Array, ComplexArray, Given, Sensor, Signal
 
 ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"

@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.formats.contents import (
+from mtcommission.identify.measurement import (
+    Array,
     Column,
     FileContents,
+    Given,
     Item,
     ResponseContents,
+    Signal,
     TimeContents,
     broken,
 )
-from mtcommission.identify.measurement import Array, Given, Signal
 
 MARK = b"    -1"
 MOST_SETS = 500
