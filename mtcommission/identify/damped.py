@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 
@@ -60,6 +60,16 @@ def regress(columns: Array, signal: Array, *, correlated: float = 0.0) -> Regres
     spread = np.maximum(np.diag(np.linalg.pinv(A.T @ A)), 0.0)
     sigma = np.sqrt(variance * spread) / scale
     return Regression(values=found / scale, sigma=sigma, variance=variance, rest=rest)
+
+
+def information_criterion(cost: float, size: int, parameters: int, correlated: float) -> float:
+    """Return the Bayesian information criterion of a fit, noise of unknown size.
+
+    ``cost``: sum of ``size`` squares, of which ``correlated`` are worth one independent one.
+    Source: G. Schwarz, Ann. Stat. 6 (1978).
+    """
+    n = size / correlated
+    return n * log(cost / size) + parameters * log(n)
 
 
 def correlation_length(rest: Array) -> float:

@@ -112,11 +112,6 @@ class FittedSpectrum:
     modes: tuple[MeasuredMode, ...]
     density: Array  # The model on the fitted lines
 
-    @property
-    def power(self) -> float:
-        """Its largest density."""
-        return float(self.spectrum.density[self.is_used].max())
-
 
 Band = tuple[float, float]
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.identify.damped import information_criterion
 from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.identify.projection import (
     Lines,
@@ -46,7 +47,7 @@ def smooth_errors(responses: Sequence[Lines]) -> list[Lines]:
     for lines in responses:
         size = np.abs(lines.values)
         least = np.maximum(size, np.median(neighbours(size, 5), axis=1))
-        found.append(lines.weigh(_smooth_share(lines) * least))
+        found.append(replace(lines, error=_smooth_share(lines) * least))
     return found
 
 
@@ -76,7 +77,7 @@ def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines
         error = np.hypot(noise, share * course)
         own = np.minimum(squares / error**2, LARGEST_SHARE)
         local = neighbours(own, NEIGHBOURS).mean(axis=1) / 2
-        found.append(lines.weigh(error * np.sqrt(np.maximum(1.0, local))))
+        found.append(replace(lines, error=error * np.sqrt(np.maximum(1.0, local))))
     return found, share
 
 
@@ -306,10 +307,9 @@ class _Search:
 
 
 def _criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float = 1.0) -> float:
-    """The Bayesian information criterion of a fit, noise of unknown size."""
     size = count_values(responses)
-    cost, n = max(fit.cost, 1e-12 * size), size / correlation
-    return float(n * np.log(cost / size) + fit.parameters * np.log(n))
+    cost = max(fit.cost, 1e-12 * size)
+    return information_criterion(cost, size, fit.parameters, correlation)
 
 
 def _evidence(responses: Sequence[Lines], fit: Projected, less: Projected) -> float:
@@ -326,7 +326,7 @@ def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
     for lines in responses:
         step = np.gradient(np.log(lines.frequency_hz))
         error = np.hypot(lines.error, 0.03 * np.abs(lines.values))
-        found.append(lines.weigh(error * np.sqrt(np.median(step) / step)))
+        found.append(replace(lines, error=error * np.sqrt(np.median(step) / step)))
     return found
 
 

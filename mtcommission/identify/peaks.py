@@ -21,6 +21,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
+from mtcommission.identify.damped import information_criterion
 from mtcommission.identify.fit import FittedSpectrum
 from mtcommission.identify.measurement import Array, Spectrum
 from mtcommission.machine.identified import Estimate, MeasuredMode
@@ -159,9 +160,8 @@ def _largest_misfits(grid: _Grid, fit: _Fit) -> list[float]:
 
 
 def _criterion(grid: _Grid, fit: _Fit) -> float:
-    n = grid.f.size / UNKNOWN_CORRELATION
     parameters = 3 * len(fit.modes) + 2
-    return float(n * np.log(fit.cost / grid.f.size) + parameters * np.log(n))
+    return information_criterion(fit.cost, grid.f.size, parameters, UNKNOWN_CORRELATION)
 
 
 def _heights(grid: _Grid, fit: _Fit) -> list[float]:

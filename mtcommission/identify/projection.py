@@ -56,10 +56,6 @@ class Lines:
         s = self.s
         return np.asarray(self.values * np.exp(s * delay) * (1.0 + s * lag) / s**self.derivative)
 
-    def weigh(self, error: Array) -> Lines:
-        """Return the lines with other standard errors."""
-        return replace(self, error=error)
-
 
 def ends_of(responses: Sequence[Lines]) -> tuple[float, float]:
     """Return the lowest and the highest line of some responses [Hz]."""

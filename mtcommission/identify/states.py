@@ -275,9 +275,8 @@ def _fit_spectra(spectra: Sequence[Spectrum]) -> list[FittedSpectrum]:
         return []
     from mtcommission.identify.peaks import fit_spectrum  # slow to load
 
-    best: dict[str, FittedSpectrum] = {}
-    for one in map(fit_spectrum, spectra):
-        other = best.get(one.spectrum.source.file)
-        if one.modes and (other is None or one.power > other.power):
-            best[one.spectrum.source.file] = one
-    return list(best.values())
+    fitted = [one for one in map(fit_spectrum, spectra) if one.modes]
+    fitted.sort(key=lambda one: float(one.spectrum.density[one.is_used].max()))
+    loudest = {one.spectrum.source.file: one for one in fitted}
+    files = dict.fromkeys(one.source.file for one in spectra)
+    return [loudest[file] for file in files if file in loudest]

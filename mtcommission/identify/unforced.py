@@ -4,7 +4,7 @@ Decaying oscillations start from a matrix pencil; the order comes from the Bayes
 criterion, intervals from the Jacobian and the correlation of the residuals; power by Welch's
 method.
 
-Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824; G. Schwarz, Ann. Stat. 6 (1978).
+Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824.
 """
 
 from __future__ import annotations
@@ -19,7 +19,13 @@ from scipy.signal import decimate, welch
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.averaged import HALF_POWER_BINS, HIGHEST_SHARE
-from mtcommission.identify.damped import Damped, correlation_length, fit_damped, weigh
+from mtcommission.identify.damped import (
+    Damped,
+    correlation_length,
+    fit_damped,
+    information_criterion,
+    weigh,
+)
 from mtcommission.identify.measurement import (
     AllDirections,
     Array,
@@ -142,7 +148,7 @@ def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode]
     told = {"start": begin * step}
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
-    duration, total = float(t[-1]), _power(y)
+    duration, total = float(t[-1]), float(((y - y.mean()) ** 2).sum())
     best, least = Damped(modes=(), errors=(), rest=y - y.mean()), np.inf
     for order in range(1, MOST_MODES + 1):
         start = _pencil(y, step, order)
@@ -152,7 +158,9 @@ def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode]
             fit = fit_damped(t, y, start, ends=ENDS)
         except (ValueError, np.linalg.LinAlgError):
             break
-        criterion = _criterion(fit.rest, y, order)
+        cost = max(float(fit.rest @ fit.rest), 1e-24 * total)
+        correlated = correlation_length(fit.rest)
+        criterion = information_criterion(cost, y.size, 4 * order + 1, correlated)
         if criterion > least - LEAST_GAIN:
             break
         best, least = fit, criterion
@@ -200,17 +208,6 @@ def _pencil(y: Array, step: float, order: int) -> list[complex]:
             zeta = float(np.clip(-pole.real / omega, 1e-4, 0.5))
             found.append(omega * complex(-zeta, sqrt(1.0 - zeta**2)))
     return sorted(found, key=lambda one: -float(np.linalg.norm(weigh(t, y, [one])[0][1:])))[:order]
-
-
-def _criterion(rest: Array, y: Array, order: int) -> float:
-    """The Bayesian information criterion of what some modes leave of a signal."""
-    independent = y.size / correlation_length(rest)
-    noise = max(float(rest @ rest), 1e-24 * _power(y))
-    return float(independent * np.log(noise / y.size) + (4 * order + 1) * np.log(independent))
-
-
-def _power(y: Array) -> float:
-    return float(((y - y.mean()) ** 2).sum())
 
 
 def _find_power(record: TimeRecord, motion: Channel) -> Spectrum:
