@@ -15,58 +15,19 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli import main
 from mtcommission.machine.profile.read import read_profile
 from mtcommission.wizard import run_wizard  # noqa: F401
-from mtcommission.wizard.answers import TOWER
-from mtcommission.wizard.question import Question
-from mtcommission.wizard.script import list_questions
-from tests.test_wizard import mechanical
+from tests.test_wizard import PAPER, SHIPPED, mechanical
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
 
 ROOT = Path(__file__).parent.parent
-PAPER = mechanical(read_profile(ROOT / "profiles" / "milling-manipulator.toml"))
+ENTER, CTRL_C, CTRL_D = "\r", b"\x03", b"\x04"
 
-TYPED = {
-    "machine.name": "Milling machine workpiece manipulator",
-    "machine.axis": "",
-    "machine.motion": "",
-    "drive.max_force": "2 kN",
-    "wizard.way": TOWER,
-    "plant.base_mass": "450",
-    "plant.slider_mass": "750",
-    "plant.rotary_inertia": "40",
-    "plant.lever_arm": "0,25",
-    "plant.tcp_height": "0,21",
-    "plant.base_stiffness": "44,41 N/um",
-    "plant.base_damping": "8500",
-    "plant.rotary_stiffness": "8.2e6",
-    "plant.rotary_damping": "1800",
-    "moves.0.distance": "0.1 m/s",
-    "requirements.tcp_deviation": "5 um",
-    "control.kind": "state-space",
-}
-"""What is typed for the paper's machine; Enter for all else."""
-
-CHANGED = {
-    "machine.source": "Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1",
-    "drive.force_lag": "2,5 ms",
-    "control.state_feedback": "auto",
-}
-"""What is changed below what has a default."""
-
-KNOWN = list_questions({**TYPED, "moves.0.velocity_step": "0.1 m/s"})
-"""The questions as they are asked again."""
-
-FIRST_MOVE = next(one for one in list_questions({}) if one.key == "moves.0.distance")
-QUESTIONS = [FIRST_MOVE if one.key == "moves.0.velocity_step" else one for one in KNOWN]
-"""The questions as they are asked first."""
-
-ENGLISH = Catalogue("en")
-
-ENTER, CTRL_C, CTRL_D = b"\r", b"\x03", b"\x04"
+LEFT = ((2, CTRL_C, 130), (7, CTRL_D, 2), (12, b"", 0))
+"""How many lines of the paper's machine are typed when somebody leaves, by which key, and the exit
+code; no key: quit."""
 
 
 @dataclass(slots=True)
@@ -76,31 +37,27 @@ class Terminal:
     pid: int
     file: int
     seen: str = ""
-    everything: str = ""
     status: int | None = None
 
-    def press(self, *keys: bytes) -> None:
-        for key in keys:
-            os.write(self.file, key)
+    def answer(self, line: str) -> None:
+        """Type a line when it is asked for."""
+        self.await_prompt()
+        os.write(self.file, f"{line}{ENTER}".encode())
+        self.seen += "\n"
 
-    def type(self, text: str) -> None:
-        os.write(self.file, text.encode())
-
-    def until(self, words: str) -> None:
-        """Wait until the words have been shown since the last wait."""
+    def await_prompt(self) -> None:
         begun = time.monotonic()
-        while words not in self.seen:
-            assert time.monotonic() - begun < 60.0, self.everything[-2000:]
-            assert self._read(1.0) or self.status is None, self.everything[-2000:]
-        self.seen = self.seen[self.seen.index(words) + len(words) :]
+        while not self.seen.endswith(": "):
+            assert time.monotonic() - begun < 60.0, self.seen[-2000:]
+            assert self._read(1.0) or self.status is None, self.seen[-2000:]
 
     def end(self, key: bytes = b"") -> int:
         """Wait for the end; the exit code. A key is pressed again where nothing happens: between
         showing a prompt and waiting for keys, Python only notes a Ctrl-C for the next key."""
         begun = time.monotonic()
         while self.status is None:
-            assert time.monotonic() - begun < 60.0, self.everything[-2000:]
-            self.press(*[key] * bool(key))
+            assert time.monotonic() - begun < 60.0, self.seen[-2000:]
+            os.write(self.file, key)
             while self._read(2.0):
                 pass
         return os.waitstatus_to_exitcode(self.status)
@@ -115,9 +72,7 @@ class Terminal:
         if not piece:
             self.status = os.waitpid(self.pid, 0)[1]
             return False
-        text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", piece.decode(errors="replace"))
-        self.seen += text
-        self.everything += text
+        self.seen += re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", piece.decode(errors="replace"))
         return True
 
 
@@ -160,61 +115,27 @@ def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Ter
         os.close(file)
 
 
-def enter(shell: Terminal, typed: str = "") -> None:
-    shell.type(typed)
-    shell.press(ENTER)
-
-
-def answer(shell: Terminal, question: Question) -> None:
-    enter(shell, TYPED.get(question.key, ""))
-
-
-def await_prompt(shell: Terminal, question: Question) -> None:
-    """Wait for a question that is asked anew: the line above it is not drawn again by typing."""
-    shell.until(question.where(ENGLISH)[:20])
-    shell.until(question.say(ENGLISH).partition(" (empty")[0])
-
-
-def settle(shell: Terminal) -> None:
-    """Change what has a default, then go on."""
-    for key, typed in CHANGED.items():
-        shell.until("Number or key")
-        enter(shell, key)
-        shell.until("):" if key == "drive.force_lag" else "]:" if "source" in key else ":")
-        enter(shell, typed)
-    shell.until("Number or key")
-    enter(shell)
-    shell.until("Compute the limits now")
-
-
-LEFT = ((2, CTRL_C, 130), (7, CTRL_D, 2), (12, b"", 0))
-"""Number of the question at which somebody leaves, the key, and the exit code; no key: quit."""
-
-
 def test_a_session_can_be_left_and_gone_on_from(tmp_path: Path) -> None:
     """On 80 columns in processes of their own: each begins where the one before was left, with all
     answers, and the last one writes the paper's machine as if nobody had ever left."""
-    path, kept, begun = tmp_path / "p.toml", tmp_path / "p.toml.answers", 0
+    path, kept = tmp_path / "p.toml", tmp_path / "p.toml.answers"
+    lines, begun = PAPER.splitlines(), 0
     for place, key, code in LEFT:
         with terminal(tmp_path, "wizard", "-o", "p.toml", fresh=not begun) as shell:
-            for question in QUESTIONS[begun:place]:
-                await_prompt(shell, question)
-                answer(shell, question)
-            await_prompt(shell, QUESTIONS[place])
-            if not key:
-                enter(shell, "quit")
-            assert shell.end(key) == code, shell.everything
-        said = " ".join(shell.everything.split())
-        assert f"at {QUESTIONS[place].key}; answers kept in p.toml.answers" in said
-        assert "Traceback" not in said
+            for line in lines[begun:place]:
+                shell.answer(line)
+            if key:
+                shell.await_prompt()
+            else:
+                shell.answer("quit")
+            assert shell.end(key) == code, shell.seen
+        assert "answers kept in p.toml.answers" in " ".join(shell.seen.split())
+        assert "Traceback" not in shell.seen
         assert list(tmp_path.iterdir()) == [kept]
         begun = place
     with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
-        for question in QUESTIONS[begun:]:
-            await_prompt(shell, question)
-            answer(shell, question)
-        settle(shell)
-        enter(shell, "no")
+        for line in [*lines[begun:], "no"]:
+            shell.answer(line)
         assert shell.end() == 0
     assert list(tmp_path.iterdir()) == [path]
-    assert mechanical(read_profile(path)) == PAPER
+    assert mechanical(read_profile(path)) == SHIPPED
