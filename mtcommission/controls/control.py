@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
@@ -77,6 +77,14 @@ class Axis:
         """Return a row of the jerk in the small unit."""
         unit = f"{self.small_unit}/s^3"
         return Row(Setting.JERK, name, unit=unit, meaning=meaning, section=section)
+
+    def rows_at_shaft(
+        self, setting: Setting, name: str, unit: str, meaning: str, **more: Any
+    ) -> Iterator[Row]:
+        """Yield the row of a gain or a mass at the motor's shaft, where its travel is stated."""
+        if self.shaft:
+            shaft = self.shaft**-2
+            yield Row(setting, name, unit=unit, at_shaft=shaft, meaning=meaning, **more)
 
     def say_mode(self, mode: str) -> Message:
         """Return what a column of limits is for: a machining mode with its band."""
@@ -169,9 +177,9 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
     their names have a place for the number of a filter.
     """
     time = partial(Row, unit="ms")
-    loops: dict[float | str, str] = {loop.value: loop.value for loop in PositionLoop}
-    kinds: dict[float | str, str] = {kind: kind for kind in (NOTCH, LOW_PASS)}
-    shapers: dict[float | str, str] = {kind: kind for kind in SHAPERS}
+    loops = {loop.value: loop.value for loop in PositionLoop}
+    kinds = {kind: kind for kind in (NOTCH, LOW_PASS)}
+    shapers = {kind: kind for kind in SHAPERS}
     rows = (
         Row(Setting.ACCELERATION, "acceleration", unit=units.acceleration.si),
         Row(Setting.JERK, "jerk", unit=units.jerk.si),

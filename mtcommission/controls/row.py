@@ -89,7 +89,7 @@ class Row:
     at_shaft: float = 1.0  # SI at the axis of one SI unit of it, where it counts at the motor
     digits: int = DIGITS  # significant ones
     step: float = 0.0  # whole multiples of this only, in its unit; 0: any number
-    codes: Mapping[float | str, str] = field(default_factory=dict)  # how it writes certain values
+    codes: Mapping[Any, str] = field(default_factory=dict)  # how it writes certain values
     meaning: Message | str = ""  # what it does, or the kind of that message; "": its setting's
     section: str = ""  # of a structured file, parts separated by "/"
     is_verified: bool = True  # whether name and unit were read in a maker's text or source file
@@ -144,7 +144,8 @@ class Row:
         """
         try:
             if self.codes:
-                return next(value for value, code in self.codes.items() if code == text)
+                held: float | str = next(v for v, code in self.codes.items() if code == text)
+                return held
             return float(Decimal(text)) * self.scale
         except (StopIteration, InvalidOperation):
             raise unreadable(f"{self.name} {text}") from None
@@ -167,10 +168,8 @@ def fixed(
     name: str, text: str, meaning: Message | str = "", *, unit: str = "", section: str = ""
 ) -> Row:
     """Return a row that must be just so for the others to act as they were simulated."""
-    codes: dict[float | str, str] = {"set": text}
-    return Row(
-        Setting.FIXED, name, index=name, unit=unit, codes=codes, meaning=meaning, section=section
-    )
+    codes, key = {"set": text}, Setting.FIXED
+    return Row(key, name, index=name, unit=unit, codes=codes, meaning=meaning, section=section)
 
 
 def at_corners(name: str, unit: str, meaning: str, **more: Any) -> Row:

@@ -18,8 +18,8 @@ from mtcommission.controls.row import Key, Row, Setting, Values, unreadable
 from mtcommission.controls.syntax import Entry, type_in
 from mtcommission.export.held import (
     LIMITS,
-    NOT_OF_A_SETPOINT,
     Held,
+    filter_of,
     hold,
     loop_of,
     read_limits,
@@ -70,8 +70,9 @@ def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[s
     loop = loop_of(subject)
     own = list(target.rows(subject.axis, loop))
     if subject.machine.drive.follows:
-        loop = {key: value for key, value in loop.items() if key[0] not in NOT_OF_A_SETPOINT}
-        own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
+        kept = filter_of(subject)
+        own = [row for row in own if row.key in kept or row.key not in loop]
+        loop = kept
     rows = complete(own, loop, subject.machine.axis_units)
     held = hold(subject, _take((row for row in rows if row.key in loop), loop))
     values = dict(loop)

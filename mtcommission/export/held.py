@@ -31,19 +31,6 @@ ALWAYS = {
 }
 """Numbers without which there is no loop, and what they are called there."""
 
-NOT_OF_A_SETPOINT = (
-    *ALWAYS,
-    Setting.POSITION_LOOP,
-    Setting.VELOCITY_FEEDFORWARD,
-    Setting.FORCE_FEEDFORWARD,
-    Setting.JERK_FEEDFORWARD,
-    Setting.FEEDFORWARD,
-    Setting.REFERENCE_DELAY,
-    Setting.REFERENCE_MODEL,
-    Setting.FILTERS,
-)
-"""Settings that mean nothing where the motor follows its setpoint."""
-
 LIMITS = {Setting.ACCELERATION, Setting.RISE_TIME, Setting.JERK, Setting.JERK_TIME}
 """Settings that are chosen anew for each machining mode."""
 
@@ -110,9 +97,7 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
     if kind.state_feedback:
         gains = subject.record.loop.state_feedback
         values |= {(Setting.STATE_GAIN, state): gain for state, gain in gains.items()}
-    if kind.find_filter(MOVING_AVERAGE):
-        values[Setting.AVERAGE, ""] = 0.0
-    values |= write_filter(subject.setpoint_filter)
+    values |= filter_of(subject)
     for number, item in enumerate(loop.force_filters[: kind.force_filters], start=1):
         values |= {
             (Setting.FILTER_KIND, str(number)): item.kind.value,
@@ -122,6 +107,12 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
         if item.kind is FilterKind.NOTCH:
             values[Setting.FILTER_WIDTH, str(number)] = item.width
     return values
+
+
+def filter_of(subject: Subject) -> dict[Key, float | str]:
+    """Return the settings of the setpoint filter: all that is left where the motor follows."""
+    none = {(Setting.AVERAGE, ""): 0.0} if subject.kind.find_filter(MOVING_AVERAGE) else {}
+    return {**none, **write_filter(subject.setpoint_filter)}
 
 
 def _feedforward(values: Values) -> str:

@@ -164,19 +164,18 @@ def _defaults(answers: Answers) -> dict[str, str]:
 def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
     """The question for a key of the profile, from its schema, or for one of the wizard's own."""
     turns, generic, turn = is_rotary(answers), schema_key(key), motor_turn(answers)
-    variant = "shaft" if turn else ""
     if generic in OWN:
         allowed, linear, rotary = OWN[generic]
-        return Question(
-            key=key,
+        one = KeyQuestion(
+            key=generic,
             allowed=allowed.on(axis_units(answers)),
-            default=default,
             example=rotary if turns else linear,
-            motor_turn=turn,
-            variant=variant,
-            is_optional=generic.endswith(("modes.0.frequency", "payload.1")),
+            default=None,
+            is_required=not generic.endswith(("modes.0.frequency", "payload.1")),
+            words=(),
         )
-    one = known_keys(answers)[generic]
+    else:
+        one = known_keys(answers)[generic]
     return Question(
         key=key,
         allowed=one.allowed,
@@ -186,7 +185,7 @@ def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
         is_optional=not one.is_required and not default,
         meant=one.default,
         motor_turn=turn,
-        variant=variant,
+        variant="shaft" if turn else "",
     )
 
 

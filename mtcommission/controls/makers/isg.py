@@ -52,14 +52,8 @@ def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
         codes={"none": "0", "velocity": "0x101", "force": "0x303"},
         meaning="isg-feedforward",
     )
-    if axis.shaft:
-        yield Row(
-            Setting.FORCE_FEEDFORWARD,
-            "getriebe[0].load",
-            unit="kg m^2",
-            at_shaft=axis.shaft**-2,
-            meaning="row-feedforward-inertia",
-        )
+    force, said = Setting.FORCE_FEEDFORWARD, "row-feedforward-inertia"
+    yield from axis.rows_at_shaft(force, "getriebe[0].load", "kg m^2", said)
     if loop.get((Setting.AVERAGE, "")):
         yield fixed("filter_fir.type", "1", "isg-moving-average")
         yield Row(Setting.AVERAGE, "filter_fir.order_time", unit="us", digits=9)

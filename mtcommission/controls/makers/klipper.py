@@ -37,7 +37,7 @@ def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     if axis.follows:
         corner = f"{1e3 * corner_velocity(axis, USUAL):.3g}"
         yield fixed(CORNER, corner, "klipper-corner", unit="mm/s", section=HEAD)
-    codes: dict[float | str, str] = {kind: kind for kind in KLIPPER_SHAPERS}
+    codes = {kind: kind for kind in KLIPPER_SHAPERS}
     for row in (
         Row(Setting.SHAPER, f"shaper_type_{letter}", codes=codes, section=SHAPER),
         *shaper_values(axis, f"shaper_freq_{letter}", f"damping_ratio_{letter}", section=SHAPER),

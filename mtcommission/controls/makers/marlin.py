@@ -21,7 +21,7 @@ from mtcommission.controls.makers.stepping import (
 from mtcommission.controls.row import Row, Setting, Values, at_corners, fixed
 from mtcommission.controls.syntax import G_CODE
 
-SHAPERS: dict[float | str, str] = {
+SHAPERS = {
     "marlin_zv": "1",
     "marlin_mzv": "8",
     "marlin_zvd": "2",
@@ -89,7 +89,7 @@ CONTROL = Control(
         largest_acceleration=PRINTER,
         setpoint_filters=tuple(
             FilterChoice(
-                kind=str(shaper),
+                kind=shaper,
                 least_frequency_hz=20.0,
                 most_frequency_hz=500.0,
                 least_damping=0.01,

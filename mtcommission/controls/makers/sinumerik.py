@@ -77,18 +77,16 @@ def _average(loop: Values) -> Iterator[Row]:
 
 def _feedforward(axis: Axis, loop: Values) -> Iterator[Row]:
     which = loop[Setting.FEEDFORWARD, ""]
-    codes: dict[float | str, str] = {"none": "0", "velocity": "3", "force": "4"}
+    codes = {"none": "0", "velocity": "3", "force": "4"}
     name = "N32620 $MA_FFW_MODE"
     yield Row(Setting.FEEDFORWARD, name, codes=codes, meaning="sinumerik-ffw-mode")
     yield Row(Setting.VELOCITY_FEEDFORWARD, "N32610 $MA_VELO_FFW_WEIGHT[0]")
-    if axis.shaft:
-        yield doubted(
-            Setting.FORCE_FEEDFORWARD,
-            "N32650 $MA_AX_INERTIA",
-            unit="kg m^2",
-            at_shaft=axis.shaft**-2,
-            meaning="row-feedforward-inertia",
-        )
+    force, name, said = (
+        Setting.FORCE_FEEDFORWARD,
+        "N32650 $MA_AX_INERTIA",
+        "row-feedforward-inertia",
+    )
+    yield from axis.rows_at_shaft(force, name, "kg m^2", said, is_verified=False)
     if which != "none":
         data = "32800 $MA_EQUIV_CURRCTRL" if which == "force" else "32810 $MA_EQUIV_SPEEDCTRL"
         name, said = f"N{data}_TIME[0]", "sinumerik-delay"
@@ -97,14 +95,12 @@ def _feedforward(axis: Axis, loop: Values) -> Iterator[Row]:
 
 def _drive(axis: Axis, loop: Values) -> Iterator[Row]:
     """Parameters of the drive; five for each of its four filters of the torque setpoint."""
-    if axis.shaft:
-        unit, said = "N m s/rad", "gain-kp-at-shaft"
-        at_shaft = axis.shaft**-2
-        yield Row(Setting.VELOCITY_GAIN, "p1460", unit=unit, at_shaft=at_shaft, meaning=said)
+    gain = Setting.VELOCITY_GAIN
+    yield from axis.rows_at_shaft(gain, "p1460", "N m s/rad", "gain-kp-at-shaft")
     yield doubted(Setting.INTEGRAL_TIME, "p1462", unit="ms", meaning="gain-tn-unit")
-    counts: dict[float | str, str] = {float(count): str(2**count - 1) for count in range(5)}
+    counts = {float(count): str(2**count - 1) for count in range(5)}
     yield doubted(Setting.FILTERS, "p1656", codes=counts, meaning="sinumerik-filters")
-    kinds: dict[float | str, str] = {"low_pass": "1", "notch": "2"}
+    kinds = {"low_pass": "1", "notch": "2"}
     for number in range(1, 5):
         index, first = str(number), 1652 + 5 * number
         row = partial(doubted, index=index)

@@ -29,17 +29,10 @@ def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
 
 def _loop(axis: Axis, loop: Values) -> Iterator[Row]:
     """The position controller of the NC or of an AX5000, and the drive's velocity controller."""
-    row = partial(Row, is_elsewhere=True)
+    row, gain = partial(Row, is_elsewhere=True), Setting.VELOCITY_GAIN
     yield row(Setting.INTEGRAL_TIME, "S-0-0101", unit="0.1 ms", step=1, meaning="twincat-tn")
-    if axis.shaft:
-        yield row(
-            Setting.VELOCITY_GAIN,
-            "S-0-0100",
-            unit="Nm/(rad/s)",
-            at_shaft=axis.shaft**-2,
-            step=1e-3,
-            meaning="twincat-kp",
-        )
+    unit, said = "Nm/(rad/s)", "twincat-kp"
+    yield from axis.rows_at_shaft(gain, "S-0-0100", unit, said, step=1e-3, is_elsewhere=True)
     if loop[Setting.POSITION_LOOP, ""] == "drive":
         said, unit = "twincat-kv-in-drive", "1000/min"
         yield row(Setting.POSITION_GAIN, "S-0-0104", unit=unit, step=1e-2, meaning=said)
