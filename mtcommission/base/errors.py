@@ -111,8 +111,6 @@ class Outcome(Enum):
 class ComputationError(MtcommissionError):
     """A computation ended with a named outcome; ``detail``: what was computed, with numbers."""
 
-    exit_code = 3
-
     def __init__(self, outcome: Outcome, detail: Message) -> None:
         super().__init__(outcome, detail)
         self.outcome, self.detail = outcome, detail

@@ -108,9 +108,7 @@ class Formatter:
         self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
     ) -> str:
         """Return a value of the axis's own motion by the unit it has on a linear axis."""
-        if self.follows:
-            unit = {"N": "m/s^2", "kg": "", "1/kg": ""}.get(unit, unit)
-        unit = motion_unit(unit, rotary=self.rotary)
+        unit = motion_unit(unit, rotary=self.rotary, follows=self.follows)
         return self.quantity(value, unit, missing=missing, digits=digits)
 
     def feed(self, value: float, *, digits: int = 3) -> str:
@@ -217,19 +215,11 @@ def tick_text(value: float, decimal_mark: str) -> str:
     return digits.replace("-", "−").replace(".", decimal_mark)
 
 
-def motion_unit(unit: str, *, rotary: bool) -> str:
-    """Return the unit of the axis's own motion: m becomes rad on a rotary axis, N becomes N m."""
-    swap = {
-        "m": "rad",
-        "N": "N m",
-        "kg": "kg m^2",
-        "N s/m": "N m s/rad",
-        "N/m": "N m/rad",
-        "1/kg": "1/(kg m^2)",
-    }
-    if not rotary:
-        return unit
-    return swap.get(unit, re.sub(r"^m/", "rad/", unit))
+def motion_unit(unit: str, *, rotary: bool, follows: bool = False) -> str:
+    """Return the unit of the axis's own motion, by what it is on a linear axis with a force."""
+    both = FOLLOWED if follows else UNITS
+    known = {UNITS[name][0]: pair[rotary] for name, pair in both.items()}
+    return known.get(unit, unit)
 
 
 # What the texts call to print a number, e.g. ``{ LENGTH($band) }``
