@@ -164,8 +164,6 @@ PHASE_STEP = 0.04
 """Distance of the two lines whose phases are compared, in the highest frequency."""
 LONGEST = 5e-3
 """Longest delay at which a fit begins [s]."""
-AROUND = (-3, -2, -1, 1, 2, 3)
-"""Delays tried beside the known one, in sixteenths of the highest frequency's period."""
 RATIOS = (0.003, 0.012, 0.045, 0.15)
 """Damping ratios of the candidates; least squares finds those between."""
 GRID_STEP = 1.6
@@ -225,9 +223,7 @@ class _Search:
     def _from(self, delays: Array, lags: Array, *, holds_delay: bool = False) -> Ordered:
         """The fit that grows from some delays and lags."""
         start = Poles(0.0, delays, lags, np.zeros(0), np.zeros(0))
-        even = _per_octave(self.smooth)
-        rough = self._grow(even, project(even, start), holds_delay=holds_delay)
-        return self._settle(self._grow(self.smooth, rough))
+        return self._settle(self._grow(project(self.smooth, start), holds_delay=holds_delay))
 
     def _with_lags(self, found: Ordered) -> Ordered:
         """The modes with a lag in place of background, if there is evidence for it."""
@@ -242,16 +238,14 @@ class _Search:
         fit = min(tried, key=lambda one: one.cost)
         gain = self._worth(poles, found.correlation)
         gain -= _criterion(smooth, fit, correlation=found.correlation)
-        return found if gain < LEAST_GAIN else self._settle(self._grow(smooth, fit))
+        return found if gain < LEAST_GAIN else self._settle(self._grow(fit))
 
-    def _grow(
-        self, responses: Sequence[Lines], best: Projected, *, holds_delay: bool = False
-    ) -> Projected:
+    def _grow(self, best: Projected, *, holds_delay: bool = False) -> Projected:
         """Add the mode that takes most of the misfit away until none is worth it."""
+        responses = self.smooth
 
         def improve(poles: Poles) -> Projected:
-            start = poles if holds_delay else _align(responses, poles)
-            return refine(responses, start, steps=25, tolerance=1e-4, holds_delay=holds_delay)
+            return refine(responses, poles, steps=25, tolerance=1e-4, holds_delay=holds_delay)
 
         best = improve(best.poles)
         while best.poles.omega.size < self.most:
@@ -320,16 +314,6 @@ def _evidence(responses: Sequence[Lines], fit: Projected, less: Projected) -> fl
     return float(gains[:-2].sum() / variance)
 
 
-def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
-    """Each octave weighs the same, and none better than 3 %: for the rough shape."""
-    found = []
-    for lines in responses:
-        step = np.gradient(np.log(lines.frequency_hz))
-        error = np.hypot(lines.error, 0.03 * np.abs(lines.values))
-        found.append(replace(lines, error=error * np.sqrt(np.median(step) / step)))
-    return found
-
-
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     """The least sure mode that nothing determines; None if all are determined.
 
@@ -387,21 +371,6 @@ def _slope_of_phase(lines: Lines) -> float:
     turn = np.angle(lines.values[high] * np.conj(lines.values[low]))
     slope = turn / (2 * np.pi * (f[high] - f[low]))
     return float(np.clip(-np.median(slope), 0.0, LONGEST))
-
-
-def _align(responses: Sequence[Lines], poles: Poles) -> Poles:
-    """The poles with the best delay of each response among some near-by ones.
-
-    The cost has a minimum at each turn of the phase; least squares alone stays in the nearest.
-    """
-    delays = poles.delays.copy()
-    for place, lines in enumerate(responses):
-        unit = 1.0 / (16.0 * lines.frequency_hz[-1])
-        tried = delays[place] + unit * np.array([0, *AROUND])
-        alone = poles.of(place)
-        costs = [project([lines], replace(alone, delays=np.array([d]))).cost for d in tried]
-        delays[place] = tried[int(np.argmin(costs))]
-    return replace(poles, delays=delays)
 
 
 class _Candidates:
