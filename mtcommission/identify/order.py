@@ -132,8 +132,6 @@ Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773: "strong" from 6 to 10.
 LEAST_EVIDENCE = 12.0
 """χ² that a mode must take away without the two lines that speak most for it (empirical): a hum
 of the mains stands in one line, a mode in several."""
-CLEAR_GAIN = 50.0
-"""Fall of the criterion beyond which no other candidate is tried."""
 SEPARATION = 0.75
 """Least distance of two modes, in the sum of their half-power widths; true modes are found down
 to one sum, and two estimates within one peak are one mode and the error of the model."""
@@ -249,19 +247,11 @@ class _Search:
 
         best = improve(best.poles)
         while best.poles.omega.size < self.most:
-            before = _criterion(responses, best)
-            tried: list[Projected] = []
-            for omega, zeta in self.candidates.best(responses, best, most=3):
-                new = improve(best.poles.add(omega, zeta))
-                if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
-                    continue
-                tried.append(new)
-                if _criterion(responses, new) < before - CLEAR_GAIN:
-                    break
-            if not tried:
+            new = improve(best.poles.add(*self.candidates.best(responses, best)))
+            if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
                 break
-            new = min(tried, key=lambda fit: fit.cost)
-            if self.count is None and _criterion(responses, new) >= before - LEAST_GAIN:
+            gain = _criterion(responses, best) - _criterion(responses, new)
+            if self.count is None and gain <= LEAST_GAIN:
                 break
             best = new
         return best
@@ -389,10 +379,8 @@ class _Candidates:
             self.shapes[grid] = np.reciprocal(denominators, out=denominators)
         self.powers = {grid: one.real**2 + one.imag**2 for grid, one in self.shapes.items()}
 
-    def best(
-        self, responses: Sequence[Lines], known: Projected, *, most: int
-    ) -> list[tuple[float, float]]:
-        """ω and ζ of the modes that would lower the misfit most, best first.
+    def best(self, responses: Sequence[Lines], known: Projected) -> tuple[float, float]:
+        """ω and ζ of the mode that would lower the misfit most.
 
         The misfit that a mode of given pole takes away is (c · r)²/(c · c), with c its column less
         what b, the known modes and R can do: a matched filter on all poles of a grid, so that a
@@ -413,14 +401,8 @@ class _Candidates:
             after = before - np.sum(along[:-1] ** 2, axis=0)
             good = after > 1e-6 * before
             fall[good] += along[-1, good] ** 2 / after[good]
-        found: list[tuple[float, float]] = []
-        for i in np.argsort(fall)[::-1]:
-            w, z = float(self.omega[i]), float(self.zeta[i])
-            if all(abs(np.log(w / other)) > max(0.02, z + y) for other, y in found):
-                found.append((w, z))
-                if len(found) == most:
-                    break
-        return found
+        most = int(np.argmax(fall))
+        return float(self.omega[most]), float(self.zeta[most])
 
 
 def _searched(lines: Lines) -> slice:
