@@ -23,6 +23,7 @@ from mtcommission.record.limits import limits_answer
 from mtcommission.record.machine import Profile
 from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import dump_json
+from tests.recorded_loop import Motion as Seen
 from tests.recorded_loop import judge_record, setpoint_of, simulate_record
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
@@ -101,22 +102,12 @@ def _simulate_again(record: dict[str, Any]) -> None:
             tcp.append(Y[tool])
             set_force.append(Y[force])
             X = A @ X + B @ r
-        position = np.concatenate(tcp)
-        t = np.arange(position.size) * cycle
-        reference = np.array([setpoint(moment - tau)[0] for moment in t])
-        e = position - reference
-        # At t_e + tau, between two samples, the tool is interpolated against the coasting setpoint.
-        first = int(np.argmax(t >= t_e + tau - 1e-12))
-        _, speed, _, _ = setpoint(t_e + 1.0)
-        before = position[first - 1] - (reference[first] - speed * (t[first] - t[first - 1]))
-        share = (t_e + tau - t[first - 1]) / cycle
-        judged = np.abs(np.append(before + share * (e[first] - before), e[first:]))
-        residual = float(np.max(judged))
-        outside = np.flatnonzero(judged > band)
-        settling = t[first - 1 + outside[-1]] if outside.size else t_e + tau
-        assert residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
-        assert settling == pytest.approx(claimed["settling_time"], rel=1e-2)
-        assert np.max(np.abs(set_force)) == pytest.approx(claimed["max_force"], rel=1e-2)
+        position, asked = np.concatenate(tcp), float(np.max(np.abs(set_force)))
+        seen = Seen(np.arange(position.size) * cycle, position, np.zeros(0), asked)
+        found = judge_record(seen, entry, tau=tau, band=band)
+        assert found.residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
+        assert found.settling_time == pytest.approx(claimed["settling_time"], rel=1e-2)
+        assert asked == pytest.approx(claimed["max_force"], rel=1e-2)
 
 
 def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:

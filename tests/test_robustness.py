@@ -40,10 +40,6 @@ from mtcommission.study.settings import RobustnessSettings
 from tests.machines import paper_machine, slowly_decaying_machine
 
 
-def unspaced(text: str) -> str:
-    return text.replace(THIN_SPACE, " ")
-
-
 def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -> Machine:
     machine = paper_machine()
     needs = replace(
@@ -168,33 +164,24 @@ def test_damping_range_is_kept_and_not_beyond() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kept", "english", "german"),
+    ("kept", "range_said"),
     [
-        ((0.995, 1.1), "−0.5 % to at least +10 %", "−0,5 % bis mindestens +10 %"),
-        ((1.0, 1.1), "0 % to at least +10 %", "0 % bis mindestens +10 %"),
-        ((0.97, 1.0125), "−3 % to +1.25 %", "−3 % bis +1,25 %"),
-        ((0.9, 1.005), "at least −10 % to +0.5 %", "mindestens −10 % bis +0,5 %"),
+        ((0.995, 1.1), "−0.5 % to at least +10 %"),
+        ((0.9, 1.005), "at least −10 % to +0.5 %"),
     ],
 )
 def test_limits_that_hang_on_an_exact_frequency_are_called_so(
-    kept: tuple[float, float], english: str, german: str
+    kept: tuple[float, float], range_said: str
 ) -> None:
     """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
     machine = paper_machine()
     (warning,) = warn_of_narrow_range(machine, _kept(*kept))
-    said = unspaced(Catalogue().say(warning))
     lost = (
         "residual deviation (where they are lower) and set force (where they are higher) and "
         "peak v_φ (where they are higher)"
     )
-    assert f"off by {english}. Missed outside this range: {lost}. State a frequency spread" in said
-    translated = unspaced(Catalogue("de").say(warning))
-    assert german in translated
-    lost = (
-        "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
-        "Höchstwert v_φ (wo sie höher liegen)"
-    )
-    assert f"Außerhalb davon verletzt: {lost}." in translated
+    said = Catalogue().say(warning).replace(THIN_SPACE, " ")
+    assert f"by {range_said}. Missed outside this range: {lost}. State a frequency spread" in said
     needs = replace(machine.requirements, frequency_spread=0.03)
     assert warn_of_narrow_range(replace(machine, requirements=needs), _kept(*kept)) == ()
 
