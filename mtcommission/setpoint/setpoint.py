@@ -77,9 +77,11 @@ class Pieces:
         zero.
         """
         own = np.arange(t.shape[-1]) if setpoint is None else setpoint
-        piece = np.zeros(t.shape, dtype=np.intp)
-        for knot in self.knots:
-            piece += t >= knot[own] - INSTANT
+        # All knots on one axis, those of each setpoint further than those of the one before.
+        count, apart = len(self.knots), float(np.ptp(self.knots)) + 1.0
+        every = (self.knots - INSTANT + apart * np.arange(self.knots.shape[1])).T.ravel()
+        piece = np.searchsorted(every, t + apart * own, side="right") - count * own
+        piece = np.clip(piece, 0, count)
         age = t - self.knots[np.maximum(piece - 1, 0), own]
         values = [self.values[piece, k, own] for k in range(self.values.shape[1])]
         result = np.zeros((derivatives, *t.shape))
@@ -97,18 +99,19 @@ def cut(times: Array, steps: Array, *, order: int) -> Pieces:
     rising = np.argsort(times, axis=1, kind="stable")
     knots = np.take_along_axis(times, rising, axis=1).T
     sizes = np.take_along_axis(steps, rising, axis=1).T
-    values = np.zeros((len(knots) + 1, order + 1, knots.shape[1]))
+    values = np.zeros((len(knots) + 1, knots.shape[1], order + 1))
     gaps = np.diff(knots, axis=0, prepend=knots[:1])
+    # Each derivative at the next knot, from those at the last one, by Taylor.
+    shift, grown = np.zeros((*gaps.shape, order + 1, order + 1)), np.ones_like(gaps)
+    for k in range(order + 1):
+        for low in range(order + 1 - k):
+            shift[..., low, low + k] = grown
+        grown = grown * gaps / (k + 1)
     for i, size in enumerate(sizes):
-        later, before = values[i + 1], values[i]
-        later[:] = before
-        grown = np.ones_like(size)
-        for k in range(1, order + 1):
-            grown = grown * gaps[i] / k
-            later[:-k] += before[k:] * grown
-        later[order] += size
-    values[-1, 2:] = 0.0
-    return Pieces(knots=knots, values=values)
+        values[i + 1] = (shift[i] @ values[i, :, :, None])[..., 0]
+        values[i + 1, :, order] += size
+    values[-1, :, 2:] = 0.0
+    return Pieces(knots=knots, values=values.transpose(0, 2, 1))
 
 
 def _taylor(derivatives: list[Array], age: Array) -> Array:
