@@ -10,7 +10,7 @@ import pytest
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.quantities import THIN_SPACE
-from mtcommission.limits.judge import Assessment, Check, assess, describe_place, simulate_moves
+from mtcommission.limits.judge import Assessment, Check, assess, simulate_moves
 from mtcommission.limits.requirements import CONTOUR_DEVIATION, requirements_of
 from mtcommission.loop.simulate import LoopResponse
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -125,16 +125,6 @@ def test_the_worst_move_counts_and_is_named() -> None:
     found = assess(machine, build_plant(machine), (NOMINAL,), values)
     check = named(found, "settling time")
     assert (check.value, Catalogue().say(check.where)) == (0.15, "move 2, nominal")
-
-
-def test_places_are_described_in_words() -> None:
-    corner = Corner(payload=50.0, frequency_factor=1.05, damping_factor=0.7)
-    say = Catalogue().say
-    assert (
-        unspaced(say(describe_place(1, corner, 1)))
-        == "payload 50 kg, frequencies × 1.05, damping × 0.7"
-    )
-    assert say(describe_place(2, NOMINAL, 3)) == "move 2, nominal"
 
 
 def test_a_contour_is_judged_at_its_feed_and_the_rest_at_the_velocity_of_the_move() -> None:

@@ -98,15 +98,3 @@ def _run(slope, state, time, push, omega, zeta):  # type: ignore[no-untyped-def]
         slope, (0.0, time), state, args=(push, omega, zeta), rtol=1e-10, atol=1e-16, method="DOP853"
     )
     return run.y[:, -1].copy()
-
-
-def test_without_shaper_it_is_the_textbooks_blow() -> None:
-    """If it failed, units would be off: c dv/omega_d of one mode is the band."""
-    one = PROFILE.replace(
-        '[[plant.modes]]\nname = "frame"\nfrequency = "97 Hz"\ndamping_ratio = 0.03\n'
-        "tcp_gain = 0.2\n",
-        "",
-    ).replace("tcp_gain = 0.8\n", "")
-    found = find_corner_velocity(parse_profile(one, where="test"), None)
-    slowest = 2 * pi * 45.0 * 0.96
-    assert found == pytest.approx(16e-6 * slowest * (1 - (0.04 * 1.3) ** 2) ** 0.5, rel=1e-9)

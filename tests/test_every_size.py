@@ -21,8 +21,8 @@ from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.setpoint.smaller_moves import SMALLEST, plan_sizes, size_of
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.setpoint.smaller_moves import SMALLEST, size_of
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
@@ -125,25 +125,6 @@ def test_force_is_the_largest_of_the_sizes() -> None:
     ]
     assert max(forces) == pytest.approx(found.value, rel=0.01)
     assert isnan(found.bound)
-
-
-@pytest.mark.parametrize("filter_name", FILTERS)
-@pytest.mark.parametrize("move", MOVES, ids=["step", "slow", "free"])
-def test_sizes_are_planned_as_the_control_plans_them(move: Move, filter_name: str) -> None:
-    """The proof would be of other motions than the machine makes."""
-    limits = MotionLimits(acceleration=2.0, jerk=90.0, setpoint_filter=FILTERS[filter_name])
-    sizes = size_of(move) * np.array([0.003, 0.04, 0.2, 0.61, 1.0])
-    steps = plan_sizes(move, sizes, limits)
-    for row, size in enumerate(sizes):
-        setpoint = plan_setpoint(resized(move, float(size)), limits)
-        assert steps.duration[row] == pytest.approx(setpoint.duration, rel=1e-9)
-        t = np.linspace(0.0, setpoint.duration, 61)
-        age = np.maximum(t[:, None] - steps.times[row], 0.0)
-        power = steps.order - 1  # the velocity lies so many integrals below what steps
-        factorial = float(np.prod(np.arange(1, power + 1)))
-        velocity = (age**power / factorial) @ steps.steps[row]
-        expected = sample_setpoint(setpoint, t)[:, 1]
-        assert np.allclose(velocity, expected, atol=1e-6 * np.max(expected))
 
 
 @pytest.mark.parametrize("filter_name", ["none", "average"])

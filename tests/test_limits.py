@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.limits.optima import condense
-from mtcommission.machine.moves import Move, Positioning, VelocityStep
+from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.optimal.control import Trajectory
 from tests.independent_loop import profile_of
 
@@ -35,16 +35,6 @@ def test_a_velocity_step_gives_back_its_own_limits(
     found = condense(move, motion(move, acceleration, jerk), velocity=0)
     assert found.acceleration == pytest.approx(acceleration, rel=2e-3)
     assert found.jerk == pytest.approx(jerk, rel=5e-3)
-
-
-def test_a_move_without_cruise_keeps_its_duration() -> None:
-    """Without a velocity limit the peak is 2 L / t_f: a triangle of velocity."""
-    move = Positioning(distance=0.02)
-    original = motion(move, 2.0, 80.0)
-    found = condense(move, original, velocity=0)
-    again = profile_of(move, found.acceleration, found.jerk)
-    assert again.end == pytest.approx(original.t[-1], rel=1e-6)
-    assert found.acceleration == pytest.approx(2.0, rel=5e-3)
 
 
 def test_no_ramp_is_shorter_than_a_control_can_send() -> None:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.loop.analysis import mode_poles, scan
+from mtcommission.loop.analysis import mode_poles
 from mtcommission.loop.disturbance import simulate_disturbance
-from mtcommission.loop.model.diagram import build_open_loop, check_by_blocks
+from mtcommission.loop.model.diagram import check_by_blocks
 from mtcommission.loop.tuning import family, gains
 from mtcommission.loop.tuning.family import (
     cascade_family,
@@ -112,42 +110,6 @@ def test_margins_and_poles_are_those_of_python_control(machine: Machine) -> None
     assert found.gain_margin_db == pytest.approx(tuned.nominal.gain_margin_db, abs=1e-5)
     assert found.phase_margin_deg == pytest.approx(tuned.nominal.phase_margin_deg, abs=1e-5)
     assert found.pole_difference < 1e-10
-
-
-def test_what_is_read_off_the_grid_is_right_to_six_digits() -> None:
-    """Margins and bandwidth, crossings found by roots of the blocks of python-control."""
-    machine = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
-    tuned, T_v = tune_loop(machine), machine.control.velocity_cycle
-    plant, analysis = tuned.loops[0].plant, tuned.nominal
-    again = build_open_loop(plant, tuned.controller)
-
-    def L(frequency_hz: float) -> complex:
-        return complex(again(np.exp(2j * pi * frequency_hz * T_v)))
-
-    def closed(frequency_hz: float) -> float:
-        omega = np.array([2 * pi * frequency_hz])
-        found = scan([plant], tuned.controller, [omega])[0].respond(tuned.controller)
-        return float(abs(found.closed_velocity_loop[0])) - np.sqrt(0.5)
-
-    grid, response = tuned.responses[0].frequency_hz, tuned.responses[0].open_loop
-    phases, gains = [], []
-    for low, high, a, b in zip(grid[:-1], grid[1:], response[:-1], response[1:], strict=True):
-        if (abs(a) - 1.0) * (abs(b) - 1.0) < 0.0:
-            f = brentq(lambda x: abs(L(x)) - 1.0, low, high, xtol=1e-12)
-            phases.append(abs(np.degrees(np.angle(-L(f)))))
-        if a.imag * b.imag < 0.0 and a.real < 0.0:
-            f = brentq(lambda x: L(x).imag, low, high, xtol=1e-12)
-            gains.append(-20 * np.log10(abs(L(f))))
-    assert analysis.phase_margin_deg == pytest.approx(min(phases), rel=1e-6)
-    up, down = (
-        min((g for g in gains if g > 0), default=np.inf),
-        min((-g for g in gains if g < 0), default=np.inf),
-    )
-    assert analysis.gain_margin_up_db == pytest.approx(up, rel=1e-6)
-    assert analysis.gain_margin_down_db == pytest.approx(down, rel=1e-6)
-    assert analysis.gain_margin_db == analysis.gain_margin_down_db < up < np.inf
-    bandwidth = brentq(closed, 0.9 * analysis.bandwidth_hz, 1.1 * analysis.bandwidth_hz)
-    assert analysis.bandwidth_hz == pytest.approx(bandwidth, rel=1e-6)
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

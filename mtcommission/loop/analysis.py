@@ -43,8 +43,8 @@ leaves out the very resonance, where an undamped mode is infinite (empirical).""
 REFINEMENTS = 2
 REFINED_POINTS = 15
 """Each refinement divides every interval of interest by so much: two leave a spacing of 0.004 %,
-and what is interpolated on it is right to 1e-6 (tested against root finding). Odd, so that the
-middle, perhaps an undamped resonance, is left out."""
+and what is interpolated on it is right to 1e-6. Odd, so that the middle, perhaps an undamped
+resonance, is left out."""
 
 STEADY, RIGID = 1e-10, 2
 """A pole this close to the unit circle does not decay: rounding, not damping; and how many poles a
