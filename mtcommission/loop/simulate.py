@@ -39,6 +39,7 @@ from mtcommission.loop.respond import (
     FORCE,
     OUTPUTS,
     TOOL,
+    FreeMotion,
     Motions,
     free_motion,
     keep_from,
@@ -289,8 +290,9 @@ def _end(setpoint: Setpoint, poles: LoopPoles) -> int:
 def _respond(poles: LoopPoles, setpoint: Setpoint, band: float) -> list[_Seen]:
     """The linear response in every corner."""
     motions, first = set_in_motion(poles, knots_of(setpoint)), _end(setpoint, poles)
-    count, decayed = _follow(poles, motions, first, band=band)
-    n = _looked_at(motions, first, first + count)
+    free = free_motion(motions, lay_grid(poles, SAMPLES))
+    count, decayed = _follow(free, first, band=band)
+    n = _looked_at(motions, first, first + count, free.settling(band)[0])
     outputs = np.empty((len(poles.loops), len(n) * poles.cycles, poles.outputs))
     for start in range(0, len(n), TOGETHER):
         some = n[start : start + TOGETHER]
@@ -322,8 +324,11 @@ next one, evenly spread: a quarter of a second each at 125 us, so that no move m
 (empirical)."""
 
 
-def _looked_at(motions: Motions, first: int, last: int) -> Cycles:
-    """Position cycles that are looked at, from one on for longer after the setpoint's end."""
+def _looked_at(motions: Motions, first: int, last: int, late: Array) -> Cycles:
+    """Position cycles that are looked at, from one on for longer after the setpoint's end.
+
+    And those about the times at which the tool settles in each corner [s].
+    """
     poles = motions.poles
     steps = np.minimum(motions.first[0], first)
     ends = np.unique(np.concatenate([[0], steps, [first, last]])).tolist()
@@ -333,13 +338,14 @@ def _looked_at(motions: Motions, first: int, last: int) -> Cycles:
         dense = min(start + ceil(every), stop)
         rest = min(stop - dense, ceil(LOOKED_AT / poles.cycles))
         parts += [np.arange(start, dense), np.linspace(dense, stop, rest, endpoint=False)]
-    return np.concatenate(parts).astype(np.int64)
+    about = (late[np.isfinite(late)] / poles.dt).astype(np.int64)[:, None] + np.arange(-1, 3)
+    parts.append(about[(about >= first) & (about < last)])
+    return np.unique(np.concatenate(parts).astype(np.int64))
 
 
-def _follow(
-    poles: LoopPoles, motions: Motions, first: int, *, band: float
-) -> tuple[int, NDArray[np.bool_]]:
+def _follow(free: FreeMotion, first: int, *, band: float) -> tuple[int, NDArray[np.bool_]]:
     """How many cycles from one on are followed, and where the tool can leave the band no more."""
+    motions, poles = free.motions, free.motions.poles
     usual, horizon = ceil(FOLLOWED / poles.dt), ceil(HORIZON / poles.dt)
     if not poles.factors.size:
         return min(poles.recent, horizon), np.ones(len(poles.loops), dtype=bool)
@@ -347,8 +353,7 @@ def _follow(
     modal = motions.modal[-1, 0] * poles.power(np.maximum(begun, 0))[0]
     sizes = np.abs(poles.shapes[:, :, TOOL]).max(axis=1) * np.abs(modal)  # (n_corners, n_poles)
     radii = np.maximum(np.abs(poles.factors), 1e-9)
-    residual = free_motion(motions, lay_grid(poles, SAMPLES)).residual[0]
-    size = np.minimum(np.maximum(residual, LEAST_SIZE * band), band)
+    size = np.minimum(np.maximum(free.residual[0], LEAST_SIZE * band), band)
     # Cycles until every mode is below a share of that size; a pole outside the circle never is.
     small = DECAYED * size[:, None]
     decay = np.log(np.maximum(sizes / small, 1.0)) / -np.log(np.minimum(radii, 1.0 - 1e-15))
