@@ -13,14 +13,13 @@ from scipy.optimize import linprog
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.limits.optima import find_optima, find_time_optimum
+from mtcommission.limits.optima import find_optima, find_time_optimum, find_within_band
 from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.band import BandForce, find_band_optimum
 from mtcommission.optimal.modes import free_peaks, free_row, free_waves, in_moments
-from mtcommission.study.optimum import find_within_band
 from tests.machines import paper_machine, random_modal_machine
 
 
@@ -254,7 +253,7 @@ def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number(
     def gives_up(*_: object, **__: object) -> None:
         raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-program-gave-up"))
 
-    monkeypatch.setattr("mtcommission.study.optimum.find_band_optimum", gives_up)
+    monkeypatch.setattr("mtcommission.limits.optima.find_band_optimum", gives_up)
     machine = paper_machine()
     optima = find_optima(machine, build_plant(machine), machine.moves[0])
     found = find_within_band(machine, optima)

@@ -31,7 +31,7 @@ from mtcommission.study.robustness import (
     respond_varied,
     warn_of_narrow_range,
 )
-from mtcommission.study.settings import RobustnessSettings
+from mtcommission.study.settings import STUDY
 from tests.machines import paper_machine, slowly_decaying_machine
 
 
@@ -119,7 +119,7 @@ def test_frequency_error_names_the_range_that_is_kept(monkeypatch: pytest.Monkey
     machine = replace(machine, requirements=replace(machine.requirements, frequency_spread=0.0))
     tuned = tune_loop(machine)
     limits = MotionLimits(acceleration=0.9, jerk=15.0)
-    monkeypatch.setattr(robustness, "ROBUSTNESS", RobustnessSettings(frequency_range=0.3))
+    monkeypatch.setattr(robustness, "STUDY", replace(STUDY, frequency_range=0.3))
     found = find_frequency_error(machine, tuned, limits)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
     nominal = evaluate(machine, tuned, limits)

@@ -15,7 +15,13 @@ from mtcommission.commission.recommend import Announce, Progress, recommend
 from mtcommission.limits.choose import Choice
 from mtcommission.limits.commissioning_rule import RuleResult
 from mtcommission.limits.judge import Assessment, Candidate, MoveResult
-from mtcommission.limits.optima import Optima, condense_optima, find_optima
+from mtcommission.limits.optima import (
+    Optima,
+    WithinBand,
+    condense_optima,
+    find_optima,
+    find_within_band,
+)
 from mtcommission.loop.disturbance import DisturbanceStep
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -34,7 +40,6 @@ from mtcommission.study.improvements import (
     value_tool_sensor,
 )
 from mtcommission.study.loops import LoopChoice, disturb, show_state_feedback
-from mtcommission.study.optimum import WithinBand, find_within_band
 from mtcommission.study.robustness import (
     FrictionEffect,
     MoveSizes,

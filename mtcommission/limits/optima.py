@@ -1,9 +1,10 @@
-"""The physical optima of a move on the nominal machine, and the limits closest to them."""
+"""The physical optima of a move: at rest, with a band, and the limits closest to them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from math import ceil, floor, isfinite, log10
 
 import numpy as np
@@ -12,9 +13,10 @@ from scipy.optimize import minimize_scalar
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.machine.machine import Machine
-from mtcommission.machine.moves import Move, Positioning, VelocityStep
-from mtcommission.machine.plant.plant import Plant, driven_at_once
+from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
+from mtcommission.machine.moves import Move, Positioning, VelocityStep, least_motion_time
+from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once, longest_period
+from mtcommission.optimal.band import BandForce, find_band_optimum, find_robust_force
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.control import (
     TIGHT_GAP,
@@ -29,12 +31,20 @@ from mtcommission.optimal.damping import balanced_weights, solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
 from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.smaller_moves import size_of
 
 Array = NDArray[np.float64]
 
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
 (the project's definition)."""
+
+MANY_PERIODS, WORTHWHILE = 60.0, 0.01
+"""Periods of the slowest mode from which on a program with a band takes minutes: there only if the
+optimum at rest exceeds the rigid axis's by that share (empirical)."""
+
+CHECKED = 81
+"""Frequencies over the spread on which a robust force keeps the band (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,6 +222,66 @@ def _ramp(t: Array, ends: Array, acceleration: float, ramp: float) -> Array:
     knots = np.concatenate([[0.0], ends])
     age = np.maximum(t[:, None] - knots, 0.0)
     return np.asarray((age**2 / 2.0) @ (jerk * np.array([1.0, -1.0, -1.0, 1.0])))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WithinBand:
+    """The fastest controls of one move to a state from which the tool keeps the band by itself.
+
+    The honest lower limit of a recommendation that is judged by a band.
+    """
+
+    optimum: BandForce | None = None  # on the nominal machine; None where it was not found
+    robust: BandForce | None = None  # on all of the spread, without payload; None: no spread
+    remarks: tuple[Message, ...] = ()  # what was left out, and why
+
+
+def find_within_band(machine: Machine, optima: Optima) -> WithinBand:
+    """Return the fastest controls of one move that leave the tool within the permitted deviation.
+
+    ``tcp_deviation`` as stated is the band, without reserve.
+    """
+    plant, needs, move = build_plant(machine), machine.requirements, optima.move
+    size, force, band = size_of(move), machine.drive.motion_force, needs.tcp_deviation
+    if isinstance(move, Positioning) and size <= band:
+        return WithinBand(remarks=(Message("band-wider-than-move", distance=size, band=band),))
+    rigid = least_motion_time(move, force / moving_mass(machine))
+    left = 1.0 - rigid / optima.time.t_f
+    is_long = optima.time.t_f > MANY_PERIODS * longest_period(plant)
+    if is_long and left < WORTHWHILE:
+        return WithinBand(remarks=(Message("band-saves-nothing", rigid=rigid, share=left),))
+    optimum, robust, failed = None, None, "band-optimum-failed"
+    try:
+        optimum = find_band_optimum(
+            driven_at_once(plant),
+            move,
+            force_limit=force,
+            band=band,
+            at_rest=optima.time.t_f,
+        )
+        failed = "robust-force-failed"
+        if needs.frequency_spread or needs.damping_spread:
+            places = _over_spread(machine)
+            robust = find_robust_force(
+                [driven_at_once(build_plant(vary(machine, place))) for place in places],
+                move,
+                force_limit=force,
+                band=band,
+                guess=optimum.t_f,
+            )
+    except ComputationError as error:
+        remark = Message(failed, error=error.message)
+        return WithinBand(optimum=optimum, remarks=(remark,))
+    return WithinBand(optimum=optimum, robust=robust)
+
+
+def _over_spread(machine: Machine) -> list[Corner]:
+    """Machines over the frequency spread, at both ends and the middle of damping, each once."""
+    needs = machine.requirements
+    frequency = np.linspace(-1.0, 1.0, CHECKED) * needs.frequency_spread
+    damping = np.array([-1.0, 0.0, 1.0]) * needs.damping_spread
+    pairs = product(dict.fromkeys(damping.tolist()), dict.fromkeys(frequency.tolist()))
+    return [Corner(frequency_factor=1.0 + f, damping_factor=1.0 + d) for d, f in pairs]
 
 
 def _rounded_up(value: float) -> float:

@@ -18,8 +18,7 @@ from mtcommission.record.moves import Series, by_name, describe_move, series_of
 from mtcommission.record.shape import Words, entry_of, of
 
 if TYPE_CHECKING:  # the optima's own libraries take a while to load
-    from mtcommission.limits.optima import Optima
-    from mtcommission.study.optimum import WithinBand
+    from mtcommission.limits.optima import Optima, WithinBand
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""

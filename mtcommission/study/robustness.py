@@ -37,7 +37,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import knots_of, plan_within
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
-from mtcommission.study.settings import ROBUSTNESS, STUDY
+from mtcommission.study.settings import STUDY
 
 Array = NDArray[np.float64]
 
@@ -93,8 +93,8 @@ def examine_robustness(machine: Machine, tuned: TunedLoop, limits: MotionLimits)
 
 def find_frequency_error(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> KeptRange:
     """Return what the same limits do where all eigenfrequencies are off by a common factor."""
-    needs, count = machine.requirements, ROBUSTNESS.frequency_points
-    reach = max(ROBUSTNESS.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
+    needs, count = machine.requirements, STUDY.frequency_points
+    reach = max(STUDY.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
     factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * count + 1)
     known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
     return _find_range(known, tuned, limits, factor, of="frequency_factor")

@@ -1,34 +1,10 @@
-"""Numerical settings of the whole chain, and the numbers of the studies."""
+"""The numbers of the studies, and which settings stand on the sheet."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
 from mtcommission.loop.tuning.tuned import TUNING
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobustnessSettings:
-    """How closely to look where the machine or the limits differ a little."""
-
-    frequency_range: float = 0.1  # of the error, to either side; twice the spread if that is more
-    frequency_points: int = 15  # to either side
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BandSettings:
-    """When it is asked what a band saves over exact rest, and on how many machines."""
-
-    many_periods: float = 60.0  # of the slowest mode, from which on a program takes minutes:
-    # there only if the optimum at rest exceeds the rigid axis's by a share worth while
-    worthwhile: float = 0.01
-    checked_frequencies: int = 81  # of the spread, on which a robust force keeps the band
-
-
-ROBUSTNESS, BAND = RobustnessSettings(), BandSettings()
-
-PRINTED = {"tuning": asdict(TUNING), "robustness": asdict(ROBUSTNESS), "band": asdict(BAND)}
-"""Numerical settings that stand on the sheet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +34,11 @@ class StudySettings:
     # halvings of that range: the least factor is found to within 12 %.
     largest_factor: float = 1e3
     halvings: int = 6
-    # Robustness: an eigenfrequency is off by that much even where it was measured (resolution,
+    # Robustness: how far frequencies may be off (twice the spread if that is more), in how many
+    # steps to either side.
+    frequency_range: float = 0.1
+    frequency_points: int = 15
+    # An eigenfrequency is off by that much even where it was measured (resolution,
     # temperature, place on the axis); damping, of one day or another, by half.
     known_frequency: float = 0.02
     least_damping: float = 0.3
@@ -76,3 +56,12 @@ class StudySettings:
 
 
 STUDY = StudySettings()
+
+PRINTED = {
+    "tuning": asdict(TUNING),
+    "robustness": {
+        "frequency_range": STUDY.frequency_range,
+        "frequency_points": STUDY.frequency_points,
+    },
+}
+"""Numerical settings that stand on the sheet."""
