@@ -27,8 +27,7 @@ from mtcommission.verify.checks import Check, Verdict, judge_all
 from mtcommission.verify.feedforward import suggest_feedforward
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
-from mtcommission.verify.refine import refine
-from mtcommission.verify.renew import renew_profile
+from mtcommission.verify.refine import refine, renew_profile
 from mtcommission.verify.report import (
     check_row,
     known_first,

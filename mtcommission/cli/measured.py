@@ -332,7 +332,7 @@ def _verify_moves(
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.profile.read import parse_profile
     from mtcommission.record.record import load_record
-    from mtcommission.verify.renew import find_new_limits, renew_profile
+    from mtcommission.verify.refine import find_new_limits, renew_profile
     from mtcommission.verify.report import report, verification_entry
     from mtcommission.verify.trace import read_trace
     from mtcommission.verify.verify import verify as compare
@@ -351,7 +351,7 @@ def _verify_moves(
         write_text(renewed, text)
 
     def page(created: str) -> str:
-        from mtcommission.verify.page import print_verification
+        from mtcommission.verify.report import print_verification
 
         return print_verification(told, created=created, language=language)
 

@@ -18,8 +18,13 @@ from mtcommission.group.recorded import CircularTrace, FittedCircle, Found, fit_
 from mtcommission.sheet.document import Block, Bullets, LinePlot
 from mtcommission.sheet.plots import FOURTH, OTHER, THIRD, Curve, Signals, line_plot
 from mtcommission.verify.checks import Check, Part, Verdict, judge, judge_all, judged, what_of
-from mtcommission.verify.page import set_verification, source_table, verdict_blocks
-from mtcommission.verify.report import Entry, check_entry
+from mtcommission.verify.report import (
+    Entry,
+    check_entry,
+    set_verification,
+    source_table,
+    verdict_blocks,
+)
 
 Array = NDArray[np.float64]
 

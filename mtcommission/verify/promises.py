@@ -16,8 +16,8 @@ from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside, Recorded, allowed_shift
 from mtcommission.verify.checks import KEPT, Check, Verdict, judge, judged
-from mtcommission.verify.planner import check_planner
 from mtcommission.verify.prediction import ENCODER, TOOL, Rebuilt
+from mtcommission.verify.setpoint import check_planner
 from mtcommission.verify.trace import Role
 
 MODEL_ERROR = 0.1

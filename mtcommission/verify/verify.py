@@ -16,10 +16,9 @@ from mtcommission.record.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Recorded, lay_out, unexplained
 from mtcommission.verify.checks import Check, Verdict, judge_all, what_of, worst
-from mtcommission.verify.planner import number_of
 from mtcommission.verify.prediction import Rebuilt, rebuild
 from mtcommission.verify.promises import check_recorded
-from mtcommission.verify.setpoint import find_motions
+from mtcommission.verify.setpoint import find_motions, number_of
 from mtcommission.verify.trace import Role, Trace
 
 MOST_MOTIONS = 40
