@@ -71,45 +71,43 @@ class Deviation:
     """How circles come out, as shares of their radius [-], each of the shape of what is asked."""
 
     radius: Array  # of the mean radius; negative: too small
-    form: Array  # largest less smallest radius
+    ellipse: Complex
+    """E: the radius is off by Re E cos 2θ + Im E sin 2θ, too, θ the tool's angle, counterclockwise;
+    clockwise Im E has the other sign."""
+
+    @property
+    def form(self) -> Array:
+        """Largest less smallest radius."""
+        return np.asarray(2.0 * np.abs(self.ellipse))
 
     @property
     def largest(self) -> Array:
         """How far the tool is from the circle at most."""
-        return np.asarray(np.abs(self.radius) + 0.5 * self.form)
+        return np.asarray(np.abs(self.radius) + np.abs(self.ellipse))
 
 
 def deviate(first: Complex, second: Complex) -> Deviation:
     """Return the deviations of circles from the complex responses of two axes."""
+    mean = 0.5 * np.abs(first + second)
+    E = 0.25 * np.conj(first - second) * (first + second) / mean
+    return Deviation(radius=mean - 1.0, ellipse=E)
+
+
+def every_circle(pair: Pair, omega: Array) -> Deviation:
+    """Return circles in every pair of corners, the nominal first, shape (n_pairs, n_omega)."""
+    first, second = (axis.response(omega) for axis in pair)
+    found = deviate(first[:, None], second[None])
     return Deviation(
-        radius=0.5 * np.abs(first + second) - 1.0, form=np.asarray(np.abs(first - second))
+        radius=found.radius.reshape(-1, omega.size), ellipse=found.ellipse.reshape(-1, omega.size)
     )
 
 
 def worst_circle(pair: Pair, omega: Array) -> tuple[Deviation, NDArray[np.intp]]:
-    """Return the worst deviation of every pair of corners, and which pair it is, shape of omega."""
-    first, second = (axis.response(omega) for axis in pair)
-    every = deviate(first[:, None], second[None])
-    flat = every.largest.reshape(-1, *omega.shape)
-    worst = flat.argmax(axis=0)
-    radius, form = (
-        np.take_along_axis(one.reshape(flat.shape), worst[None], axis=0)[0]
-        for one in (every.radius, every.form)
-    )
-    return Deviation(radius=radius, form=form), worst
-
-
-def find_ellipses(pair: Pair, *, radius: float, feed: float) -> tuple[Array, Complex]:
-    """Return how a circle comes out in every pair of corners, the nominal first, (n_pairs,) [m].
-
-    The deviation of its mean radius, and E: the radius is off by Re E cos 2θ + Im E sin 2θ, too, θ
-    the tool's angle, counterclockwise; clockwise Im E has the other sign.
-    """
-    G_x, G_y = (axis.response(np.array([feed / radius]))[:, 0] for axis in pair)
-    G_x, G_y = G_x[:, None], G_y[None]
-    mean = 0.5 * np.abs(G_x + G_y)
-    E = 0.25 * np.conj(G_x - G_y) * (G_x + G_y) / mean
-    return radius * (mean - 1.0).ravel(), radius * E.ravel()
+    """Return the worst deviation of every pair of corners, and which pair it is, (n_omega,)."""
+    every = every_circle(pair, omega)
+    worst = every.largest.argmax(axis=0)
+    at = worst, np.arange(omega.size)
+    return Deviation(radius=every.radius[at], ellipse=every.ellipse[at]), worst
 
 
 def entries_at_first_look(pair: Pair) -> Array:

@@ -33,7 +33,7 @@ from mtcommission.controls.wording import show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key, name_control
 from mtcommission.export.choose import fill_in
 from mtcommission.export.header import lost_letters, say_axis, say_doubts, say_notes, say_source
-from mtcommission.export.held import Judged, judge_text, read_limits
+from mtcommission.export.held import Held, Judged, judge_text, read_limits
 from mtcommission.export.subject import Subject, build_subject
 from mtcommission.export.write import (
     compose_text,
@@ -42,7 +42,7 @@ from mtcommission.export.write import (
     words_for,
     write_body,
 )
-from mtcommission.group.contours import Pair, PathLimits, find_ellipses, line_deviation
+from mtcommission.group.contours import Pair, PathLimits, line_deviation, worst_circle
 from mtcommission.group.follow import follow
 from mtcommission.group.group import tell
 from mtcommission.group.judged import Circle
@@ -156,7 +156,9 @@ def export_group(
         judge_text(subject, _with_path(values, path))
         for subject, values in zip(subjects, own, strict=True)
     ]
-    pair, limits = _read_pair(record, judged), _read_path(record, judged, path)
+    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
+    drawn = [by_name[name].held for name in record.plane]
+    pair, limits = _read_pair(drawn), _read_path(drawn, path)
     slowed = [_slow_down(one, limits) for one in judged]
     circles = tuple(_draw_circles(record, pair))
     line, _ = line_deviation(pair, feed=record.feed, limits=limits)
@@ -302,21 +304,19 @@ def _with_path(values: Values, path: Values) -> dict[Key, float | str]:
     return given
 
 
-def _read_pair(record: GroupRecord, judged: Sequence[Judged]) -> Pair:
+def _read_pair(drawn: Sequence[Held]) -> Pair:
     """The axes that draw circles, as the text makes them."""
-    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
     first, second = (
         follow(
             one.machine, one.tuned, one.limits().setpoint_filter, float(one.values.get(WAIT, 0.0))
         )
-        for one in (by_name[name].held for name in record.plane)
+        for one in drawn
     )
     return first, second
 
 
-def _read_path(record: GroupRecord, judged: Sequence[Judged], path: Values) -> PathLimits:
-    by_name = dict(zip([axis.name for axis in record.axes], judged, strict=True))
-    first, second = (by_name[name].held.limits() for name in record.plane)
+def _read_path(drawn: Sequence[Held], path: Values) -> PathLimits:
+    first, second = (one.limits() for one in drawn)
     return PathLimits(
         acceleration=float(path.get(PATH_ACCELERATION, inf)),
         jerk=float(path.get(PATH_JERK, inf)),
@@ -339,12 +339,11 @@ def _draw_circles(record: GroupRecord, pair: Pair) -> Iterator[CircleOfText]:
     """The record's circle at two feeds, as the text draws it."""
     for circle in record.circle:
         if any(isclose(circle.feed, feed) for feed in (SLOW, record.feed)):
-            size, E = find_ellipses(pair, radius=circle.radius, feed=circle.feed)
-            worst = int((np.abs(size) + np.abs(E)).argmax())
+            off, _ = worst_circle(pair, np.array([circle.feed / circle.radius]))
             yield CircleOfText(
                 planned=circle,
-                radius_deviation=float(size[worst]),
-                form_deviation=2.0 * float(np.abs(E[worst])),
+                radius_deviation=circle.radius * float(off.radius[0]),
+                form_deviation=circle.radius * float(off.form[0]),
             )
 
 

@@ -196,7 +196,7 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
         entries=find_entries(_plane(task, axes)),
     )
     path = _lowered_for_lines(group, _lowered_for_circles(group, _path_of(group)))
-    return _slow_down(_judge_again(replace(group, path=path)))
+    return _judge_again(replace(group, path=path))
 
 
 def _stand_alone(machine: Machine, progress: Progress) -> GroupAxis:
@@ -383,31 +383,21 @@ def _typed(limit: float) -> float:
 
 
 def _judge_again(group: Group) -> Group:
-    """The group with each axis judged whose limits were lowered for circles or lines."""
-    axes = list(group.axes)
-    for i, a, j in zip(group.task.plane, group.path.accelerations, group.path.jerks, strict=True):
-        axis = axes[i]
-        limits = replace(axis.choice.limits, acceleration=a, jerk=j)
-        if limits != axis.choice.limits:
-            row = replace(axis.behind(group.setpoint_filter), limits=limits)
-            choice = replace(
-                axis.choice,
-                candidate=judge(row),
-                why=BY_CONTOUR,
-            )
-            axes[i] = replace(axis, choice=choice)
-    return replace(group, axes=tuple(axes))
-
-
-def _slow_down(group: Group) -> Group:
-    """The group with the moves of each axis judged that the path's limits make slower."""
+    """The group with each axis judged whose limits were lowered, or whose moves the path slows."""
     axes, path = [], group.path
-    for axis in group.axes:
-        own = axis.choice.limits
-        limits = path.within(own)
+    lowered = dict(
+        zip(group.task.plane, zip(path.accelerations, path.jerks, strict=True), strict=True)
+    )
+    for i, axis in enumerate(group.axes):
+        row, own = axis.behind(group.setpoint_filter), axis.choice.limits
+        a, j = lowered.get(i, (own.acceleration, own.jerk))
+        limits = replace(own, acceleration=a, jerk=j)
         if limits != own:
-            row = replace(axis.behind(group.setpoint_filter), limits=limits)
-            axis = replace(axis, slowed=judge(row))
+            candidate = judge(replace(row, limits=limits))
+            choice = replace(axis.choice, candidate=candidate, why=BY_CONTOUR)
+            axis = replace(axis, choice=choice)
+        if (slower := path.within(limits)) != limits:
+            axis = replace(axis, slowed=judge(replace(row, limits=slower)))
         axes.append(axis)
     return replace(group, axes=tuple(axes))
 

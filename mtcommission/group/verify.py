@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, to_json
-from mtcommission.group.contours import Pair, find_ellipses
+from mtcommission.group.contours import Pair, every_circle
 from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.recorded import CircularTrace, FittedCircle, Found, fit_circles
 from mtcommission.sheet.document import Block, Bullets, LinePlot
@@ -132,7 +132,8 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
 
 def foresee(pair: Pair, circle: FittedCircle) -> CircleBeside:
     """Return a circle beside what the record makes of that radius, feed and direction."""
-    radius, ellipse = find_ellipses(pair, radius=circle.radius, feed=circle.feed)
+    found = every_circle(pair, np.array([circle.omega]))
+    ellipse = circle.radius * found.ellipse[:, 0]
     course, peaks = np.zeros(circle.angle.size), []
     for place, axis in enumerate(pair):
         corners = range(len(axis.tuned.loops))
@@ -144,7 +145,7 @@ def foresee(pair: Pair, circle: FittedCircle) -> CircleBeside:
             course += late * np.abs(np.cos(circle.angle - 0.5 * np.pi * place))
     return CircleBeside(
         fitted=circle,
-        radius=radius,
+        radius=circle.radius * found.radius[:, 0],
         ellipse=ellipse if circle.direction > 0 else np.conj(ellipse),
         course=course,
         peaks=(peaks[0], peaks[1]),
