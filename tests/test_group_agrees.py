@@ -73,7 +73,8 @@ def exported(kind: str) -> GroupExport:
     return export_group(recorded(kind), control=kind)
 
 
-EVERY = [kind for kind in CONTROLS if kind != "state-space"]
+EVERY = ("sinumerik", "heidenhain", "fanuc", "twincat", "linuxcnc", "klipper", "marlin")
+"""One of each rule at corners, and of each place that path limits have, or have not."""
 
 
 @pytest.mark.parametrize("kind", EVERY)
@@ -139,7 +140,7 @@ def typed(text: str, control: Control, key: Key) -> float | None:
     return float(found[-1]) * row.scale if found else None
 
 
-@pytest.mark.parametrize("kind", ["sinumerik", "heidenhain", "twincat", "fanuc"])
+@pytest.mark.parametrize("kind", ["heidenhain", "fanuc"])
 def test_lines_with_the_typed_limits_stay_within_what_was_judged(kind: str) -> None:
     """By the second program, in directions in which the control may take more than one axis."""
     group, record = joined(kind), recorded(kind)

@@ -19,7 +19,7 @@ import pypdfium2
 import pytest
 
 from mtcommission.group.ballbar import trace_circle
-from mtcommission.group.contours import Pair, deviate, find_entries, worst_circle
+from mtcommission.group.contours import Pair, find_entries, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.follow import filter_response
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
@@ -79,6 +79,9 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
     assert len(typed) == 2 * 7 + 2
     first += [value.replace(".", words.format.decimal_mark) for value in typed]
     first += [shown(trial.path_acceleration, "m/s^2") for trial in found.filters]
+    first += [shown(axis.settling_time or 0.0, "s") for axis in found.axes]
+    right = next(one for one in found.speed_over_angle if one.angle_deg == 90.0)
+    first.append(words.format.feed(right.speed).replace("\N{NARROW NO-BREAK SPACE}", " "))
     second = [shown(one.deviation_without_slowing, "m") for one in found.speed_over_angle]
     second += [shown(one.quadrant_peak["Y"], "m") for one in found.circle]
     for values, page in ((first, pages[0]), (second, pages[1])):
@@ -193,22 +196,6 @@ def step_axis(pair: Pair, k: int, radius: float, feed: float, quarter: float) ->
     tool = drive_loop(loop, references, friction=friction)[:, TOOL] + begin
     once = round(1.1 * turn / control.velocity_cycle)
     return np.asarray(tool[once : once + round(turn / control.velocity_cycle)])
-
-
-def test_without_friction_a_circle_is_the_ellipse_of_the_two_responses() -> None:
-    """Its form is |G_x - G_y| R and its mean radius |G_x + G_y| R/2."""
-    first, second = (
-        replace(axis, machine=replace(axis.machine, drive=replace(
-            axis.machine.drive, coulomb_friction=0.0, viscous_friction=0.0)))
-        for axis in mill().pair
-    )  # fmt: skip
-    for radius, feed in ((10e-3, 0.1), (100e-3, 0.3)):
-        trace = trace_circle((first, second), radius=radius, feed=feed)
-        omega = np.array([feed / radius])
-        off = deviate(first.response(omega)[0], second.response(omega)[0])
-        assert trace.circular == pytest.approx(radius * float(off.form[0]), abs=2e-9)
-        mean = 0.5 * (trace.largest + trace.least)
-        assert mean == pytest.approx(radius * float(off.radius[0]), abs=2e-9)
 
 
 ASK = """

@@ -101,13 +101,10 @@ def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
 @pytest.mark.parametrize(
     "how",
     [
-        Spoilt(),
-        Spoilt(noise=3e-7, offset=3e-3),
-        Spoilt(lag=1e-3, noise=2e-7),
+        Spoilt(lag=1e-3, noise=3e-7, offset=3e-3),
         Spoilt(step=1e-3, setpoint_grain=1e-7, grain=1e-7),
-        Spoilt(noise=3e-7, dwell=0.8, seed=3),
     ],
-    ids=["exact", "noise and offset", "lag", "coarse", "other noise"],
+    ids=["lag, noise and offset", "coarse"],
 )
 def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
     name: str, how: Spoilt, tmp_path: Path
@@ -133,7 +130,7 @@ def test_a_trace_that_ends_while_the_axis_moves_never_holds(dwell: float, tmp_pa
     assert verified(MILLING, tmp_path, Spoilt(dwell=dwell)).verdict is not Verdict.HOLDS
 
 
-@pytest.mark.parametrize("share", [0.45, 0.6, 0.75])
+@pytest.mark.parametrize("share", [0.45, 0.75])
 def test_a_trace_that_ends_before_the_setpoint_does_blames_nobody(
     share: float, tmp_path: Path
 ) -> None:
@@ -170,7 +167,7 @@ def test_friction_shows_in_the_following_error_while_the_axis_moves(tmp_path: Pa
     assert fed.after < 0.6 * fed.before
 
 
-@pytest.mark.parametrize("factor", [0.85, 0.92, 1.06, 1.15])
+@pytest.mark.parametrize("factor", [0.92, 1.15])
 def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) -> None:
     found = verified(GANTRY, tmp_path, Spoilt(frequency=factor, noise=1e-7))
     assert found.verdict is Verdict.FAILS
@@ -221,7 +218,7 @@ def test_what_cannot_be_told_is_not_said(how: Spoilt, reason: str, tmp_path: Pat
     assert (residual.verdict, residual.reason.kind) == (Verdict.UNKNOWN, reason)
 
 
-@pytest.mark.parametrize("step", [5e-4, 7e-4, 1e-3])
+@pytest.mark.parametrize("step", [7e-4, 1e-3])
 def test_a_ramp_that_falls_between_the_samples_does_not_blame_the_planner(
     step: float, tmp_path: Path
 ) -> None:
@@ -283,8 +280,7 @@ def test_a_position_that_comes_late_is_a_finding_beyond_a_cycle(tmp_path: Path) 
     assert find(found, "reference delay").verdict is Verdict.FAILS
 
 
-@pytest.mark.parametrize("name", [MILLING, GANTRY])
-@pytest.mark.parametrize("step", [2.5e-4, 1e-3])
+@pytest.mark.parametrize(("name", "step"), [(MILLING, 1e-3), (GANTRY, 2.5e-4)])
 def test_a_setpoint_recorded_behind_the_delay_is_recognised(
     name: str, step: float, tmp_path: Path
 ) -> None:
@@ -309,8 +305,7 @@ def test_a_setpoint_recorded_behind_the_delay_is_recognised(
     assert not any(one.has_changed for key, one in parameters.items() if "frequency" in key)
 
 
-@pytest.mark.parametrize("name", [MILLING, GANTRY])
-@pytest.mark.parametrize("share", [0.0, 1.0])
+@pytest.mark.parametrize(("name", "share"), [(MILLING, 0.0), (GANTRY, 1.0)])
 def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path: Path) -> None:
     tau = rebuilt_of(name).controller.reference_delay
     columns = columns_of(name, Spoilt(step=5e-4, behind=share * tau))

@@ -280,7 +280,7 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
     circle, line, *_ = checks
     if not (circle.met and line.met):
         yield Message("group-contour-not-kept")
-    if any(axis.choice.bound_by == BY_CONTOUR for axis in group.axes):
+    if any(axis.choice.why == BY_CONTOUR for axis in group.axes):
         yield Message("group-path-without-place")
     item = group.setpoint_filter
     if item is not None and item.kind in SHAPERS:
