@@ -227,7 +227,7 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
             group,
             task=task,
             axes=(first, second),
-            trials=(replace(trial, setpoint_filter=None),),
+            trials=(replace(trial, filter=None),),
             path=replace(group.path, acceleration=4.0),
         )
     found = build_group_record(group, created="today") if arcs else mill_record()

@@ -40,6 +40,7 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
+from mtcommission.record.shape import finite_or_none
 from mtcommission.study.variations import Row, choose, judge, look
 
 Array = NDArray[np.float64]
@@ -78,8 +79,8 @@ TENTH = 7
 class FilterTrial:
     """A setpoint filter for all axes, and what it costs and gives, at a first look."""
 
-    setpoint_filter: SetpointFilter | None
-    settling_time: float  # of the slowest axis, without the wait of the others [s]; inf: none found
+    filter: SetpointFilter | None
+    settling_time: float | None  # of the slowest axis, without the wait of the others; None: never
     axes_acceleration: float  # the smallest of the axes' limits [m/s²]
     path_acceleration: float  # with which every circle keeps the tolerance [m/s²]
 
@@ -148,7 +149,7 @@ class Group:
     @property
     def setpoint_filter(self) -> SetpointFilter | None:
         """That of every axis."""
-        return self.trials[0].setpoint_filter
+        return self.trials[0].filter
 
     @property
     def drawn(self) -> tuple[GroupAxis, GroupAxis]:
@@ -184,7 +185,7 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     reserve = min(machine.requirements.reserve.band for machine in task.machines)
     allowed = max(reserve * task.tolerance - noise, 0.0)
     trials = _compare_filters(task, alone, allowed)
-    axes = tuple(one.told(trials[0].setpoint_filter) for one in alone)
+    axes = tuple(one.told(trials[0].filter) for one in alone)
     group = Group(
         task=task,
         control=control,
@@ -259,8 +260,8 @@ def _compare_filters(
         largest = min(each[0].acceleration if each else 0.0 for each in found)
         trials.append(
             FilterTrial(
-                setpoint_filter=item,
-                settling_time=max(ends),
+                filter=item,
+                settling_time=finite_or_none(max(ends)),
                 axes_acceleration=largest,
                 path_acceleration=_first_look(task, _behind(pair, item), allowed, largest),
             )
@@ -268,7 +269,7 @@ def _compare_filters(
     most = max(trial.path_acceleration for trial in trials)
 
     def rank(trial: FilterTrial) -> tuple[bool, float]:
-        return trial.path_acceleration < NEARLY * most, trial.settling_time
+        return trial.path_acceleration < NEARLY * most, trial.settling_time or inf
 
     return tuple(sorted(trials, key=rank))
 

@@ -11,7 +11,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import SHAPERS
 from mtcommission.group.contours import CornerSpeed, Pair, PathLimits, tell_corner
 from mtcommission.group.follow import follow
-from mtcommission.group.group import BY_CONTOUR, Group, GroupAxis
+from mtcommission.group.group import BY_CONTOUR, FilterTrial, Group, GroupAxis
 from mtcommission.group.judged import (
     Circle,
     FeedOverRadius,
@@ -41,7 +41,7 @@ from mtcommission.record.machine import (
 from mtcommission.record.moves import AssessmentPart
 from mtcommission.record.read_back import close_as_held, read_held
 from mtcommission.record.record import Tool, load_sealed, this_tool
-from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, of, to_plain
+from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, to_plain
 from mtcommission.study.loops import disturb
 
 SCHEMA = 2
@@ -114,16 +114,6 @@ class RuleEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialEntry:
-    """A setpoint filter that was looked at."""
-
-    filter: SetpointFilter | None = of("setpoint_filter")
-    settling_time: float | None
-    axes_acceleration: float
-    path_acceleration: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class GroupAssessment:
     """The verdict."""
 
@@ -149,7 +139,7 @@ class GroupRecord:
     feed_over_radius: list[FeedOverRadius]
     speed_over_angle: list[CornerSpeed]
     corner_rule: RuleEntry
-    filters: list[TrialEntry]  # that were compared, the one in use first
+    filters: list[FilterTrial]  # that were compared, the one in use first
     tolerance: float
     allowed: float  # of that for circles and corners
     feed: float
@@ -213,7 +203,7 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         feed_over_radius=feeds_over_radius(group, circles),
         speed_over_angle=list(corners),
         corner_rule=entry_of(RuleEntry, control.corner, name=control.corner_name, value=told),
-        filters=[entry_of(TrialEntry, trial) for trial in group.trials],
+        filters=list(group.trials),
         tolerance=task.tolerance,
         allowed=group.allowed,
         feed=task.feed,
