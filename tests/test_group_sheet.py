@@ -299,6 +299,10 @@ addEventListener("load", () => {
   type("feed", "12");
   type("radius", "2");
   states.push(seen());
+  type("feed", "6");
+  type("radius", "50");
+  groupPage.model.tolerance = 10e-6;
+  states.push(seen());
   tell(states);
 });
 """
@@ -309,7 +313,7 @@ def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
     told: Any
     told, console = browse(html_of(mill_record()), tmp_path, TELL + SLIDE)
     assert console == ""
-    begun, smaller, blunter, wrong, fast = told
+    begun, smaller, blunter, wrong, fast, rough = told
     assert smaller["circle"] != begun["circle"]
     assert smaller["verdict"] != begun["verdict"]
     assert smaller["corner"] == begun["corner"]
@@ -319,6 +323,8 @@ def test_circle_and_corner_follow_the_sliders(tmp_path: Path) -> None:
     assert wrong["complaint"].startswith("Feed: a number from ")
     assert begun["verdict"].startswith("✓")
     assert fast["verdict"].startswith("✗")
+    # A peak at reversal was no matter of the verdict.
+    assert rough["verdict"].startswith("✗ A reversal throws the tool off by 16.")
 
 
 @needs_browser

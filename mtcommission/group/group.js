@@ -183,20 +183,21 @@ const groupPage = (() => {
     trace.peaks.forEach((peak, k) => { if (peak !== null) tell(`peak-${k + 1}`, micro(peak), micro(model.tolerance)); });
     tell("corner", micro(corner.off), micro(model.allowed));
     tell("speed", perMinute(corner.speed));
-    sayVerdict(found, path);
+    sayVerdict(found, path, Math.max(0, ...trace.peaks));
     drawCircle(trace);
     drawCorner(corner);
     if (!isHasty) slow = performance.now() - begun;
   }
 
-  function sayVerdict({largest, entry}, path) {
+  function sayVerdict({largest, entry}, path, peak) {
     const off = Math.max(largest, entry), line = id("verdict");
-    const isFast = path > model.acceleration * (1 + 1e-6), isKept = off <= model.allowed && !isFast;
     const isBeyond = state.feed / state.radius > model.omega[model.omega.length - 1];
-    const key = isBeyond ? "beyond" : isFast ? "too_fast" : isKept ? "keeps" : "misses";
-    const values = isFast ? {value: `${show(path)} m/s²`, limit: `${show(model.acceleration)} m/s²`} : {value: micro(off), limit: micro(model.allowed)};
-    line.textContent = `${isKept && !isBeyond ? "✓" : "✗"} ${say(key, values)}`;
-    line.className = `verdict ${isKept && !isBeyond ? "good" : "bad"}`;
+    const isFast = path > model.acceleration * (1 + 1e-6), isThrown = peak > model.tolerance, isKept = off <= model.allowed;
+    const key = isBeyond ? "beyond" : isFast ? "too_fast" : !isKept ? "misses" : isThrown ? "throws" : "keeps";
+    const values = isFast ? {value: `${show(path)} m/s²`, limit: `${show(model.acceleration)} m/s²`} :
+      key === "throws" ? {value: micro(peak), limit: micro(model.tolerance)} : {value: micro(off), limit: micro(model.allowed)};
+    line.textContent = `${key === "keeps" ? "✓" : "✗"} ${say(key, values)}`;
+    line.className = `verdict ${key === "keeps" ? "good" : "bad"}`;
   }
 
   function roundUp(value) {

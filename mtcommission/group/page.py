@@ -34,7 +34,17 @@ SLOWEST, LARGEST = 0.1 / 60.0, 0.5
 DECIMALS, DIGITS = 9, 5
 """Of what is near 1, and of lengths: 1 nm on the largest circle."""
 
-WORDS = ("keeps", "misses", "too-fast", "beyond", "unslowed", "slowed", "division", "band")
+WORDS = (
+    "keeps",
+    "misses",
+    "throws",
+    "too-fast",
+    "beyond",
+    "unslowed",
+    "slowed",
+    "division",
+    "band",
+)
 """That the script says, with the places that it fills in."""
 
 PLACES = ("value", "limit", "name", "size")
