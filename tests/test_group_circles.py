@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -245,12 +246,38 @@ def test_the_command_writes_page_and_verdict(
     assert by_name["circle 2: radius"]["verdict"] == "holds"
 
 
-BROKEN = {
-    "no columns": ("a [s],b [mm]\n", "", "no circle among the columns"),
-    "no unit of the angle": ("t [s],angle,radius [mm]\n", "", "angle has no unit"),
-    "an angle as length": ("t [s],angle [mm],radius [mm]\n", "", "is no angle"),
-    "a length as force": ("t [s],x [N],y [mm]\n", "", "is no length"),
-    "no clock": ("x [mm],y [mm]\n", "", "sample_time"),
+def headed(file: Path, head: str) -> Path:
+    """Time and positions of a circle, the last of them under some heads."""
+    columns, count = draw(Spoilt()), head.count(",") + 1
+    rows = np.column_stack([columns["t"], 1e3 * columns["x"], 1e3 * columns["y"]])[:, -count:]
+    np.savetxt(file, rows, delimiter=",", header=head, comments="")
+    return file
+
+
+def square(file: Path) -> Path:
+    t = draw(Spoilt())["t"]
+    side = 4.0 * np.mod(t / t[-1] * 2.3, 1.0)
+    x, y = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]).T * 0.05
+    sides = np.arange(5)
+    return write_csv(file, {"t": t, "x": np.interp(side, sides, x), "y": np.interp(side, sides, y)})
+
+
+def in_metres(file: Path, *names: str) -> Path:
+    """A circle some of whose columns are a thousand times as large."""
+    columns = draw(Spoilt())
+    return write_csv(file, columns | {name: 1e3 * columns[name] for name in names})
+
+
+BROKEN: dict[str, tuple[Callable[[Path], Path], str]] = {
+    "no columns": (lambda file: headed(file, "a [s],b [mm]"), "no circle among the columns"),
+    "no unit": (lambda file: headed(file, "t [s],angle,radius [mm]"), "angle has no unit"),
+    "no angle": (lambda file: headed(file, "t [s],angle [mm],radius [mm]"), "is no angle"),
+    "no length": (lambda file: headed(file, "t [s],x [N],y [mm]"), "is no length"),
+    "no clock": (lambda file: headed(file, "x [mm],y [mm]"), "sample_time"),
+    "an arc": (lambda file: write_csv(file, draw(Spoilt(turns=0.6))), "a whole turn is needed"),
+    "a square": (square, "is no circle"),
+    "too large": (lambda file: in_metres(file, "x", "y", "x_ref", "y_ref"), "look at the units"),
+    "unlike": (lambda file: in_metres(file, "y"), "y travels 1000 times as far as y_ref"),
 }
 
 
@@ -258,55 +285,13 @@ BROKEN = {
 def test_a_broken_file_is_named_with_its_remedy(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    head, _, said = BROKEN[name]
-    columns = draw(Spoilt())
-    count = head.count(",") + 1
-    rows = np.column_stack([columns["t"], 1e3 * columns["x"], 1e3 * columns["y"]])[:, -count:]
-    file = tmp_path / "broken.csv"
-    np.savetxt(file, rows, delimiter=",", header=head.strip(), comments="")
+    write, said = BROKEN[name]
+    file = write(tmp_path / "broken.csv")
     code, _, err = run("verify", write_mill(tmp_path), file, capsys=capsys)
     assert code == 2
-    assert "broken.csv" in err
+    last = len(file.read_text().splitlines())
+    assert (f"broken.csv:{last}:" if name == "an arc" else "broken.csv") in err
     assert said in " ".join(err.split())
-
-
-def test_an_arc_a_square_and_a_wrong_unit_are_refused_with_their_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    group = write_mill(tmp_path)
-    arc = write_csv(tmp_path / "arc.csv", draw(Spoilt(turns=0.6)))
-    code, _, err = run("verify", group, arc, capsys=capsys)
-    count = len(arc.read_text().splitlines())
-    assert code == 2
-    assert f"arc.csv:{count}:" in err
-    assert "a whole turn is needed" in " ".join(err.split())
-
-    columns = draw(Spoilt())
-    t, side = columns["t"], 4.0 * np.mod(columns["t"] / columns["t"][-1] * 2.3, 1.0)
-    corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]) * 0.05
-    square = {
-        "t": t,
-        "x": np.interp(side, np.arange(5), corner[:, 0]),
-        "y": np.interp(side, np.arange(5), corner[:, 1]),
-    }
-    code, _, err = run("verify", group, write_csv(tmp_path / "square.csv", square), capsys=capsys)
-    assert code == 2
-    assert "is no circle" in " ".join(err.split())
-
-    wide = {key: values if key == "t" else 1e3 * values for key, values in columns.items()}
-    code, _, err = run("verify", group, write_csv(tmp_path / "wide.csv", wide), capsys=capsys)
-    assert code == 2
-    assert "look at the units" in " ".join(err.split())
-
-
-def test_a_column_of_another_unit_is_refused_beside_its_setpoint(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    columns = draw(Spoilt())
-    file = write_csv(tmp_path / "unlike.csv", {**columns, "y": 1e3 * columns["y"]})
-    code, _, err = run("verify", write_mill(tmp_path), file, capsys=capsys)
-    assert code == 2
-    assert "y travels 1000 times as far as y_ref" in " ".join(err.split())
 
 
 def test_options_of_one_axis_are_refused(
