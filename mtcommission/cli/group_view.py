@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mtcommission.base.messages.catalogue import Catalogue
-from mtcommission.cli.terminal import Line, heading, heads, table, warn
+from mtcommission.base.messages.message import Message
+from mtcommission.cli import terminal
+from mtcommission.cli.terminal import Line, heading, warn
 from mtcommission.cli.verified_view import STYLES, describe_table
-from mtcommission.group.record import GroupRecord
+from mtcommission.group.record import AxisEntry, GroupRecord
 from mtcommission.group.sheet import corners_table, feeds_table
 from mtcommission.group.verify import CircleVerification, say_found
 from mtcommission.machine.checks import say_filter
-from mtcommission.sheet.tables import show
+from mtcommission.sheet.tables import Quantity, member, show, table
 from mtcommission.verify.report import check_row, say_reasons
 
 
@@ -61,7 +63,7 @@ def describe_circles(found: CircleVerification, spoken: Catalogue) -> list[Line]
         (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
         *warn(spoken, found.warnings),
         "",
-        *table([*heads_, ""], rows, [STYLES[one.verdict] for one in found.checks]),
+        *terminal.table([*heads_, ""], rows, [STYLES[one.verdict] for one in found.checks]),
         "",
         *say_reasons(found.checks, spoken),
         *map(spoken.say, say_found(found)),
@@ -77,44 +79,35 @@ def _missed(record: GroupRecord, spoken: Catalogue) -> Iterator[Line]:
 
 
 def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
-    names = heads(
-        spoken, "group-axis", "acceleration", "jerk", "group-wait", "group-delay", "settling"
+    def jerk(axis: AxisEntry) -> float | None:
+        return None if axis.loop.jerk == "none" else axis.limits.recommended.jerk
+
+    def delay(axis: AxisEntry) -> float:
+        return record.feedforward[axis.name].delay
+
+    columns = (
+        Quantity("group-axis", "name"),
+        Quantity("acceleration", "limits.recommended.acceleration", "m/s^2"),
+        Quantity("jerk", jerk, "m/s^3", "no-jerk-limit"),
+        Quantity("group-wait", "wait", "s"),
+        Quantity("group-delay", delay, "s"),
+        Quantity("terminal-head-settling", "settling_time", "s", "not-settled"),
     )
-    rows, text = [], spoken.text
-    for axis in record.axes:
-        best = axis.limits.recommended
-        rows.append(
-            [
-                axis.name,
-                show(best.acceleration, spoken, "m/s^2"),
-                text("no-jerk-limit")
-                if axis.loop.jerk == "none"
-                else show(best.jerk, spoken, "m/s^3"),
-                show(axis.wait, spoken, "s"),
-                show(record.feedforward[axis.name].delay, spoken, "s"),
-                show(axis.settling_time, spoken, "s", "not-settled"),
-            ]
-        )
-    return table(names, rows)
+    return describe_table(table(spoken, "group-axis", columns, record.axes))
 
 
 def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
-    text, form = spoken.text, spoken.format
     first = record.circle[0]
-    peaks = list(first.quadrant_peak)
-    names = [
-        text("group-circle-of", radius=first.radius),
-        text("group-radius-deviation"),
-        text("group-form-deviation"),
-        *(text("group-peak", name=axis) for axis in peaks),
-    ]
-    rows = [
-        [
-            form.feed(one.feed),
-            show(one.radius_deviation, spoken, "m"),
-            show(one.form_deviation, spoken, "m"),
-            *(show(one.quadrant_peak[axis], spoken, "m") for axis in peaks),
-        ]
-        for one in record.circle
-    ]
-    return table(names, rows)
+    columns = (
+        Quantity(
+            Message("group-circle-of", radius=first.radius),
+            lambda one: spoken.format.feed(one.feed),
+        ),
+        Quantity("group-radius-deviation", "radius_deviation", "m"),
+        Quantity("group-form-deviation", "form_deviation", "m"),
+        *(
+            Quantity(Message("group-peak", name=name), member(name, "quadrant_peak"), "m")
+            for name in first.quadrant_peak
+        ),
+    )
+    return describe_table(table(spoken, "group-axis", columns, record.circle))
