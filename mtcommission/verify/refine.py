@@ -422,11 +422,11 @@ class NewLimits:
 
 def find_new_limits(record: Record, profile: str) -> NewLimits:
     """Return what ``run`` recommends for a refined profile, beside what the record recommends."""
-    from mtcommission.commission.commission import commission  # half of what verify would load
+    from mtcommission.commission.recommend import recommend  # for --refine alone
 
     best, new, failure = record.limits.recommended, None, None
     try:
-        chosen = commission(parse_profile(profile, where="--refine")).recommended
+        chosen = recommend(parse_profile(profile, where="--refine")).choice.candidate
         new = Limits(
             acceleration=chosen.limits.acceleration,
             jerk=chosen.limits.jerk,
