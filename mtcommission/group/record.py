@@ -44,7 +44,7 @@ from mtcommission.record.record import Tool, load_sealed, this_tool
 from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, to_plain
 from mtcommission.study.loops import disturb
 
-SCHEMA = 2
+SCHEMA = 3
 
 APART = 1e-6
 """Difference of delays that is named [s]: 0.1 µm at 6 m/min."""
@@ -109,7 +109,6 @@ class RuleEntry:
     kind: str
     name: str  # of its parameter, "(?)" where that was not read; "": it has none
     value: float  # of that [SI]; 0: none keeps the tolerance
-    source: str
     is_verified: bool
 
 
