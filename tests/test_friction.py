@@ -25,10 +25,10 @@ def coast(coulomb: float, viscous: float, v: float, force: float, until: float) 
     stiff = replace(rubs, velocity=np.eye(plant.order)[plant.velocity],
                     push=np.eye(plant.order)[plant.velocity] * STEP / m)  # fmt: skip
     for _ in range(round(until / STEP)):
-        x = np.zeros((plant.order, 1))
-        x[plant.velocity] = found[-1] + STEP / m * force
-        x += np.outer(stiff.push, stiff.force(x))
-        found.append(float(x[plant.velocity, 0]))
+        x = np.zeros((1, plant.order))
+        x[0, plant.velocity] = found[-1] + STEP / m * force
+        x += stiff.force(x)[:, None] * stiff.push
+        found.append(float(x[0, plant.velocity]))
     return np.array(found)
 
 

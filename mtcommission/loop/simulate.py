@@ -57,16 +57,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Friction:
-    """Friction of a plant over one velocity cycle."""
+    """Friction of a plant, or of several, each with its own rows, over one velocity cycle."""
 
     coulomb: float  # F_c [N]
     viscous: float  # d [N s/m]
-    velocity: Array  # that rubs, as a row over the plant's states, shape (n,)
-    push: Array  # what 1 N over the cycle adds to the state, shape (n,)
+    velocity: Array  # that rubs, as a row over the plant's states, (n,) or (n_plants, n)
+    push: Array  # what 1 N over the cycle adds to the state, likewise
 
     def force(self, free: Array) -> Array:
-        """Return the force of the cycle, of plant states at its end without friction, (n, m)."""
-        v, gain = self.velocity @ free, float(self.velocity @ self.push)
+        """Return the force of the cycle, of plant states at its end without friction, (m, n)."""
+        v, gain = (free * self.velocity).sum(axis=1), (self.velocity * self.push).sum(axis=-1)
         sliding = (v - np.sign(v) * gain * self.coulomb) / (1.0 + gain * self.viscous)
         after = np.where(np.abs(v) <= gain * self.coulomb, 0.0, sliding)
         return np.asarray((after - v) / gain)
@@ -100,8 +100,8 @@ def step_through(
 
     The set force saturates at ``force_limit`` [N], and the integrator stands still meanwhile.
     ``X``: states, shape (n_loops, n); ``references``: x_ref, v_ref, a_ref, j_ref at each position
-    cycle, shape (n_cycles, 4); ``friction``: of the one plant. The outputs at every velocity cycle
-    have the shape (n_loops, n_samples, n_outputs).
+    cycle, shape (n_cycles, 4). The outputs at every velocity cycle have the shape (n_loops,
+    n_samples, n_outputs).
     """
     first = loops[0]
     z, held, own, seen = first.integrator, first.held, first.own_size, len(first.outputs)
@@ -134,7 +134,7 @@ def step_through(
             X[:, z + 1] = force
             if friction:
                 rubbed = X[:, : first.plant.order]
-                rubbed += np.outer(friction.force(rubbed.T), friction.push)
+                rubbed += friction.force(rubbed)[:, None] * friction.push
         X = np.hstack([X[:, :held], handed_down, r, X[:, own:]])[:, : X.shape[1]]
         k += 1
     return X, outputs.reshape(len(loops), -1, seen)
@@ -261,25 +261,31 @@ def simulate_corners(
 
 
 def simulate_rubbing(
-    loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float, followed: float
-) -> LoopResponse:
-    """Return the response with the drive's friction, stepped for a while after its end [s].
+    loops: Sequence[SampledLoop], setpoint: Setpoint, *, drive: Drive, band: float, followed: float
+) -> list[LoopResponse]:
+    """Return the responses with the drive's friction, stepped for a while after their end [s].
 
     What is off by then is "not settled".
     """
-    gains = loop.controller
+    gains = loops[0].controller
     step, cycle = gains.velocity_cycle, gains.position_cycle
-    friction = find_friction(
-        loop.plant, coulomb=drive.coulomb_friction, viscous=drive.viscous_friction, step=step
+    friction = Friction(
+        coulomb=drive.coulomb_friction,
+        viscous=drive.viscous_friction,
+        velocity=np.array([loop.plant.row("encoder") @ loop.plant.A for loop in loops]),
+        push=np.array([discretise_disturbance(loop.plant, step) for loop in loops]),
     )
-    until = setpoint.duration + gains.reference_delay + followed
-    n = np.arange(ceil(until / cycle))
-    references, limit = sample_setpoint(setpoint, np.asarray(n * cycle)), drive.usable_force
-    outputs = drive_loop(loop, references, force_limit=limit, friction=friction)
+    n = np.arange(ceil((setpoint.duration + gains.reference_delay + followed) / cycle))
+    references = sample_setpoint(setpoint, np.asarray(n * cycle))
+    rest, limit = np.zeros((len(loops), len(loops[0].states))), drive.usable_force
     late = _delayed(setpoint, gains, n)
-    settles = bool(abs(outputs[-1, TOOL] - late[-1]) <= band)
-    seen = _Seen(n=n, late=late, outputs=outputs, settles=settles)
-    return _judge(loop, setpoint, seen, drive=drive, band=band)
+    _, outputs = step_through(loops, rest, references, force_limit=limit, friction=friction)
+    found = []
+    for loop, own in zip(loops, outputs, strict=True):
+        settles = bool(abs(own[-1, TOOL] - late[-1]) <= band)
+        seen = _Seen(n=n, late=late, outputs=own, settles=settles)
+        found.append(_judge(loop, setpoint, seen, drive=drive, band=band))
+    return found
 
 
 def _end(setpoint: Setpoint, poles: LoopPoles) -> int:

@@ -299,16 +299,13 @@ def examine_friction(
         return ()
     needs, drive, effects = machine.requirements, machine.drive, []
     for number, result in enumerate(moves, start=1):
-        rubbed = [
-            simulate_rubbing(
-                loop,
-                result.setpoint,
-                drive=drive,
-                band=needs.tcp_deviation,
-                followed=STUDY.followed,
-            )
-            for loop in tuned.loops
-        ]
+        rubbed = simulate_rubbing(
+            tuned.loops,
+            result.setpoint,
+            drive=drive,
+            band=needs.tcp_deviation,
+            followed=STUDY.followed,
+        )
         settling = max(one.settling_time for one in rubbed)
         # As far as it was followed, also where the axis sticks outside the band.
         left = [np.abs(one.deviation[one.t >= one.t_end]).max() for one in rubbed]
