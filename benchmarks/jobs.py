@@ -124,7 +124,7 @@ def stages(repeats: int) -> list[Job]:
     from mtcommission.commission.commission import commission
     from mtcommission.machine.profile.read import parse_profile, read_source
     from mtcommission.record.record import record_run
-    from mtcommission.sheet import print_html, print_pdf
+    from mtcommission.sheet.content import print_html, print_pdf
 
     english, times = Catalogue(), dict[str, list[float]]()
     for _ in range(repeats + 1):

@@ -198,61 +198,51 @@ def _quote(record: Json) -> None:
     record["robustness"]["damping_error"] |= {"kept_from": 0.61}
 
 
+UNKNOWN = (
+    *("settling_time", "residual_deviation", "kept_from", "kept_to", "full_from"),
+    *("damping", "listed_only"),
+)
+"""What may be null, wherever it stands but in the loop."""
+
+
+def _forget(item: Any) -> None:
+    for key, value in item.items() if isinstance(item, dict) else enumerate(item):
+        if key in UNKNOWN:
+            item[key] = _nothing(value)
+        elif isinstance(value, dict | list):
+            _forget(value)
+
+
+def _nothing(value: Any) -> Any:
+    return [_nothing(one) for one in value] if isinstance(value, list) else None
+
+
 def unsettled_record() -> Json:
     """Nothing settles, nothing is met, and every null is null."""
     record = example_record()
-    limits = record["limits"]
-    for item in (limits["recommended"], *limits["alternatives"], *limits["rules"]):
-        item["settling_time"] = item["residual_deviation"] = None
-    loop = record["loop"]
-    loop["gain_margin_db"] = loop["phase_margin_deg"] = loop["bandwidth_hz"] = None
-    loop["worst_corner"] |= dict.fromkeys(("gain_margin_db", "phase_margin_deg", "bandwidth_hz"))
-    for move in record["moves"]:
-        for response in (move["response"], *move["corners"]):
-            response["settling_time"] = response["residual_deviation"] = None
-            response["saturated"] = True
-    record["optima"][0]["damping"] = None
-    for item in record["loop"]["variants"]:
+    for part in ("limits", "moves", "optima", "robustness"):
+        _forget(record[part])
+    limits, loop = record["limits"], record["loop"]
+    for item in (loop, loop["worst_corner"]):
+        item |= dict.fromkeys(("gain_margin_db", "phase_margin_deg", "bandwidth_hz"))
+    loop |= dict.fromkeys(("gain_margin_hz", "phase_margin_hz"))
+    for item in loop["variants"]:
         item["settling_time"] = None
-    robustness = record["robustness"]
-    error = robustness["frequency_error"]
-    error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
-    for item in (error, robustness["damping_error"]):
-        item["kept_from"] = item["kept_to"] = None
     for mode in limits["modes"]:
-        mode["acceleration"] = mode["jerk"] = mode["jerk_time"] = None
-        mode["settling_time"] = mode["residual_deviation"] = None
-        mode["bound_by"] = mode["reason"] = to_json(NO_LIMITS)
-        mode["meets_requirements"] = False
+        mode |= dict.fromkeys(("acceleration", "jerk", "jerk_time"))
+        mode |= {"reason": to_json(NO_LIMITS), "meets_requirements": False}
     limits["modes"][0]["attainable"] = 3.17e-6
     limits["recommended"]["valid_for"] = [{"smallest": 0.102, "largest": 0.102}]
-    limits["listed_only"] = None
+    missed, place = {"limit": 0.2, "unit": "s"}, Message("place-move", number=1)
     limits["attainable"] = [
-        {
-            "requirement": "settling time",
-            "limit": 0.2,
-            "value": 0.2313,
-            "unit": "s",
-            "acceleration": 0.9,
-            "jerk": 11.0,
-            "together_with": [],
-        }
+        missed
+        | {"requirement": "settling time", "value": 0.2313, "together_with": []}
+        | {"acceleration": 0.9, "jerk": 11.0}
     ]
-    for item in limits["move_sizes"]:
-        item["kept_from"] = item["kept_to"] = item["full_from"] = None
+    check = missed | {"name": "settling time", "value": None, "reserve": 1.0, "met": False}
     record["assessment"] = {
         "met": False,
-        "checks": [
-            {
-                "name": "settling time",
-                "value": None,
-                "limit": 0.2,
-                "reserve": 1.0,
-                "unit": "s",
-                "met": False,
-                "where": said("place", parts=(Message("place-move", number=1),)),
-            }
-        ],
+        "checks": [check | {"where": said("place", parts=(place,))}],
         "obstacle": "settling time",
     }
     return record

@@ -530,7 +530,7 @@ def test_closed_streams_and_odd_texts_end_with_a_message(run: Run, tmp_path: Pat
         assert code == 2
         assert "\x1b" not in err
         assert all("odd.toml:" in line for line in err.splitlines())
-    odd.write_text('{"schema": 8}')
+    odd.write_text('{"schema": 9}')
     assert "is JSON, as the record of a run is" in run("check", odd)[2]
 
 

@@ -178,21 +178,20 @@ def test_the_sheet_prints_modes_with_intervals_points_and_assumed_shares(
 
 def test_what_was_changed_by_hand_is_told(profile: Path) -> None:
     part = _part(profile)
-    record = to_entry(example_record(), Record)
-    (first, *_) = part.modes
+    first = part.modes[0]
     mode = replace(
-        record.plant.modes[0],
+        to_entry(example_record(), Record).plant.modes[0],
         name=first.name,
         frequency_hz=1.1 * first.frequency_hz.value,
         damping_ratio=first.damping_ratio.value,
     )
-    page = _section(part, modes=[mode], moving_mass=2.0 * part.moving_mass.value)
+    # The sheet's record states 5.2 %, less than an identified axis may ask for.
+    wide = replace(part, spread=replace(part.spread, frequency=0.08))
+    page = _section(wide, modes=[mode], moving_mass=2.0 * part.moving_mass.value)
     assert "mode1 was changed by hand: Frequency" in page
     assert "mass was changed by hand" in page
     assert "mode2 was measured, but no mode of the profile has this name" in page
-    # The sheet's record states 5.2 %, less than an identified axis may ask for.
-    wide = replace(part, spread=replace(part.spread, frequency=0.08))
-    assert "the corners hold ± 5.2 %" in _section(wide).replace("\u202f", " ").replace("\xa0", " ")
+    assert "the corners hold ± 5.2 %" in page.replace("\u202f", " ").replace("\xa0", " ")
 
 
 def test_wrong_values_in_what_was_measured_are_named_with_their_line(profile: Path) -> None:

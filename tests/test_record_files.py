@@ -13,7 +13,7 @@ from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.record.record import SCHEMA, load_record
 from mtcommission.record.shape import find_checksum
-from mtcommission.sheet import remark_on_print
+from mtcommission.sheet.content import remark_on_print
 from tests.sheet_record import example_record, on_json
 
 
@@ -56,7 +56,7 @@ def test_a_fault_of_ours_is_no_fault_of_the_record(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """It was told as "the record contradicts itself", and nobody would have reported it."""
-    monkeypatch.setattr("mtcommission.sheet.print_html", lambda *_, **__: [][0])
+    monkeypatch.setattr("mtcommission.sheet.content.print_html", lambda *_, **__: [][0])
     path = sealed(example_record(), tmp_path / "record.json")
     code, said = call("sheet", str(path), "-o", str(tmp_path), "--no-pdf")
     assert code == 3

@@ -28,22 +28,15 @@ from mtcommission.base.messages.message import Message, from_json, join_by_and
 from mtcommission.base.messages.quantities import THIN_SPACE, Formatter
 from mtcommission.base.units.symbols import read_unit
 from mtcommission.cli import app
-from mtcommission.limits.commissioning_rule import (
-    RuleFormula,
-    apply_commissioning_rule,
-    formulas_for,
-)
+from mtcommission.limits.commissioning_rule import apply_commissioning_rule
 from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.machine import list_assumptions, list_data
 from mtcommission.record.record import Record
 from mtcommission.record.shape import to_entry, to_plain
-from mtcommission.sheet import print_html, print_pdf
-from mtcommission.sheet.basis import assumed_rows, basis_rows, holds_rows
-from mtcommission.sheet.content import compose
+from mtcommission.sheet.content import compose, print_html, print_pdf
 from mtcommission.sheet.document import (
     Diagram,
     Form,
@@ -56,11 +49,10 @@ from mtcommission.sheet.document import (
 )
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.pdf import set_pdf
-from mtcommission.sheet.verdict import headline
+from mtcommission.sheet.verdict import assumed_rows, basis_rows, headline, holds_rows
 
 from .sheet_record import (
     HOSTILE,
-    average,
     example_record,
     extreme_record,
     five_moves_record,
@@ -228,18 +220,6 @@ def test_the_plots_show_the_numbers_of_the_record():
     )
 
 
-def test_a_loop_does_not_lead_at_low_frequencies():
-    """92 degrees are 268 degrees of lag."""
-    record = example_record()
-    part = record["loop"]["bode"]
-    signals = part["signals"]
-    turn = 92.0 - signals["open_loop_deg"][0]
-    signals["open_loop_deg"] = [one + turn for one in signals["open_loop_deg"]]
-    curve = next(p for p in plots(compose(record)) if p.key == "bode").panels[1].lines[0]
-    first = min(range(len(part["t"])), key=lambda k: abs(part["t"][k] - curve.x[0]))
-    assert curve.y[0] == pytest.approx(signals["open_loop_deg"][first] - 360.0)
-
-
 def test_what_did_not_settle_is_said_and_never_a_number():
     record = unsettled_record()
     document = compose(record)
@@ -258,29 +238,19 @@ def test_a_frequency_error_that_nothing_survives_is_a_sentence_and_no_empty_axes
     """Axes without a curve were drawn, and nobody could tell a fault of the plot from a result."""
     record = unsettled_record()
     error = record["robustness"]["frequency_error"]
-    reason = "With no error of the eigenfrequencies"
+    reason = "With no error of the eigenfrequencies from"
 
     def shown():
         blocks = next(s for s in compose(record).sections if s.key == "robustness").blocks
         drawn = [b for b in blocks if isinstance(b, LinePlot) and b.key == "frequency-error"]
-        told = [b.text for b in blocks if isinstance(b, Paragraph) and b.text.startswith(reason)]
-        return drawn, told
+        told = [b for b in blocks if isinstance(b, Paragraph) and b.text.startswith(reason)]
+        return [len(plot.panels) for plot in drawn], len(told)
 
-    drawn, (told,) = shown()
-    low, high = (ROTARY.signed_percent(error["factor"][end] - 1.0) for end in (0, -1))
-    assert not drawn
-    assert f"from {low} to {high}" in told
+    assert shown() == ([], 1)
     error["residual_deviation"] = [9e-6 for _ in error["factor"]]
-    (plot,), (told,) = shown()
-    assert [panel.y_label.partition(" in ")[0] for panel in plot.panels] == [
-        ENGLISH.text("residual")
-    ]
-    assert "settling" not in (plot.caption + plot.alt).lower()
-    assert "does the axis settle" in told
+    assert shown() == ([1], 1)
     error["settling_time"] = [None, *(0.1 for _ in error["factor"][1:])]
-    (plot,), told = shown()
-    assert len(plot.panels) == 2
-    assert not told
+    assert shown() == ([2], 0)
 
 
 def test_a_rotary_axis_has_torques_and_moments_of_inertia():
@@ -322,45 +292,24 @@ def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():
     """Repeated in each row, the source fills the page and hides the data of other origin."""
     record = example_record()
     long, other = ("Measured by the maker of the machine, report 12 of 2026", "Data sheet " * 4)
-    _, *rest = record["data"]
-    for item, source in zip(rest, (long, long, other), strict=False):
+    for item, source in zip(record["data"][1:], (long, long, other), strict=False):
         item["source"] = source
     section = next(s for s in compose(record).sections if s.key == "machine")
     data, _ = (block for block in section.blocks if isinstance(block, Table))
     assert [row[3] for row in data.rows] == ["default", "[1]", "[1]", "[2]"]
     notes = [block.text for block in section.blocks if isinstance(block, Paragraph)]
     assert notes == [f"[1] {long}", f"[2] {other}"]
-    sources = {row[3] for row in table_of(example_record(), "machine").rows}
-    assert sources == {"default", "Table 1"}
 
 
 def test_the_first_page_says_each_warning_once():
     record = example_record()
-    record["robustness"]["warnings"] = [said("requirement-rms-force")]
     others = record["warnings"]
+    record["robustness"]["warnings"] = [said("requirement-rms-force")]
     record["warnings"] = [*others, *record["robustness"]["warnings"]]
-
-    def told(record):
-        blocks = compose(record, typed=rows).sections[0].blocks
-        return [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.WARNING]
-
-    rows = typed_rows("milling-manipulator", to_entry(record, Record))
-
-    assert told(record) == [
-        "RMS force",
-        ENGLISH.text("warning-count", count=len(others), others="yes"),
-    ]
-    record["warnings"] = record["robustness"]["warnings"]
-    assert told(record) == ["RMS force"]
-    record["robustness"]["warnings"], record["warnings"] = [], others
-    assert told(record) == [ENGLISH.text("warning-count", count=len(others), others="no")]
-
-
-def test_faster_than_the_reference_is_explained():
-    record = example_record()
-    record["moves"][0]["response"]["settling_time"] = 0.0400
-    text = Page(print_html(record)).text
-    assert "8.05 % less, since it is judged by the band" in text.replace(THIN_SPACE, " ")
+    blocks = compose(record).sections[0].blocks
+    told = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.WARNING]
+    more = ENGLISH.text("warning-count", count=len(others), others="yes")
+    assert told[:2] == ["RMS force", more]
 
 
 def test_what_is_to_be_measured_has_its_value_and_empty_fields():
@@ -415,10 +364,6 @@ def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
 # the rule
 
 
-def formula_entry(item: RuleFormula) -> dict[str, object]:
-    return {"text": item.text, "aside": to_plain(item.aside)}
-
-
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     """The rule is to be used with a calculator, so no letter may be left to guess."""
@@ -449,23 +394,6 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     assert all(row[2] for row in symbols.rows)
 
 
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(language):
-    """If it failed, a of the steps could not be calculated again on a positioning axis."""
-    record = example_record()
-    move = Positioning(distance=0.02, max_velocity=0.5)
-    record["moves"][0]["move"] = {"distance": move.distance, "max_velocity": move.max_velocity}
-    record["limits"]["rule"]["formula"] = [formula_entry(item) for item in formulas_for([move])]
-    section = next(s for s in compose(record, language).sections if s.key == "rule")
-    formulas = [block for block in section.blocks if isinstance(block, Formula)]
-    spoken = [(item.text, item.aside) for item in formulas if item.aside]
-    word = "for positioning" if language == "en" else "beim Positionieren"
-    assert ("2 a³ ≤ L j²", word) in spoken
-    symbols = next(block for block in section.blocks if isinstance(block, Table))
-    lengths = {plain(row[0]): row[2] for row in symbols.rows}
-    assert lengths["L"] == f"20{THIN_SPACE}mm"
-
-
 # the block diagram
 
 
@@ -484,21 +412,14 @@ def test_the_block_diagram_shows_the_gains_of_the_loop():
     record = example_record()
     f, loop = ENGLISH.format, record["loop"]
     words = [text for *_, text in diagram_texts(diagram_of(record))]
-    for sign, name, unit in (
-        ("Kv", "Kv", "1/s"),
-        ("Kp", "Kp", "N s/m"),
-        ("τ", "reference_delay", "s"),
-    ):
-        assert f"{sign} = {f.quantity(loop[name], unit)}" in words
-    assert f"m = {f.quantity(loop['feedforward']['mass'], 'kg')}" in words
+    gains = (("Kv", "Kv", "1/s"), ("Kp", "Kp", "N s/m"), ("τ", "reference_delay", "s"))
+    assert {f"{sign} = {f.quantity(loop[name], unit)}" for sign, name, unit in gains} <= set(words)
     cycle = f.quantity(loop["velocity_cycle"], "s")
     assert f"Tn = {f.quantity(loop['Tn'], 's')}, cycle {cycle}" in words
     assert f"|F_set| ≤ 2.01{THIN_SPACE}kN" in words
     assert "K (x̂_ref − x̂)" in words
     record["loop"]["state_feedback"] = {}
-    without = diagram_of(record)
-    assert "K (x̂_ref − x̂)" not in without.svg
-    assert "State feedback: no" in without.alt
+    assert "K (x̂_ref − x̂)" not in diagram_of(record).svg
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
@@ -527,14 +448,14 @@ def test_every_line_of_the_diagram_fits_into_its_box(name, language):
 
 @pytest.mark.parametrize("name", RECORDS)
 def test_every_cell_of_every_table_is_in_page_and_pdf(name, pages, pdfs):
-    page, pdf = squeeze(Page(pages[name]).text), squeeze(" ".join(pdf_pages(pdfs[name])))
-    document = compose(RECORDS[name]())
-    for section in document.sections:
-        assert squeeze(section.heading) in page
-        assert squeeze(section.heading) in pdf
-    for cell in text_cells(document):
-        assert squeeze(cell) in page
-        assert squeeze(cell) in pdf
+    expect_the_same(compose(RECORDS[name]()), pages[name], pdfs[name])
+
+
+def expect_the_same(document, html, pdf):
+    page, paper = squeeze(Page(html).text), squeeze(" ".join(pdf_pages(pdf)))
+    for words in (*(section.heading for section in document.sections), *text_cells(document)):
+        assert squeeze(words) in page
+        assert squeeze(words) in paper
 
 
 # page
@@ -607,7 +528,7 @@ def test_a_plot_at_the_foot_of_a_page_names_its_section(pdfs):
     text = squeeze("".join(pdf_pages(pdfs["five moves"])))
     for number in range(1, len(record["moves"]) + 1):
         caption = ENGLISH.text("drive-caption", move=ENGLISH.text("move", number=number))
-        assert squeeze(f"{ENGLISH.text('motion-heading')} · {caption}") in text
+        assert squeeze(f"{ENGLISH.text('motions-heading')} · {caption}") in text
 
 
 def test_a_split_table_leaves_no_single_row_behind():
@@ -685,14 +606,6 @@ def test_the_same_record_gives_the_same_bytes(pages, pdfs):
     assert print_pdf(record, appendix=True) != pdfs["example"]
 
 
-def test_a_date_that_nobody_can_read_does_not_stop_the_print():
-    record = example_record()
-    record["created"] = "yesterday"
-    document = compose(record)
-    versions = [section for section in document.sections if section.key == "versions"]
-    assert "yesterday" in " ".join(pdf_pages(set_pdf(replace(document, sections=tuple(versions)))))
-
-
 def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
     broken = tmp_path / "broken.typ"
     broken.write_text("#panic()")
@@ -719,24 +632,34 @@ def test_german_knows_the_data_of_every_example_machine(name):
         assert GERMAN.name(last) != last
 
 
-def test_the_command_line_prints_the_appendix_on_demand(tmp_path):
-    file = tmp_path / "record.json"
-    file.write_text(json.dumps(example_record()), encoding="utf-8")
-    counts, html = [], set()
-    for more in ([], ["--appendix"]):
-        argv = ["sheet", str(file), "-o", str(tmp_path / "out"), *more]
+def test_the_command_line_prints_appendix_and_changes_on_demand(tmp_path):
+    before = example_record()
+    for name, record in (("before", before), ("after", retuned(before))):
+        (tmp_path / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
+    file, counts, html = str(tmp_path / "after.json"), [], []
+    for more in ([], ["--appendix"], ["--compare", str(tmp_path / "before.json")]):
+        argv = ["sheet", file, "-o", str(tmp_path / "out"), *more]
         assert CliRunner().invoke(app, argv).exit_code == 0
-        counts.append(len(pdf_pages((tmp_path / "out" / "sheet.pdf").read_bytes())))
-        html.add((tmp_path / "out" / "sheet.html").read_bytes())
+        paper = pdf_pages((tmp_path / "out" / "sheet.pdf").read_bytes())
+        counts.append(len(paper))
+        html.append((tmp_path / "out" / "sheet.html").read_text("utf-8"))
     assert counts[0] == 4
     assert counts[1] > 9
-    assert len(html) == 1, "the page always has it"
+    assert html[0] == html[1], "the page always has it"
+    assert counts[2] == 5
+    for words in ("Changes since the earlier record", "+20 %", "10.2 µm", "not stated"):
+        assert squeeze(words) in squeeze(Page(html[2]).text)
+        assert squeeze(words) in squeeze(paper[4])
 
 
-def test_the_german_sheet_has_no_english_and_no_decimal_point():
+def test_the_german_sheet_is_the_same_on_page_and_paper_without_english_and_decimal_points():
     record = example_record()
     record["assumptions"] = [said("assumption-illustrative")]
-    document = compose(record, "de", before=retuned(record))
+    both = {"language": "de", "before": retuned(record)}
+    document = compose(record, **both)
+    html = print_html(record, **both)
+    expect_the_same(document, html, print_pdf(record, **both, appendix=True))
+    assert json.loads(Page(html).raw["script"][0])["decimal_mark"] == ","
     own = {"versions", "machine", "requirements"}  # the user's names, keys and sources
     for section in document.sections:
         text = " ".join(map(block_text, section.blocks))
@@ -746,22 +669,10 @@ def test_the_german_sheet_has_no_english_and_no_decimal_point():
             # "j = 10 a" and "a handbook" are names of the record
             words = re.findall(r"\b(?:the|of|with|and|not|is|in the|by|deviation)\b", text)
             assert not words, (section.key, words)
-
-
-def test_the_german_sheet_is_the_same_on_page_and_paper():
-    record = example_record()
-    html = print_html(record, language="de")
-    pdf = print_pdf(record, language="de", appendix=True)
-    page, paper = squeeze(Page(html).text), squeeze(" ".join(pdf_pages(pdf)))
-    for cell in text_cells(compose(record, "de")):
-        assert squeeze(cell) in page
-        assert squeeze(cell) in paper
-    assert '<html lang="de">' in html
-    assert json.loads(Page(html).raw["script"][0])["decimal_mark"] == ","
-    drawn = "".join(draw_svg(plot, decimal_mark=",") for plot in plots(compose(record, "de")))
+    drawn = "".join(draw_svg(plot, decimal_mark=",") for plot in plots(document))
     ticks = re.findall(r">([^<>a-z]*\d)</text>", drawn)
-    assert [tick for tick in ticks if "," in tick]
-    assert not [tick for tick in ticks if "." in tick]
+    assert any("," in tick for tick in ticks)
+    assert not any("." in tick for tick in ticks)
 
 
 # two records
@@ -775,9 +686,11 @@ def changes(before, after, language="en"):
 
 def test_two_records_show_what_changed_and_by_how_much():
     before = example_record()
-    rows = changes(before, retuned(before))
+    after = retuned(before)
+    after["limits"]["recommended"]["jerk"] *= 1.0 + 1e-12  # rounding
     spaced = {
-        name: tuple(cell.replace(THIN_SPACE, " ") for cell in row) for name, row in rows.items()
+        name: tuple(cell.replace(THIN_SPACE, " ") for cell in row)
+        for name, row in changes(before, after).items()
     }
     assert spaced["Acceleration"] == ("2.41 m/s²", "2.892 m/s²", "+20 %")
     assert spaced["Position gain Kv"] == ("42.79 1/s", "38.51 1/s", "−10 %")
@@ -787,13 +700,7 @@ def test_two_records_show_what_changed_and_by_how_much():
     assert spaced["Bound by"] == ("residual deviation", "set force", "changed")
     assert spaced["Settling time"] == ("105.6 ms", "not settled", "changed")
     assert not {"Jerk", "Max force"} & set(spaced)  # the same in both
-
-
-def test_a_record_is_the_same_as_itself_up_to_rounding():
-    before, after = example_record(), example_record()
-    after["limits"]["recommended"]["jerk"] *= 1.0 + 1e-12
-    assert changes(before, after) == {}
-    assert ENGLISH.text("no-changed-inputs") in print_html(after, before=before)
+    assert changes(before, before) == {}
 
 
 def test_a_move_that_became_another_is_not_compared_by_its_numbers():
@@ -809,24 +716,6 @@ def test_a_move_that_became_another_is_not_compared_by_its_numbers():
 def test_rotary_and_linear_axes_are_not_compared():
     with pytest.raises(InputError, match="--compare: got a linear axis, must be rotary"):
         print_html(rotary_record(), before=example_record())
-
-
-def test_the_changes_are_printed_on_page_and_paper(tmp_path):
-    before = example_record()
-    for name, record in (("before", before), ("after", retuned(before))):
-        (tmp_path / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
-    files = [str(tmp_path / f"{name}.json") for name in ("before", "after")]
-    argv = ["sheet", "--compare", *files, "-o", str(tmp_path)]
-    finished = CliRunner().invoke(app, argv)
-    assert finished.exit_code == 0, finished.output
-    page = squeeze(Page((tmp_path / "sheet.html").read_text("utf-8")).text)
-    sheets = [squeeze(text) for text in pdf_pages((tmp_path / "sheet.pdf").read_bytes())]
-    for number, text in enumerate(sheets, start=1):
-        assert f"page{number}/{len(sheets)}" in text
-    paper = "".join(sheets)
-    for words in ("Changes since the earlier record", "+20 %", "10.2 µm", "not stated"):
-        assert squeeze(words) in page
-        assert squeeze(words) in paper
 
 
 # today's values beside the recommended ones
@@ -850,15 +739,6 @@ def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
     for text in (Page(page).text, paper):
         assert squeeze(told) in squeeze(text)
         assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in squeeze(text)
-
-
-def test_the_filter_stands_beside_todays_where_the_verdict_is():
-    """Limits without the filter that was chosen with them leave the band."""
-    record = _with_today(setpoint_filter=average(0.03))
-    two = average(0.012) | {"kind": "two_moving_averages", "second_time": 0.008, "duration": 0.02}
-    record["limits"]["recommended"]["setpoint_filter"] = two
-    first = squeeze(pdf_pages(print_pdf(record))[0])
-    assert squeeze("Two moving averages 12 ms, 8 ms") in first
 
 
 def test_an_unstable_loop_of_today_is_said_and_has_no_numbers():
@@ -893,48 +773,39 @@ def test_the_reserve_counts_in_the_verdict_of_each_requirement(value, verdict):
 
 def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     record = example_record()
-    rows = dict((*basis_rows(record, ENGLISH), *holds_rows(record, ENGLISH)))
-    assert rows["Control"].startswith(
+
+    def rows():
+        found = dict((*basis_rows(record, ENGLISH), *holds_rows(record, ENGLISH)))
+        return {name: row.replace(THIN_SPACE, " ") for name, row in found.items()}
+
+    assert rows()["Control"].startswith(
         "free controller (state space) (assumed); position loop in the control, every 2"
     )
-    assert not rows["Control"].endswith("(assumed)")  # of the loop all is stated
-    assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
-        "judged at ± 5.2 %; all kept from −1 % to +1 %"
-    )
-    assert rows["Damping ratios"].replace(THIN_SPACE, " ") == (
-        "judged as stated, no spread; all kept from −39 % to at least +70 %"
-    )
+    assert not rows()["Control"].endswith("(assumed)")  # of the loop all is stated
+    assert rows()["Frequencies"] == "judged at ± 5.2 %; all kept from −1 % to +1 %"
+    damping = "judged as stated, no spread; all kept from −39 % to at least +70 %"
+    assert rows()["Damping ratios"] == damping
     spread = next(item for item in record["data"] if item["key"].endswith("frequency_spread"))
     spread["source"] = said("source-default")
-    assert "(assumed); all kept from" in dict(holds_rows(record, ENGLISH))["Frequencies"]
-    error = record["robustness"]["frequency_error"]
-    error["kept_from"], error["kept_to"] = 1.0, error["factor"][-1]
-    assert "from 0" in dict(holds_rows(record, ENGLISH))["Frequencies"]
-    assert "at least +10" in dict(holds_rows(record, ENGLISH))["Frequencies"]
-    error["kept_from"] = error["kept_to"] = None
-    assert "not kept even as stated" in dict(holds_rows(record, ENGLISH))["Frequencies"]
+    record["robustness"]["frequency_error"] |= {"kept_from": None, "kept_to": None}
+    kept = "requirements not kept even as stated"
+    assert rows()["Frequencies"] == f"judged at ± 5.2 % (assumed); {kept}"
 
 
 def test_the_first_page_names_every_default_with_its_value():
     """A rest of 0 s or DSC that nobody chose decides about limits: a count of them says nothing."""
     record = example_record()
-    default = said("source-default")
     record["data"] += [
-        {"key": "control.position_loop", "value": "drive", "unit": "", "source": default},
-        {"key": "control.position_cycle", "value": 2e-3, "unit": "s", "source": default},
-        {
-            "key": "moves[1].dwell",
-            "value": 0.0,
-            "unit": "s",
-            "source": said("source-accepted-default"),
-        },
+        {"key": key, "value": value, "unit": unit, "source": said(source)}
+        for key, value, unit, source in (
+            ("control.position_loop", "drive", "", "source-default"),
+            ("control.position_cycle", 2e-3, "s", "source-stated"),
+            ("moves[1].dwell", 0.0, "s", "source-accepted-default"),
+        )
     ]
     rows = dict((*basis_rows(record, ENGLISH), *assumed_rows(record, ENGLISH)))
-    assert rows["Control"].endswith("(assumed)")
     assert rows["Assumed"].replace(THIN_SPACE, " ") == "Move 1: Dwell = 0 s"
-    record["data"][-2]["source"] = said("source-stated")
-    told = dict(basis_rows(record, ENGLISH))["Control"]
-    assert told.endswith("(assumed: Place of the position loop)")
+    assert rows["Control"].endswith("(assumed: Place of the position loop)")
 
 
 def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
@@ -943,15 +814,18 @@ def test_an_assumed_value_that_binds_is_named_with_what_another_would_give():
     record["limits"]["recommended"]["bound_by"] = said("requirement-rms-force")
     dwell = {"key": "moves[1].dwell", "value": 0.0, "unit": "s", "source": "stated by somebody"}
     record["data"].append(dwell)
-    assert "assumed value" not in headline(record, ENGLISH).detail
+    assert "assumed value" not in headline(record, Message("export-ceiling"), ENGLISH).detail
     dwell["source"] = said("source-accepted-default")
-    assert "assumed value (Move 1: Dwell): state it." in headline(record, ENGLISH).detail
+    assert (
+        "assumed value (Move 1: Dwell): state it."
+        in headline(record, Message("export-ceiling"), ENGLISH).detail
+    )
     change = said("change-dwell", dwell=2.0, acceleration=3.47)
     record["limits"]["would_bring"] = [
         {"name": "dwell", "change": change, "settling_time": 0.513, "saved": 0.2, "share": 0.3,
          "meets_requirements": True, "outcome": ""}
     ]  # fmt: skip
-    detail = headline(record, ENGLISH).detail.replace(THIN_SPACE, " ")
+    detail = headline(record, Message("export-ceiling"), ENGLISH).detail.replace(THIN_SPACE, " ")
     assert "(Move 1: Dwell). Rest of 2 s or more after each move: 3.47 m/s²" in detail
     assert "513 ms" in detail
 
@@ -965,13 +839,8 @@ def test_a_tool_on_a_path_is_told_that_the_contour_counts():
         notes = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.NOTE]
         return notes[0].replace(THIN_SPACE, " ")
 
-    assert (
-        "up to 9.47 µm off: for work along a path, state in the profile: Permitted contour"
-        in told()
-    )
-    datum = {"key": "requirements.contour_deviation", "value": 2e-5, "unit": "m", "source": "x"}
-    record["data"].append(datum)
-    assert "judged by the contour deviation, one that" in told()
-    feed = {"key": "requirements.contour_feed", "value": 0.05, "unit": "m/s", "source": "x"}
-    record["data"].append(feed)
+    assert "up to 9.47 µm off: for work along a path, state in the profile: Permitted" in told()
+    for key, value, unit in (("contour_deviation", 2e-5, "m"), ("contour_feed", 0.05, "m/s")):
+        key = f"requirements.{key}"
+        record["data"].append({"key": key, "value": value, "unit": unit, "source": "x"})
     assert "contour deviation at up to 0.05 m/s" in told()

@@ -19,7 +19,7 @@ from typing import Any
 import pypdfium2
 import pytest
 
-from mtcommission.sheet import print_html
+from mtcommission.sheet.content import print_html
 
 from .sheet_record import example_record, five_moves_record, on_json, retuned, rotary_record
 

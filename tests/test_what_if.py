@@ -31,12 +31,12 @@ from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.loop import WhatIfPart, what_if_part
+from mtcommission.record.machine import MachineEntry, Profile
+from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
-from mtcommission.sheet.document import document
-from mtcommission.sheet.html import set_html
-from mtcommission.sheet.what_if import Panel, what_if
+from mtcommission.sheet.what_if import Panel, print_answers, what_if
 
 from .test_cli import Run, run  # noqa: F401
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
@@ -89,17 +89,9 @@ def build_bench(name: str, language: str = "en") -> Bench:
     words = Catalogue(language, rotary=machine.motion.value == "rotary", follows=follows)
     part = what_if_part(machine, plant, tuned, recommended, None)
     panel = what_if(part, words, profile=f"{name}.toml")
-    page = document(
-        words,
-        title="Values to try",
-        machine=machine.name,
-        axis=machine.axis,
-        identity=name,
-        created="today",
-        disclaimer="calculated",
-        sections=(),
-    )
-    html = set_html(page, panel=panel)
+    profile = Profile(name=f"{name}.toml", sha256="0" * 64, text="")
+    about = entry_of(MachineEntry, machine)
+    html = print_answers(part, about, profile, created="2026-01-01", language=language)
     return Bench(machine, plant, tuned, recommended, panel, html)
 
 

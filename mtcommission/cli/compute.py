@@ -78,7 +78,7 @@ def run(
     from mtcommission.record.machine import list_assumed
     from mtcommission.record.record import record_run
     from mtcommission.record.shape import dump_json
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print
+    from mtcommission.sheet.content import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import (
         assumed_and_binding,
         attainable_sentences,
@@ -252,7 +252,7 @@ def _page_of(found: Recommendation, source: ProfileSource, *, language: str) -> 
     from mtcommission.record.loop import what_if_part
     from mtcommission.record.machine import MachineEntry, Profile
     from mtcommission.record.shape import entry_of
-    from mtcommission.sheet import print_answers
+    from mtcommission.sheet.what_if import print_answers
 
     machine, limits = found.machine, found.choice.limits
     part = what_if_part(machine, found.plant, found.tuned, limits, found.today)

@@ -7,7 +7,7 @@ from mtcommission.cli.language import words
 from mtcommission.cli.terminal import Line, heading, table, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
 from mtcommission.record.identified import IdentifiedPart
-from mtcommission.sheet.identified import doubts_and_notes, facts, mode_heads, mode_row
+from mtcommission.sheet.identified import doubts_and_notes, facts, mode_columns
 
 
 def refusal(part: IdentifiedPart, *, forced: bool) -> tuple[str, ...]:
@@ -27,7 +27,9 @@ def describe_identified(part: IdentifiedPart, *, forced: bool) -> list[Line]:
     spoken = words(rotary=part.rotary)
     doubts, notes = doubts_and_notes(part)
     files = ", ".join(source.name for source in part.sources)
-    modes = table(mode_heads(spoken), (mode_row(mode, part, spoken) for mode in part.modes))
+    columns = mode_columns(part, spoken)
+    rows = [[one.show(mode, spoken) for one in columns] for mode in part.modes]
+    modes = table([one.head(spoken) for one in columns], rows)
     return [
         *((line, "bold red") for line in refusal(part, forced=forced)),
         heading(spoken.text("identify-title-of", files=files)),

@@ -10,7 +10,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
 from mtcommission.machine.checks import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
-from mtcommission.record.limits import LimitsAnswer, RecommendedEntry, RuleResult, TodayEntry
+from mtcommission.record.limits import Alternative, LimitsAnswer, RecommendedEntry, TodayEntry
 from mtcommission.record.moves import AssessmentPart, SimulationPart
 from mtcommission.sheet.tables import (
     CORNER,
@@ -115,7 +115,7 @@ def _loop_today(machine: Machine, spoken: Catalogue) -> Iterator[str]:
         yield spoken.text("terminal-loop-today", gains=", ".join(stated))
 
 
-Entry = RecommendedEntry | TodayEntry | RuleResult
+Entry = RecommendedEntry | TodayEntry | Alternative
 
 
 def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> list[Line]:

@@ -30,7 +30,7 @@ def describe_machine(
 ) -> list[Line]:
     """Return modes, rigid-body limits, what results rest on, and warnings of a profile."""
     text = spoken.text
-    columns = ["mode", "frequency", "damping-ratio", "tool-at-full-force", "seen"]
+    columns = ["mode", "frequency", "name-damping-ratio", "tool-at-full-force", "seen"]
     rank = kalman_rank(plant)
     return [
         heading(text("terminal-machine", name=machine.name, axis_name=machine.axis)),

@@ -42,7 +42,7 @@ def sheet(
     from mtcommission.record.read_back import load_verdict
     from mtcommission.record.record import load_record
     from mtcommission.record.shape import names_group
-    from mtcommission.sheet import print_html, print_pdf, remark_on_print
+    from mtcommission.sheet.content import print_html, print_pdf, remark_on_print
     from mtcommission.sheet.verdict import type_in
 
     inputs = [record, *(one for one in (compare, verified) if one)]

@@ -40,7 +40,6 @@ from mtcommission.sheet.document import (
     Section,
     Table,
     Tone,
-    document,
     note,
 )
 from mtcommission.sheet.html import set_html
@@ -116,9 +115,8 @@ def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document
         for axis in record.axes
     ]
     pages = {"verdict": first_page(record, words), "contours": second_page(record, pair, words)}
-    return document(
-        words,
-        script_note="group-script-note",
+    return Document(
+        language=words.language,
         title=text("group-title"),
         machine=record.axes[0].machine.name,
         axis=text("group-axes-named", axes=", ".join(axis.name for axis in record.axes)),
@@ -150,7 +148,7 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     yield _checks(record, words)
     yield pairs(
         words,
-        words.text("basis-caption"),
+        "basis-caption",
         _rests_on(record, words),
         first="group-axis",
         width=11.0,

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from math import exp, inf, pi, sqrt
+from math import exp, inf, nan, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -259,7 +259,9 @@ class LoopAnalysis:
     poles: ComplexArray  # of the lifted loop, ln(z)/T_p [1/s], without dead times (z = 0)
     gain_margin_up_db: float  # by how much the gain may rise; inf if by any amount
     gain_margin_down_db: float  # by how much it may fall
+    gain_margin_hz: float  # where the less of both is [Hz]; nan where there is none
     phase_margin_deg: float  # least over all crossings of the unit circle; inf without one
+    phase_margin_hz: float  # where [Hz]
     sensitivity_peak: float  # max |1/(1 + L)| [-]
     bandwidth_hz: float  # -3 dB of the closed velocity loop [Hz]
     dynamic_stiffness: float  # least disturbance force per tool displacement [N/m] ...
@@ -281,13 +283,16 @@ def analyse_loop(loop: SampledLoop, response: FrequencyResponse) -> LoopAnalysis
     """
     found = share_out(loop)
     weakest = int(np.argmax(np.abs(response.compliance)))
-    up, down = _gain_margins_db(response.open_loop)
+    up, down, gain_hz = _gain_margins(response)
+    phase_margin, phase_hz = _phase_margin(response)
     return LoopAnalysis(
         is_stable=found.radius < 1.0 - STEADY,
         poles=found.poles,
         gain_margin_up_db=up,
         gain_margin_down_db=down,
-        phase_margin_deg=_phase_margin_deg(response.open_loop),
+        gain_margin_hz=gain_hz,
+        phase_margin_deg=phase_margin,
+        phase_margin_hz=phase_hz,
         sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + response.open_loop))),
         bandwidth_hz=_bandwidth_hz(response),
         dynamic_stiffness=1.0 / float(np.abs(response.compliance[weakest])),
@@ -406,30 +411,35 @@ def unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
     return complex(pole.real, min(both, key=lambda part: abs(part - wanted)))
 
 
-def _gain_margins_db(open_loop: ComplexArray) -> tuple[float, float]:
-    """How much the gain may rise and fall until L passes through -1; inf if it never does.
+def _gain_margins(response: FrequencyResponse) -> tuple[float, float, float]:
+    """How much the gain may rise and fall until L passes through -1 [dB], and where the less [Hz].
 
-    Crossings of the negative real axis are interpolated on the refined grid, where
-    ``control.stability_margins`` agrees to 3e-7 (tested).
+    inf and nan if it never does. Crossings of the negative real axis are interpolated on the
+    refined grid, where ``control.stability_margins`` agrees to 3e-7 (tested).
     """
-    here, there = open_loop[:-1], open_loop[1:]
-    cuts = here.imag * there.imag < 0.0
-    here, there = here[cuts], there[cuts]
-    share = here.imag / (here.imag - there.imag)
-    real = here.real + share * (there.real - here.real)
+    L, f = response.open_loop, response.frequency_hz
+    cuts = np.flatnonzero(L[:-1].imag * L[1:].imag < 0.0)
+    share = L[cuts].imag / (L[cuts].imag - L[cuts + 1].imag)
+    real = L[cuts].real + share * (L[cuts + 1].real - L[cuts].real)
+    place = (f[cuts] + share * (f[cuts + 1] - f[cuts]))[real < 0.0]
     level = -20.0 * np.log10(-real[real < 0.0])
     up, down = level[level >= 0.0], -level[level < 0.0]
-    return float(np.min(up, initial=inf)), float(np.min(down, initial=inf))
+    at = float(place[np.argmin(np.abs(level))]) if level.size else nan
+    return float(np.min(up, initial=inf)), float(np.min(down, initial=inf)), at
 
 
-def _phase_margin_deg(open_loop: ComplexArray) -> float:
-    """Smallest distance of L from -1 on the unit circle, as an angle; inf without crossing."""
-    level = np.log(np.abs(open_loop))
+def _phase_margin(response: FrequencyResponse) -> tuple[float, float]:
+    """Least angle of L from -1 on the unit circle [deg], and where [Hz]; inf and nan: none."""
+    L, f = response.open_loop, response.frequency_hz
+    level = np.log(np.abs(L))
     cuts = np.flatnonzero(level[:-1] * level[1:] < 0.0)
+    if not cuts.size:
+        return inf, nan
     share = level[cuts] / (level[cuts] - level[cuts + 1])
-    turn = np.angle(open_loop[cuts + 1] / open_loop[cuts])
-    phase = np.angle(-open_loop[cuts]) + share * turn
-    return float(np.degrees(np.min(np.abs(phase), initial=inf)))
+    phase = np.abs(np.angle(-L[cuts]) + share * np.angle(L[cuts + 1] / L[cuts]))
+    least = int(np.argmin(phase))
+    place = f[cuts] + share * (f[cuts + 1] - f[cuts])
+    return float(np.degrees(phase[least])), float(place[least])
 
 
 def _bandwidth_hz(response: FrequencyResponse) -> float:

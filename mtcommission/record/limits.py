@@ -25,7 +25,7 @@ from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import NO_LIMITS, ModeLimits
 from mtcommission.study.loops import describe_loop
-from mtcommission.study.robustness import KeptRange, MoveSizes
+from mtcommission.study.robustness import KeptRange
 from mtcommission.study.rules import TodaysValues
 
 if TYPE_CHECKING:  # the optima and their libraries take a second; ``limits`` needs none of them
@@ -39,11 +39,6 @@ REACHED = ("settling_time", "residual_deviation", "peak_deviation")
 def _plotted(name: str) -> Callable[[Any], Array]:
     """Finds values for a plot, by the name of a result's attribute."""
     return lambda result: rounded(getattr(result, name), 5)
-
-
-def _jerk_if_limited(sizes: MoveSizes) -> float | None:
-    limits = sizes.limits
-    return limits.jerk if limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
 
 
 def _ends(error: KeptRange | None) -> list[float] | None:
@@ -115,16 +110,10 @@ class ListedEntry(JudgedLimits):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alternative(JudgedLimits):
-    """Other limits, and why they are shown."""
+    """Other limits, why they are shown, and which maker or textbook says so; "": nobody."""
 
     name: Words
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RuleResult(Alternative):
-    """A maker's or textbook's rule, in the same simulation."""
-
-    source: Words
+    source: Words = of(lambda candidate: candidate.source or "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,7 +212,9 @@ class MoveSizesEntry:
 
     way: Words = of("name")  # recommended, by the commissioning rule, or by a moving average alone
     acceleration: float = of("limits.acceleration")
-    jerk: float | None = of(_jerk_if_limited)
+    jerk: float | None = of(
+        lambda it: it.limits.jerk if it.limits.jerk_time > 2.0 * NO_JERK_LIMIT else None
+    )
     setpoint_filter: SetpointFilter | None = of("limits.setpoint_filter")
     move: dict[str, float] = of(lambda sizes: describe_move(sizes.move))
     own: float = of(lambda sizes: size_of(sizes.move))  # size of the profile's move
@@ -259,7 +250,7 @@ class LimitsPart:
     attainable: list[AttainableEntry]  # empty: all are met, or no single one is the obstacle
     move_sizes: list[MoveSizesEntry]
     alternatives: list[Alternative]
-    rules: list[RuleResult]
+    rules: list[Alternative]
     rule: RuleText
     landscape: Landscape = of("choice.landscape")
     warnings: list[Words]  # part of the record's warnings, too
@@ -272,7 +263,7 @@ class LimitsAnswer:
 
     recommended: RecommendedEntry
     today: TodayEntry | None
-    rules: list[RuleResult]
+    rules: list[Alternative]
     rule: RuleText
     assessment: AssessmentPart = of("choice.candidate.assessment")
     warnings: list[Words]

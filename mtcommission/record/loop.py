@@ -22,9 +22,9 @@ from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.moves import InCorner, Series, by_mode, describe_move
-from mtcommission.record.shape import Matrix, Words, entry_of, of
+from mtcommission.record.shape import Matrix, Words, entry_of, finite_or_none, of
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.loops import LoopChoice, LoopTrial
+from mtcommission.study.loops import LoopChoice
 from mtcommission.study.rules import TodaysValues
 
 PUSH_STEP = 0.5e-3
@@ -33,6 +33,7 @@ PUSH_STEP = 0.5e-3
 NOT_WITHOUT_LOOP = (
     *("Kv", "Kp", "Tn", "gain_margin_db", "gain_margin_up_db", "gain_margin_down_db"),
     *("phase_margin_deg", "sensitivity_peak", "bandwidth_hz", "dynamic_stiffness"),
+    *("gain_margin_hz", "phase_margin_hz"),
     *("weakest_frequency_hz", "worst_corner"),
 )
 """What is None where the motor follows its setpoint."""
@@ -146,7 +147,9 @@ class LoopPart:
     gain_margin_db: float | None  # the smaller of the two
     gain_margin_up_db: float | None  # by how much the gain may rise; None: by any amount
     gain_margin_down_db: float | None
+    gain_margin_hz: float | None  # where the smaller one is
     phase_margin_deg: float | None
+    phase_margin_hz: float | None
     sensitivity_peak: float | None
     bandwidth_hz: float | None
     dynamic_stiffness: float | None
@@ -209,7 +212,16 @@ def loop_part(
             outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
         ),
         reasons=loop.remarks,
-        variants=[_variant_entry(plant, variant) for variant in loop.variants],
+        variants=[
+            entry_of(
+                VariantEntry,
+                one,
+                one.tuned.nominal,
+                mode_damping=by_mode(plant, one.tuned.nominal.mode_damping),
+                max_force=one.candidate.assessment.check_of(SET_FORCE).value,
+            )
+            for one in loop.variants
+        ],
         corners=[
             entry_of(LoopCornerEntry, corner, a, mode_damping=by_mode(plant, a.mode_damping))
             for corner, a in zip(tuned.corners, tuned.analyses, strict=bool(tuned.analyses))
@@ -231,32 +243,16 @@ def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
     return {
         "poles": np.stack([nominal.poles.real, nominal.poles.imag], axis=1),
         "mode_damping": by_mode(plant, nominal.mode_damping),
-        "worst_corner": _worst_corner(tuned),
+        "worst_corner": Margins(
+            gain_margin_db=finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
+            phase_margin_deg=finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+            sensitivity_peak=max(a.sensitivity_peak for a in tuned.analyses),
+            bandwidth_hz=finite_or_none(tuned.least_bandwidth_hz),
+            dynamic_stiffness=tuned.least_stiffness,
+        ),
         "worst_mode_damping": by_mode(plant, tuned.least_damping),
         "bode": entry_of(Series, t=response.frequency_hz, signals=drawn),
     }
-
-
-def _worst_corner(tuned: TunedLoop) -> Margins:
-    return entry_of(
-        Margins,
-        gain_margin_db=min(a.gain_margin_db for a in tuned.analyses),
-        phase_margin_deg=min(a.phase_margin_deg for a in tuned.analyses),
-        sensitivity_peak=max(a.sensitivity_peak for a in tuned.analyses),
-        bandwidth_hz=tuned.least_bandwidth_hz,
-        dynamic_stiffness=tuned.least_stiffness,
-    )
-
-
-def _variant_entry(plant: Plant, variant: LoopTrial) -> VariantEntry:
-    nominal = variant.tuned.nominal
-    return entry_of(
-        VariantEntry,
-        variant,
-        nominal,
-        mode_damping=by_mode(plant, nominal.mode_damping),
-        max_force=variant.candidate.assessment.check_of(SET_FORCE).value,
-    )
 
 
 def _disturbance(disturbed: Mapping[str, DisturbanceStep]) -> Series:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import (
     AnyOptimum,
+    Certificate,
     control_text,
     join_arcs,
     sample_trajectory,
@@ -47,25 +48,16 @@ class TouchPointEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProofEntry:
-    """What proves a least time; None: not known."""
+    """What proves a least time, or that a damping-optimal control keeps its law; None: neither."""
 
-    t_f_lower_bound: float | None
-    relative_gap: float | None
+    t_f_lower_bound: float | None = None
+    relative_gap: float | None = None
     adjoint_initial: dict[str, float]
-    switching_slopes: list[float]
-    switching_law_holds: bool
-    terminal_jacobian_rank: int | None = of(
-        lambda proof: None if proof.terminal_jacobian_rank < 0 else proof.terminal_jacobian_rank
-    )
-    terminal_jacobian_condition: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LawEntry:
-    """How well a damping-optimal control keeps its law."""
-
-    adjoint_initial: dict[str, float]
-    law_residual: float
+    switching_slopes: list[float] = field(default_factory=list)
+    switching_law_holds: bool | None = None
+    terminal_jacobian_rank: int | None = None
+    terminal_jacobian_condition: float | None = None
+    law_residual: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +78,7 @@ class OptimumEntry:
     cost: float | None
     cost_terms: dict[str, float]
     weights: dict[str, float]
-    certificate: ProofEntry | LawEntry
+    certificate: ProofEntry
     series: Series
 
 
@@ -99,28 +91,16 @@ class ForceSegment:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WithinBandEntry:
-    """A control to a state from which the free motion keeps the tool within the band."""
+class BandEntry:
+    """The fastest control to a state from which the free motion keeps the tool within the band."""
 
     t_f: float
     band: float
     offset: float  # from where the tool comes to rest to the reference
     segments: list[ForceSegment] = of("arcs")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BandEntry(WithinBandEntry):
-    """The fastest one."""
-
-    lower_bound: float  # proved
+    lower_bound: float  # proved; 0: nothing is
     gap: float  # between that and t_f, relative to t_f
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobustEntry(WithinBandEntry):
-    """The fastest force found after which all ``machines`` of the spread keep the band."""
-
-    machines: int
+    machines: int  # of the spread, all of which keep the band
     peak: float  # largest deviation afterwards, over those machines
 
 
@@ -133,7 +113,7 @@ class OptimaEntry:
     constrained: OptimumEntry | None  # None: the profile bounds no peaks
     damping: OptimumEntry | None
     band: BandEntry | None
-    robust: RobustEntry | None  # None where there is no spread, too
+    robust: BandEntry | None  # None where there is no spread, too
     remarks: list[Words]
 
 
@@ -159,6 +139,7 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
     weights = {item.state: item.value for item in solution.weights}
     proof, is_timed, arcs = solution.certificate, solution.kind == "time", join_arcs(solution.arcs)
     adjoint = by_name(plant.states, proof.adjoint_initial)
+    rank = proof.terminal_jacobian_rank if isinstance(proof, Certificate) else -1
     return entry_of(
         OptimumEntry,
         solution,
@@ -168,9 +149,10 @@ def optimum_entry(plant: Plant, solution: AnyOptimum) -> OptimumEntry:
         peaks=by_name(plant.signals, solution.peaks),
         terminal_error=by_name(plant.states, solution.terminal_error),
         certificate=entry_of(
-            ProofEntry if is_timed else LawEntry,
+            ProofEntry,
             proof,
             adjoint_initial={state: one for state, one in adjoint.items() if isfinite(one)},
+            terminal_jacobian_rank=None if rank < 0 else rank,
         ),
         series=series_of(plant, motion.t, motion.states, {"F_set": motion.force}),
         weights=weights,

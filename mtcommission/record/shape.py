@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, asdict, field, fields, is_dataclass
+from dataclasses import MISSING, Field, asdict, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from hashlib import sha256
 from math import isfinite, nan
 from operator import attrgetter
 from pathlib import Path
-from types import UnionType
 from typing import Any, NoReturn, TypeAlias, TypeVar, get_type_hints
 
 from cattrs import BaseValidationError, Converter
@@ -102,10 +101,10 @@ def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
     Segment(duration=0.1, jerk=3.0)
     """
     found = {}
-    for name, (hint, path) in _fields(form).items():  # type: ignore[arg-type]
-        value = given[name] if name in given else _find(name, path, sources)
-        is_entry = is_dataclass(value) and isinstance(hint, UnionType) and isinstance(value, hint)
-        found[name] = value if is_entry else _CONVERTER.structure(value, hint)
+    for one, hint in _fields(form):  # type: ignore[arg-type]
+        value = given[one.name] if one.name in given else _find(one, sources)
+        if value is not MISSING:
+            found[one.name] = _CONVERTER.structure(value, hint)
     return form(**found)
 
 
@@ -181,22 +180,27 @@ def _refuse(constant: str) -> NoReturn:
 
 
 @cache
-def _fields(form: Any) -> Mapping[str, tuple[Any, Any]]:
-    """The type of each field, and where its value is found."""
+def _fields(form: Any) -> tuple[tuple[Field[Any], Any], ...]:
+    """Each field, and its type."""
     hints = get_type_hints(form)
-    return {one.name: (hints[one.name], one.metadata.get("of")) for one in fields(form)}
+    return tuple((one, hints[one.name]) for one in fields(form))
 
 
-def _find(name: str, path: Any, sources: tuple[object, ...]) -> object:
+def _find(one: Field[Any], sources: tuple[object, ...]) -> object:
+    """The value of a field; ``MISSING`` where no source has it and the entry may do without."""
+    path = one.metadata.get("of")
     if callable(path):
         return path(sources[0])
     for source in sources:
-        for attribute in filter(None, (path, name, f"is_{name}")):
+        for attribute in filter(None, (path, one.name, f"is_{one.name}")):
             try:
                 return attrgetter(attribute)(source)
             except AttributeError:
                 continue
-    raise AttributeError(f"{name} of {', '.join(type(source).__name__ for source in sources)}")
+    if one.default is MISSING and one.default_factory is MISSING:
+        names = ", ".join(type(source).__name__ for source in sources)
+        raise AttributeError(f"{one.name} of {names}")
+    return MISSING
 
 
 def _message(value: object, _: Any) -> Message:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +12,6 @@ from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.optima import OptimumEntry
 from mtcommission.record.record import Record
 from mtcommission.record.shape import Words
-from mtcommission.sheet.basis import find_band, kept_sentence
 from mtcommission.sheet.document import (
     Block,
     Bullets,
@@ -27,6 +25,8 @@ from mtcommission.sheet.document import (
 from mtcommission.sheet.plots import Curve, Signals, line_plot
 from mtcommission.sheet.responses import named_optima
 from mtcommission.sheet.tables import (
+    DAMPING,
+    FREQUENCY,
     MAX_FORCE,
     PEAK,
     RESIDUAL,
@@ -38,7 +38,7 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
-from mtcommission.sheet.verdict import move_title
+from mtcommission.sheet.verdict import find_band, kept_sentence, move_title
 
 REQUIRED = ("requirements.", "moves")
 """Beginnings of the keys that say what is required, not what the machine is."""
@@ -56,8 +56,8 @@ def machine_data(record: Record, words: Catalogue) -> Iterator[Block]:
     sign = -1.0 if words.follows else 1.0
     modes = (
         Quantity("mode", "name", width=1.4),
-        Quantity("frequency", "frequency_hz", "Hz"),
-        Quantity("damping-ratio", "damping_ratio", "%"),
+        FREQUENCY,
+        DAMPING,
         Quantity("name-tcp-gain", lambda mode: sign * mode.tcp_gain, "1/kg"),
         Quantity("name-measured-gain", "measured_gain", "1/kg"),
     )
@@ -157,8 +157,8 @@ def certificates(record: Record, words: Catalogue) -> Iterator[Block]:
     for number, optima in enumerate(record.optima, start=1):
         move = move_title(optima.move, number, words)
         for name, _, optimum in named_optima(optima, words):
-            caption = text("certificate-caption", move=move, what=name)
-            yield pairs(words, caption, _certificate(optimum, words))
+            rows = _certificate(optimum, words)
+            yield pairs(words, "certificate-caption", rows, move=move, what=name)
 
 
 def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
@@ -178,12 +178,12 @@ def _certificate(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str
         (text("switches"), ", ".join(f.quantity(t, "s") for t in switches)),
         (text("largest-error"), f.number(max(errors, default=0.0), digits=2)),
     ]
-    proof = asdict(optimum.certificate)
+    proof = ((key, getattr(optimum.certificate, key)) for key in PROVED)
     units = {"t_f_lower_bound": "s"}
     rows += [
-        (words.name(key), show(proof[key], words, units.get(key, "")))
-        for key in PROVED
-        if proof.get(key) is not None
+        (words.name(key), show(value, words, units.get(key, "")))
+        for key, value in proof
+        if value is not None
     ]
     return [row for row in rows if row[1]]
 
@@ -192,7 +192,7 @@ def versions(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield program, libraries, hash and text of the profile."""
     text, tool, profile = words.text, record.tool, record.profile
     rows = [(tool.name, tool.version), *tool.libraries.items(), (text("created"), record.created)]
-    yield pairs(words, text("versions-caption"), rows, first="program")
+    yield pairs(words, "versions-caption", rows, first="program")
     yield Paragraph(text=f"{text('hash-row')}:")
     yield Paragraph(text=profile.sha256, tone=Tone.CODE)
     yield Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text)

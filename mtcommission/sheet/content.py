@@ -1,8 +1,10 @@
-"""Record -> the neutral document that all printers show: four pages and an appendix."""
+"""Record -> four pages and an appendix, as a neutral document -> HTML, PDF."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mtcommission.base.messages.catalogue import Catalogue
@@ -16,35 +18,38 @@ from mtcommission.sheet.appendix import (
     robustness,
     versions,
 )
-from mtcommission.sheet.differences import differences
-from mtcommission.sheet.document import HASH_DIGITS, Block, Document, Section, document
+from mtcommission.sheet.document import Block, Document, Section
+from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified import identified
 from mtcommission.sheet.limits import limits_by_mode, rule, rules
 from mtcommission.sheet.loop import loop_details, third_page
-from mtcommission.sheet.measurements import fourth_page
+from mtcommission.sheet.measurements import differences, fourth_page
 from mtcommission.sheet.responses import motions, move_sizes, second_page
-from mtcommission.sheet.tables import words_for
+from mtcommission.sheet.tables import document_of, words_for
 from mtcommission.sheet.verdict import first_page, type_in
+from mtcommission.sheet.what_if import what_if
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
 
 
-APPENDIX: tuple[tuple[str, str, Callable[[Record, Catalogue], Iterable[Block]]], ...] = (
-    ("limits", "limits", limits_by_mode),
-    ("machine", "machine", machine_data),
-    ("identified", "identified", identified),
-    ("requirements", "requirements", requirements),
-    ("motions", "motion", motions),
-    ("sizes", "sizes", move_sizes),
-    ("robustness", "robustness", robustness),
-    ("loop-details", "loop-details", loop_details),
-    ("rules", "rules", rules),
-    ("rule", "rule", rule),
-    ("certificates", "evidence", certificates),
-    ("versions", "versions", versions),
+APPENDIX: Mapping[str, Callable[[Record, Catalogue], Iterable[Block]]] = MappingProxyType(
+    {
+        "limits": limits_by_mode,
+        "machine": machine_data,
+        "identified": identified,
+        "requirements": requirements,
+        "motions": motions,
+        "sizes": move_sizes,
+        "robustness": robustness,
+        "loop-details": loop_details,
+        "rules": rules,
+        "rule": rule,
+        "certificates": certificates,
+        "versions": versions,
+    }
 )
-"""The evidence behind the pages: key, heading and blocks of each section."""
+"""The evidence behind the pages: key and blocks of each section."""
 
 
 def compose(
@@ -58,44 +63,98 @@ def compose(
     """Return the sheet of a record.
 
     ``before`` is an earlier record of the axis, to tell what changed since; ``verified`` what
-    ``verify`` found; ``typed`` the record's ``type_in``, where that is known already.
+    ``verify`` found; ``typed`` the record's ``type_in``, where page and PDF are to share it.
 
     Raises
     ------
     InputError
-        If the two records cannot be compared.
+        If there is no such language, or if the two records cannot be compared.
     """
-    words, profile = words_for(record.machine, language), record.profile
+    words = words_for(record.machine, language)
     typed = type_in(record) if typed is None else typed
-    follows = record.machine.follows
-    loop = "robustness" if follows else "loop"
-    pages: list[tuple[str, str, Iterable[Block]]] = [
-        ("verdict", "verdict", first_page(record, typed, words)),
-        ("responses", "responses", second_page(record, words)),
-        (loop, loop, third_page(record, words)),
-        ("measurements", "measure", fourth_page(record, typed, words, verified)),
-    ]
+    pages: dict[str, Iterable[Block]] = {
+        "verdict": first_page(record, typed, words),
+        "responses": second_page(record, words),
+        "robustness" if record.machine.follows else "loop": third_page(record, words),
+        "measurements": fourth_page(record, typed, words, verified),
+    }
     if before is not None:
-        pages.append(("differences", "differences", differences(before, record, words)))
-    appendix = [(key, head, evidence(record, words)) for key, head, evidence in APPENDIX]
+        pages["differences"] = differences(before, record, words)
+    appendix = {key: evidence(record, words) for key, evidence in APPENDIX.items()}
     sections = [
         Section(
-            key=f"{key}-details" if key == "robustness" and follows and is_appendix else key,
-            heading=words.text(f"{head}-heading"),
+            key=key,
+            heading=words.text(f"{key}-heading"),
             blocks=tuple(blocks),
-            is_appendix=is_appendix,
+            is_appendix=parts is appendix,
         )
-        for is_appendix, parts in ((False, pages), (True, appendix))
-        for key, head, blocks in parts
+        for parts in (pages, appendix)
+        for key, blocks in parts.items()
     ]
-    return document(
+    return document_of(
         words,
-        script_note="script-note",
+        record.machine,
+        record.profile,
         title=words.text("title"),
-        machine=record.machine.name,
-        axis=f"{words.text('axis')} {record.machine.axis}",
-        identity=words.text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
         created=record.created,
-        disclaimer=words.text("disclaimer"),
         sections=tuple(section for section in sections if section.blocks),
     )
+
+
+def print_html(
+    record: Record,
+    *,
+    language: str = "en",
+    before: Record | None = None,
+    verified: Verified | None = None,
+    typed: Export | Message | None = None,
+) -> str:
+    """Return the sheet as one HTML file that works offline; the arguments are ``compose``'s.
+
+    Raises
+    ------
+    InputError
+        If there is no such language, or if the two records cannot be compared.
+    """
+    document = compose(record, language, before=before, verified=verified, typed=typed)
+    part, words = record.what_if, words_for(record.machine, language)
+    panel = what_if(part, words, profile=record.profile.name) if part else None
+    return set_html(document, panel=panel)
+
+
+def print_pdf(
+    record: Record,
+    *,
+    language: str = "en",
+    before: Record | None = None,
+    verified: Verified | None = None,
+    typed: Export | Message | None = None,
+    appendix: bool = False,
+) -> bytes:
+    """Return the sheet as PDF, A4: four pages, and one for what changed; always the same bytes.
+
+    What does not fit on its page takes another rather than smaller letters. With ``appendix`` the
+    evidence is printed behind them; the other arguments are those of ``compose``.
+
+    Raises
+    ------
+    InputError
+        If there is no such language, or if the two records cannot be compared.
+    ComputationError
+        PRINTING_FAILED with the compiler's message.
+    """
+    from mtcommission.sheet.pdf import set_pdf  # the typesetter takes a while to load
+
+    document = compose(record, language, before=before, verified=verified, typed=typed)
+    if not appendix:
+        document = replace(document, sections=document.pages)
+    return set_pdf(document)
+
+
+def remark_on_print(record: Record) -> tuple[Message, ...]:
+    """Return what a PDF of a record cannot show: characters of names that its font lacks."""
+    from mtcommission.sheet.pdf import find_boxes
+
+    machine, modes = record.machine, [mode.name for mode in record.plant.modes]
+    boxes = find_boxes([machine.name, machine.axis, machine.source, record.profile.name, *modes])
+    return (Message("print-boxes", characters=boxes),) if boxes else ()

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-
-from mtcommission.base.messages.catalogue import Catalogue
 
 Array = NDArray[np.float64]
 
@@ -199,7 +197,7 @@ class Section:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document:
-    """A sheet, ready to be printed: whose it is, words of the printers' own, and its sections."""
+    """A sheet, ready to be printed: whose it is, and its sections."""
 
     language: str
     title: str
@@ -208,29 +206,9 @@ class Document:
     identity: str  # short line for each page: profile and its hash
     created: str  # ISO 8601
     disclaimer: str
-    script_note: str
-    skip_link: str
-    contents_heading: str
-    page_word: str
-    appendix_heading: str
     sections: tuple[Section, ...]
 
     @property
     def pages(self) -> tuple[Section, ...]:
         """The sections that one hands over, a page each."""
         return tuple(section for section in self.sections if not section.is_appendix)
-
-
-def document(
-    words: Catalogue, *, skip: str = "skip", script_note: str = "", **own: Any
-) -> Document:
-    """Return a document with the printers' words of a language; ``own`` are its other fields."""
-    return Document(
-        language=words.language,
-        script_note=words.text(script_note) if script_note else "",
-        skip_link=words.text(skip),
-        contents_heading=words.text("contents"),
-        page_word=words.text("page"),
-        appendix_heading=words.text("appendix"),
-        **own,
-    )

@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from mtcommission.base.messages.catalogue import Catalogue, decimal_mark_of
 from mtcommission.base.web import fill_template, json_for_script, render_page
-from mtcommission.sheet.document import Block, Document, Formula, LinePlot, Section, document
+from mtcommission.sheet.document import Block, Document, Formula, LinePlot, Section
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
@@ -52,6 +52,8 @@ def set_html(document: Document, *, panel: Interactive | None = None) -> str:
         style=style,
         script=script,
         document=document,
+        text=Catalogue(document.language).text,
+        has_plots=bool(plots),
         svg=Markup,
         set_formula=_set_formula,
         plots=json_for_script({"decimal_mark": decimal_mark_of(document.language), "plots": plots}),
@@ -71,8 +73,8 @@ def set_parts(words: Catalogue, kind: str, parts: Mapping[str, Sequence[Block]],
         for key, blocks in parts.items()
         if blocks
     )
-    title, note = words.text(f"{kind}-title"), "identify-script-note"
-    return set_html(document(words, script_note=note, title=title, sections=sections, **own))
+    title = words.text(f"{kind}-title")
+    return set_html(Document(language=words.language, title=title, sections=sections, **own))
 
 
 def _read(path: Path) -> str:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from operator import itemgetter
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
+from mtcommission.base.messages.quantities import motion_unit
 from mtcommission.machine.checks import say_filter
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.record.identified import (
@@ -21,7 +23,6 @@ from mtcommission.record.machine import ModeEntry
 from mtcommission.sheet.document import (
     Block,
     Bullets,
-    Column,
     LinePlot,
     Paragraph,
     Table,
@@ -31,13 +32,12 @@ from mtcommission.sheet.document import (
 from mtcommission.sheet.plots import MAIN, SETPOINT, THIRD, Array, Curve, Signals, line_plot
 from mtcommission.sheet.tables import (
     ACCELERATION,
+    FREQUENCY,
     RESIDUAL,
     SETTLING,
     Quantity,
-    name_and_numbers,
     show,
     table,
-    wide,
 )
 
 if TYPE_CHECKING:
@@ -58,10 +58,10 @@ CHANGED = 1e-3
 
 
 def plus_minus(one: Estimate | None, unit: str, words: Catalogue) -> str:
-    """Return a value with two standard errors, in its unit."""
+    """Return a value with two standard errors; ``unit`` as on a linear axis."""
     if one is None:
         return words.text("identify-not-known")
-    scale = words.format.scale(abs(one.value), unit)
+    scale = words.format.scale(abs(one.value), motion_unit(unit, rotary=words.rotary))
     value, error = one.value / scale.size, 2.0 * one.sigma / scale.size
     if not np.isfinite(error):  # nothing determines it
         return words.format.with_unit(f"{words.format.number(value)} ± ∞", scale.unit)
@@ -80,7 +80,7 @@ def facts(part: IdentifiedPart, words: Catalogue) -> tuple[tuple[str, str, str],
         rows.append((say(f"identify-{key}"), value, why or say(f"identify-{key}-meaning")))
 
     if not part.base_excited:  # a held motor shows neither
-        row("mass", plus_minus(part.moving_mass, axis_of(words).mass.si, words))
+        row("mass", plus_minus(part.moving_mass, "kg", words))
         row("delay", plus_minus(part.delay, "s", words))
     if part.lag:
         row("lag", plus_minus(part.lag, "s", words))
@@ -108,26 +108,27 @@ def result_table(part: IdentifiedPart, words: Catalogue) -> Table:
     return table(words, "identify-caption-result", columns, facts(part, words))
 
 
-def mode_heads(words: Catalogue) -> tuple[str, ...]:
-    """Return the heads of a table of modes."""
-    kinds = ("mode", "frequency", "damping-ratio", "identify-head-encoder", "name-tcp-gain")
-    return tuple(map(words.text, kinds))
+def mode_columns(
+    part: IdentifiedPart, words: Catalogue, stated: Mapping[str, ModeEntry] = MappingProxyType({})
+) -> tuple[Quantity, ...]:
+    """Return the columns of a table of modes; ``stated``: those of the profile, by name."""
+    gain = "" if part.base_excited else "1/kg"
 
+    def known(key: str, unit: str) -> Callable[[MeasuredMode], str]:
+        return lambda mode: plus_minus(getattr(mode, key), unit, words)
 
-def mode_row(
-    mode: MeasuredMode, part: IdentifiedPart, words: Catalogue, *, stated: ModeEntry | None = None
-) -> tuple[str, ...]:
-    """Return a row of such a table; ``stated`` is the mode in the profile."""
-    gain = "" if part.base_excited else axis_of(words).gain.si
-    tool = plus_minus(mode.tcp_gain, gain, words)
-    if mode.tcp_gain is None and stated is not None:
-        tool = words.text("identified-assumed", value=words.format.quantity(stated.tcp_gain, gain))
+    def at_tool(mode: MeasuredMode) -> str:
+        if mode.tcp_gain is None and mode.name in stated:
+            assumed = show(stated[mode.name].tcp_gain, words, gain)
+            return words.text("identified-assumed", value=assumed)
+        return plus_minus(mode.tcp_gain, gain, words)
+
     return (
-        mode.name,
-        plus_minus(mode.frequency_hz, "Hz", words),
-        plus_minus(mode.damping_ratio, "", words),
-        plus_minus(mode.measured_gain, gain, words),
-        tool,
+        Quantity("mode", "name"),
+        Quantity("frequency", known("frequency_hz", "Hz"), ""),
+        Quantity("name-damping-ratio", known("damping_ratio", ""), ""),
+        Quantity("name-measured-gain", known("measured_gain", gain), ""),
+        Quantity("name-tcp-gain", at_tool, ""),
     )
 
 
@@ -138,22 +139,20 @@ def mode_tables(
 
     ``inside`` are the modes of the profile, by name.
     """
-    first, *others = mode_heads(words)
-    columns = name_and_numbers(first, others, width=1.0)
-    rows = (mode_row(mode, part, words, stated=inside.get(mode.name)) for mode in part.modes)
-    found = Table(caption=words.text("identify-caption-modes"), columns=columns, rows=tuple(rows))
+    columns = mode_columns(part, words, inside)
+    found = table(words, "identify-caption-modes", columns, part.modes)
     if len(part.states) < 2:
         return (found,)
-    each = (
-        (state.name, *mode_row(mode, part, words))
+    each = [
+        (state.name, mode)
         for name in [mode.name for mode in part.modes]
         for state in part.states
         for mode in state.modes
         if mode.name == name
-    )
-    state = Column(head=words.text("machine-state"), width=1.5)
-    caption = words.text("identify-caption-states")
-    return (found, Table(caption=caption, columns=(state, *columns), rows=tuple(each)))
+    ]
+    state = Quantity("machine-state", itemgetter(0), width=1.5)
+    own = (one.within(itemgetter(1)) for one in mode_columns(part, words))
+    return (found, table(words, "identify-caption-states", (state, *own), each))
 
 
 def remarks(part: IdentifiedPart, words: Catalogue) -> tuple[Bullets, ...]:
@@ -247,11 +246,6 @@ def short_name(name: str) -> str:
     return name.rpartition("/")[2].rpartition("\\")[2]
 
 
-def axis_of(words: Catalogue) -> AxisUnits:
-    """Return what masses, forces and lengths are on the axis."""
-    return ROTARY if words.rotary else LINEAR
-
-
 def identified(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield what was measured beside what the profile says now; nothing where nothing was."""
     part = record.identified
@@ -283,7 +277,7 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
             continue
         for kind, unit, measured, value in (
             ("frequency", "Hz", mode.frequency_hz, now.frequency_hz),
-            ("damping-ratio", "", mode.damping_ratio, now.damping_ratio),
+            ("name-damping-ratio", "", mode.damping_ratio, now.damping_ratio),
         ):
             if abs(value - measured.value) > CHANGED * abs(measured.value):
                 what = text(kind)
@@ -291,7 +285,7 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
                 found.append(text("identified-changed", mode=mode.name, what=what, **both))
     mass = record.plant.moving_mass
     if part.moving_mass and abs(mass - part.moving_mass.value) > CHANGED * mass:
-        was = plus_minus(part.moving_mass, axis_of(words).mass.si, words)
+        was = plus_minus(part.moving_mass, "kg", words)
         found.append(text("identified-mass-changed", now=show(mass, words, "kg"), was=was))
     data = {item.key: item.value for item in record.data}
     spreads = {"frequency": part.spread.frequency, "damping": part.spread.damping}
@@ -325,7 +319,7 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> I
                 else one.shaper.upper()
             ),
         ),
-        Quantity(head("frequency"), "frequency_hz", "Hz"),
+        FREQUENCY,
         Quantity(head("vibration"), "vibration", "%"),
         Quantity(head("smoothing"), "smoothing", "m"),
         Quantity(
@@ -339,15 +333,10 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> I
     simulated = [(own, ours), *((words.say(one.name), one) for one in proposed)]
     columns = (
         Quantity("", lambda item: item[0], width=2.6),
-        *(_of_limits(quantity) for quantity in (ACCELERATION, SETTLING, RESIDUAL, MEETS)),
+        *(one.within(itemgetter(1)) for one in (ACCELERATION, SETTLING, RESIDUAL, MEETS)),
     )
     yield table(words, "identified-klipper-caption", chosen, part.proposals)
     yield table(words, "identified-klipper-simulated", columns, simulated)
-
-
-def _of_limits(quantity: Quantity) -> Quantity:
-    """A quantity of the second of two: name and limits."""
-    return wide(quantity, 1.0, value=lambda item: quantity.of(item[1]))
 
 
 def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:

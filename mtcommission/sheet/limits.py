@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from mtcommission.base.messages.catalogue import Catalogue
@@ -10,9 +12,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.checks import say_jerk
 from mtcommission.record.limits import Alternative, ModeLimitsEntry
 from mtcommission.record.machine import ModeEntry
-from mtcommission.record.moves import MoveEntry
 from mtcommission.record.shape import Words
-from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
     Formula,
@@ -30,8 +30,8 @@ from mtcommission.sheet.tables import (
     Quantity,
     show,
     table,
-    wide,
 )
+from mtcommission.sheet.verdict import find_band, find_number
 
 if TYPE_CHECKING:
     from mtcommission.record.record import Record
@@ -62,12 +62,12 @@ def jerk_column(record: Record, words: Catalogue, *, width: float = 1.5) -> Quan
 def limits_columns(record: Record, words: Catalogue) -> tuple[Quantity, ...]:
     """Return what limits are, what they give, and whether that meets all requirements."""
     return (
-        wide(ACCELERATION, 1.2),
+        replace(ACCELERATION, width=1.2),
         jerk_column(record, words),
-        wide(SETTLING, 1.2),
-        wide(RESIDUAL, 1.2),
-        wide(PEAK, 1.2),
-        wide(MEETS, 1.15),
+        replace(SETTLING, width=1.2),
+        replace(RESIDUAL, width=1.2),
+        replace(PEAK, width=1.2),
+        replace(MEETS, width=1.15),
     )
 
 
@@ -92,7 +92,7 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
     def known(quantity: Quantity) -> Quantity:
         """What today's values give is not known where they cannot be judged."""
         missing = "" if part.today and part.today.failure else quantity.missing
-        return wide(quantity, quantity.width, value=lambda it: quantity.of(it[1]), missing=missing)
+        return replace(quantity, missing=missing).within(itemgetter(1))
 
     yield table(
         words,
@@ -127,10 +127,10 @@ def limits_by_mode(record: Record, words: Catalogue) -> Iterator[Block]:
     columns = (
         Quantity("machining-mode", name, width=1.7),
         Quantity("permitted-band", "band", "m", width=1.2),
-        wide(ACCELERATION, 1.2),
+        replace(ACCELERATION, width=1.2),
         Quantity("jerk", jerk, "", width=1.7),
-        wide(JERK_TIME, 1.2),
-        wide(SETTLING, 1.2),
+        replace(JERK_TIME, width=1.2),
+        replace(SETTLING, width=1.2),
         Quantity("bound-by-column", bound, width=1.9),
         Quantity("meets", "meets_requirements", width=0.8),
     )
@@ -141,7 +141,7 @@ def rules(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield limits condensed from the optima, and rules of thumb, with what they give."""
     columns = (
         Quantity("rule", "name", width=2.2),
-        Quantity("source", lambda item: getattr(item, "source", ""), width=2.3),
+        Quantity("source", "source", width=2.3),
         *limits_columns(record, words),
     )
     every = [*record.limits.alternatives, *record.limits.rules]
@@ -188,12 +188,12 @@ def _share(mode: ModeEntry) -> float:
     return max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
 
 
-def _velocity(entry: MoveEntry) -> float | None:
-    return entry.move.get("velocity_step", entry.move.get("max_velocity"))
+def _moves(record: Record) -> list[dict[str, float]]:
+    return [entry.move for entry in record.moves]
 
 
-def _distance(entry: MoveEntry) -> float | None:
-    return entry.move.get("distance")
+def _velocity(move: dict[str, float]) -> float | None:
+    return move.get("velocity_step", move.get("max_velocity"))
 
 
 SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
@@ -204,8 +204,8 @@ SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
     ("n", "rule-symbol-n", lambda _: None, ""),
     ("band", "name-tcp-deviation", find_band, "m"),
     ("F", "rule-symbol-F", lambda r: r.optima[0].time.f_max, "N"),
-    ("v", "rule-symbol-v", lambda r: list(map(_velocity, r.moves)), "m/s"),
-    ("L", "rule-symbol-L", lambda r: list(filter(None, map(_distance, r.moves))), "m"),
+    ("v", "rule-symbol-v", lambda r: list(map(_velocity, _moves(r))), "m/s"),
+    ("L", "rule-symbol-L", lambda r: [m["distance"] for m in _moves(r) if "distance" in m], "m"),
     ("m", "rule-symbol-m", lambda r: r.plant.moving_mass, "kg"),
     ("m_ff", "rule-symbol-m-ff", lambda r: r.loop.feedforward.mass, "kg"),
     ("T", "name-force-lag", lambda r: find_number(r, "drive.force_lag"), "s"),
@@ -217,7 +217,7 @@ SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
     ("f", "frequency", lambda r: [mode.frequency_hz for mode in r.plant.modes], "Hz"),
     ("ω", "rule-symbol-omega", lambda _: "2 π f", ""),
     ("s", "name-frequency-spread", lambda r: find_number(r, "requirements.frequency_spread"), "%"),
-    ("ζ", "damping-ratio", lambda r: [mode.damping_ratio for mode in r.plant.modes], "%"),
+    ("ζ", "name-damping-ratio", lambda r: [mode.damping_ratio for mode in r.plant.modes], "%"),
     ("g", "rule-symbol-g", lambda r: list(map(_share, r.plant.modes)), "1/kg"),
     ("c", "rule-symbol-c", lambda r: [mode.measured_gain for mode in r.plant.modes], "1/kg"),
     ("R", "rule-symbol-R", lambda _: None, ""),

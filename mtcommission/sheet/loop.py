@@ -5,8 +5,10 @@ The appendix has its structure, the loops beside it, corners and delays.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from math import pi
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import symbol
+from mtcommission.base.web import fill_template
 from mtcommission.record.loop import (
     LoopPart,
     Margins,
@@ -21,10 +24,10 @@ from mtcommission.record.loop import (
 )
 from mtcommission.record.record import Record
 from mtcommission.sheet.appendix import held_range
-from mtcommission.sheet.diagram import structure
 from mtcommission.sheet.document import (
     Block,
     Bullets,
+    Diagram,
     LinePlot,
     Paragraph,
     Subheading,
@@ -47,6 +50,7 @@ from mtcommission.sheet.tables import (
     DASH,
     GAIN_MARGIN,
     MAX_FORCE,
+    PATH_GAINS,
     PHASE_MARGIN,
     RESIDUAL,
     SENSITIVITY,
@@ -58,7 +62,6 @@ from mtcommission.sheet.tables import (
     place_columns,
     show,
     table,
-    wide,
 )
 
 Array = NDArray[np.float64]
@@ -66,14 +69,14 @@ Array = NDArray[np.float64]
 HIGHEST_DB = 40.0
 """Magnitude of the open loop from which on it is drawn."""
 
-SEEN_DB, SEEN_DEG = 0.5, 2.0
-"""How near a crossing of the plotted curve must be to a margin of the record to carry it."""
-
 CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
 """Of the closed velocity loop at its bandwidth."""
 
-JUMP = 0.5
-"""Share of all that a curve spans by which it changes from point to point only where it wraps."""
+SIZE, ROOM = 9.5, 4.0
+"""Font size and room beside text in a box [drawing units]."""
+
+CHARACTER = 0.64
+"""Width of a character relative to the font size; DejaVu Sans is narrower for all but capitals."""
 
 
 def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
@@ -101,7 +104,11 @@ def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
     text, loop = words.text, record.loop
     if loop.worst_corner is not None:
         yield structure(record, words)
-        yield from _cross_check(loop, words)
+        if found := loop.cross_check:
+            margins = {"gain": GAIN_MARGIN.show(found, words)}
+            margins["phase"] = PHASE_MARGIN.show(found, words)
+            poles = words.format.number(found.pole_difference, digits=1)
+            yield note(text("loop-cross-check", **margins, poles=poles))
         yield from _variants(record, words)
         yield from _corners(record, words)
         yield _delays(record, words)
@@ -139,12 +146,14 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
     frequency, size, phase = frequency[first:], size[first:], phase[first:]
     closed, ends = signals["closed_velocity_db"][first:], [float(size.min()), float(size.max())]
     measured = _measured(record, frequency, size, phase, words)
+    gain_at = text("gain-margin-at", margin=GAIN_MARGIN.show(part, words))
+    phase_at = text("phase-margin-at", margin=PHASE_MARGIN.show(part, words))
     corners = [item.natural_frequency / (2.0 * pi) for item in part.force_filters]
     magnitudes = [
         Curve(text("open-loop"), frequency, size),
         Curve(text("closed-velocity"), frequency, closed, OTHER),
         *(gain for gain, _ in measured),
-        *_gain_margin(part, frequency, size, phase, words),
+        *_leg(part.gain_margin_hz, frequency, size, gain_at),
         *(
             Curve(text("filter-at", frequency=show(at, words, "Hz")), [at, at], ends, SETPOINT)
             for at in corners
@@ -153,7 +162,7 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
     phases = [
         Curve(text("open-loop"), frequency, phase),
         *(angle for _, angle in measured),
-        *_phase_margin(part, frequency, size, phase, words),
+        *_leg(part.phase_margin_hz, frequency, phase, phase_at, is_phase=True),
     ]
     return line_plot(
         words,
@@ -170,40 +179,15 @@ def bode(record: Record, words: Catalogue) -> LinePlot:
     )
 
 
-def _gain_margin(
-    part: LoopPart, frequency: Array, size: Array, phase: Array, words: Catalogue
-) -> Iterable[Curve]:
-    """The margin as a line where the curve has it; nothing where no crossing does."""
-    turned, wanted = (phase + 180.0) / 360.0, part.gain_margin_db
-    found = _crossings(frequency, turned - np.round(turned), size)
-    if wanted is not None and found:
-        x, y = min(found, key=lambda at: abs(abs(at[1]) - wanted))
-        if abs(abs(y) - wanted) < SEEN_DB:
-            label = words.text("gain-margin-at", margin=GAIN_MARGIN.show(part, words))
-            yield Curve(label, [x, x], [y, 0.0], MARGIN)
-
-
-def _phase_margin(
-    part: LoopPart, frequency: Array, size: Array, phase: Array, words: Catalogue
-) -> Iterable[Curve]:
-    found, wanted = _crossings(frequency, size, phase), part.phase_margin_deg
-    if wanted is not None and found:
-        legs = [(x, y, 360.0 * round((y + 180.0) / 360.0) - 180.0) for x, y in found]
-        x, y, axis = min(legs, key=lambda leg: abs(abs(leg[1] - leg[2]) - wanted))
-        if abs(abs(y - axis) - wanted) < SEEN_DEG:
-            label = words.text("phase-margin-at", margin=PHASE_MARGIN.show(part, words))
-            yield Curve(label, [x, x], [axis, y], MARGIN)
-
-
-def _crossings(x: Array, y: Array, other: Array) -> list[tuple[float, float]]:
-    """Where y goes through 0, and what another curve is there; a jump is no crossing."""
-    step = np.abs(np.diff(y))
-    span = max(float(np.ptp(y)), 1e-12)
-    k = np.flatnonzero((y[:-1] * y[1:] <= 0.0) & (step > 0.0) & (step < JUMP * span))
-    share = y[k] / (y[k] - y[k + 1])
-    places = x[k] * (x[k + 1] / x[k]) ** share
-    values = other[k] + share * (other[k + 1] - other[k])
-    return list(zip(places.tolist(), values.tolist(), strict=True))
+def _leg(
+    at: float | None, frequency: Array, curve: Array, label: str, *, is_phase: bool = False
+) -> list[Curve]:
+    """A margin as a line from the curve to 0 dB, or to the nearest turn of -180 degrees."""
+    if at is None:
+        return []
+    y = float(np.interp(np.log(at), np.log(frequency), curve))
+    axis = 360.0 * round((y + 180.0) / 360.0) - 180.0 if is_phase else 0.0
+    return [Curve(label, [at, at], [axis, y], MARGIN)]
 
 
 def _measured(
@@ -259,7 +243,7 @@ def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
         nominal("gain-margin-down", "gain_margin_down_db"),
         PHASE_MARGIN,
         SENSITIVITY,
-        wide(BANDWIDTH, 1.0, value=lambda item: _bandwidth(item, part, words)),
+        replace(BANDWIDTH, value=lambda item: _bandwidth(item, part, words)),
         _stiffness(words),
         *(
             Quantity(Message("damping-of", mode=mode), damping(mode), "%")
@@ -314,19 +298,6 @@ def _disturbance(record: Record, words: Catalogue) -> LinePlot:
     )
 
 
-def _cross_check(part: LoopPart, words: Catalogue) -> Iterator[Block]:
-    """What python-control says of the same blocks."""
-    if found := part.cross_check:
-        yield note(
-            words.text(
-                "loop-cross-check",
-                gain=GAIN_MARGIN.show(found, words),
-                phase=PHASE_MARGIN.show(found, words),
-                poles=words.format.number(found.pole_difference, digits=1),
-            )
-        )
-
-
 def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
     """The loops that were compared side by side; nothing if there was no choice."""
     variants = record.loop.variants
@@ -350,7 +321,7 @@ def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
 
 def _corners(record: Record, words: Catalogue) -> Iterator[Table]:
     corners = record.loop.corners
-    bandwidth = wide(BANDWIDTH, 1.0, name="bandwidth-short")
+    bandwidth = replace(BANDWIDTH, name="bandwidth-short")
     columns = (
         *place_columns(corners),
         GAIN_MARGIN,
@@ -371,3 +342,65 @@ def _delays(record: Record, words: Catalogue) -> Table:
     times = (Quantity(key.replace("_", "-"), known(key), "s") for key in keys)
     path = Quantity("path", "path", width=1.6)
     return table(words, "delays-caption", (path, *times), record.loop.delays)
+
+
+def structure(record: Record, words: Catalogue) -> Diagram:
+    """Return position loop, velocity loop, feed-forward and state feedback with their values."""
+    text, part, plant, ahead = words.text, record.loop, record.plant, record.loop.feedforward
+    kv, kp, tn = (gain.show(part, words) for gain in PATH_GAINS)
+    number, cycle = words.format.number, part.position_cycle
+    totals = {entry.path.kind: entry.total for entry in part.delays}
+
+    def late(path: str) -> str:
+        """How late a path acts, drive and filters included."""
+        return text("diagram-late", time=show(totals.get(f"path-{path}"), words, "s"))
+
+    def cycle_of(time: float) -> str:
+        return text("diagram-cycle", cycle=show(time, words, "s"))
+
+    count, feedback = len(part.state_feedback), tuple[str, ...]()
+    if count:
+        gains = text("diagram-gains", count=count)
+        feedback = (text("diagram-observer"), "K (x̂_ref − x̂)", gains)
+    alt = text("diagram-alt", kv=kv, kp=kp, tn=tn, feedback=text("yes" if count else "no"))
+    svg = fill_template(
+        Path(__file__).with_name("structure.svg"),
+        alt=alt,
+        size=text_size,
+        delay=(text("diagram-delay"), f"τ = {show(part.reference_delay, words, 's')}"),
+        position=(
+            f"Kv = {kv}",
+            cycle_of(part.velocity_cycle if part.position_loop == "drive" else cycle),
+            late("position-controller"),
+        ),
+        velocity=(
+            "Kp (1 + 1/(Tn s))",
+            f"Kp = {kp}",
+            f"Tn = {tn}, {cycle_of(part.velocity_cycle)}",
+            late("velocity-controller"),
+        ),
+        drive=(
+            f"|F_set| ≤ {show(part.motion_force, words, plant.units['F'])}",
+            "1 / (1 + T s)",
+            f"T = {show(part.force_lag, words, 's')}",
+        ),
+        mechanics=(
+            text("diagram-mechanics"),
+            f"m = {show(plant.moving_mass, words, 'kg')}",
+            text("diagram-modes", count=len(plant.modes)),
+        ),
+        velocity_ahead=(f"× {number(ahead.velocity)}", late("velocity-feed-forward")),
+        force_ahead=(
+            f"m ({number(ahead.acceleration)} a_ref + {number(ahead.jerk)} T j_ref)",
+            f"m = {show(ahead.mass, words, 'kg')}",
+            late("force-feed-forward"),
+        ),
+        feedback=feedback,
+        encoder=words.name("encoder"),
+    )
+    return Diagram(key="structure", caption=text("diagram-caption"), alt=alt, svg=svg)
+
+
+def text_size(text: str, width: float) -> float:
+    """Return the font size with which a line fits into a box, the usual one at most."""
+    return round(min(SIZE, (width - 2 * ROOM) / (CHARACTER * max(len(text), 1))), 2)

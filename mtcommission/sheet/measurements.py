@@ -1,19 +1,20 @@
-"""Page 4: what to measure at the machine to confirm the calculation, with fields; signature."""
+"""Page 4: what to measure at the machine, and signature; and what changed since a record."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from operator import itemgetter
+from functools import partial
+from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
+from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.messages.quantities import motion_unit
+from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.moves import MoveEntry
 from mtcommission.record.read_back import Verified
 from mtcommission.record.record import Record
-from mtcommission.sheet.basis import find_band, find_number
 from mtcommission.sheet.document import (
     Block,
     Bullets,
@@ -25,20 +26,27 @@ from mtcommission.sheet.document import (
     note,
 )
 from mtcommission.sheet.tables import (
+    ACCELERATION,
     BANDWIDTH,
+    DAMPING,
     DASH,
+    FREQUENCY,
     GAIN_MARGIN,
+    JERK_TIME,
+    MASS,
     MAX_FORCE,
+    PATH_GAINS,
     PEAK,
     PHASE_MARGIN,
     RESIDUAL,
     RMS_FORCE,
     SETTLING,
     Quantity,
+    capitalised,
     show,
     table,
 )
-from mtcommission.sheet.verdict import move_title, signature
+from mtcommission.sheet.verdict import find_band, find_number, move_title, signature
 
 if TYPE_CHECKING:
     from mtcommission.export.write import Export
@@ -47,16 +55,19 @@ HOW = tuple(f"measure-how-{i}" for i in range(1, 6))
 HOW_FOLLOWED = HOW[0], HOW[3]
 """How each thing is measured; where the motor follows there is no loop, and no force known."""
 
+SAME = 1e-6
+"""Relative difference below which two results are the same: the search rounds far above it."""
+
 
 class Measurement(NamedTuple):
-    """What to measure, calculated and permitted value; and how ``verify`` calls it."""
+    """What to measure: a quantity of an item of the record, and what is permitted."""
 
     name: str
-    calculated: str
+    quantity: Quantity
+    item: object
     permitted: str = DASH
-    key: str = ""
-    value: float | None = None  # calculated [SI], where a difference can be told
-    unit: str = ""
+    key: str = ""  # how ``verify`` calls it
+    is_told: bool = True  # whether a difference from the calculated value says something
 
 
 def fourth_page(
@@ -64,34 +75,43 @@ def fourth_page(
 ) -> Iterator[Block]:
     """Yield the measurements that confirm the record, with what was measured if it is known."""
     text, follows = words.text, record.machine.follows
-    rows = [*_structure(record, words), *([] if follows else _loop(record, words))]
-    titles = []
+    rows = list(_structure(record, words))
+    if not follows:
+        margins = (GAIN_MARGIN, PHASE_MARGIN, BANDWIDTH)
+        rows += [Measurement(one.head(words), one, record.loop) for one in margins]
     for number, move in enumerate(record.moves, start=1):
         rows += _motion(record, move, number, words)
-        titles.append(move_title(move.move, number, words))
+    titles = (move_title(one.move, number, words) for number, one in enumerate(record.moves, 1))
     how = tuple(map(text, HOW_FOLLOWED if follows else HOW))
     yield note(text("measure-note", moves="; ".join(titles)))
     yield Bullets(items=how, tone=Tone.NOTE)
     yield _table(rows, verified, words)
     if verified:
-        said = text(f"verify-verdict-{verified.verdict.replace(' ', '-')}")
         tone = Tone.PLAIN if verified.verdict == "holds" else Tone.WARNING
-        yield Paragraph(text=text("measure-verdict", verdict=said), tone=tone)
+        said = text("measure-verdict", verdict=_say_verdict(verified.verdict, words))
+        yield Paragraph(text=said, tone=tone)
     yield Form(fields=(text("measure-field-1"), text("measure-field-2")))
     yield Subheading(text=text("signature-heading"))
     yield from signature(record, typed, words)
 
 
 def _table(rows: list[Measurement], verified: Verified | None, words: Catalogue) -> Table:
-    filled = [(*row[:3], *_measured(row, verified, words)) for row in rows]
+    filled = [
+        (row.name, row.quantity.show(row.item, words), row.permitted, *found)
+        for row in rows
+        for found in [_measured(row, verified, words)]
+    ]
     last = "measured-by" if verified is None else "verdict"
-    heads = {"measurement": 2.4, "calculated": 1.1, "permitted": 1.1, "measured": 1.1}
-    heads |= {"difference": 1.1, last: 1.1}
+    heads = ("measurement", "calculated", "permitted", "measured", "difference", last)
     columns = (
-        Quantity(head, itemgetter(k), "" if k in (1, 2) else None, width=width)
-        for k, (head, width) in enumerate(heads.items())
+        Quantity(head, itemgetter(k), "" if k in (1, 2) else None, width=1.1 if k else 2.4)
+        for k, head in enumerate(heads)
     )
     return replace(table(words, "measure-caption", columns, filled), is_form=True)
+
+
+def _say_verdict(verdict: str, words: Catalogue) -> str:
+    return words.text(f"verify-verdict-{verdict.replace(' ', '-')}")
 
 
 def _measured(
@@ -101,72 +121,176 @@ def _measured(
     found = verified.values.get(row.key) if verified else None
     if found is None:
         return "", "", ""
-    said = words.text(f"verify-verdict-{found.verdict.replace(' ', '-')}") if found.verdict else ""
+    said = _say_verdict(found.verdict, words) if found.verdict else ""
     if found.measured is None:
         return DASH, "", said
 
-    def shown(value: float, digits: int = 4) -> str:
-        if row.unit == "%":
-            return words.format.percent(value, digits=digits)
-        return words.format.quantity(value, row.unit, digits=digits)
+    def shown(value: float, digits: int) -> str:
+        return show(value, words, str(row.quantity.unit), digits=digits)
 
-    measured = shown(found.measured)
+    measured, value = shown(found.measured, 4), row.quantity.of(row.item)
     if found.uncertainty is not None:
         measured += f" ± {shown(found.uncertainty, 2)}"
-    return measured, "" if row.value is None else shown(found.measured - row.value, 3), said
+    apart = shown(found.measured - value, 3) if row.is_told and isinstance(value, float) else ""
+    return measured, apart, said
 
 
-def _structure(record: Record, words: Catalogue) -> list[Measurement]:
+def _structure(record: Record, words: Catalogue) -> Iterator[Measurement]:
     """Mass, and frequency and damping of each mode, with the spread that the limits allow for."""
-    text, plant = words.text, record.plant
-    mass, unit = plant.moving_mass, motion_unit("kg", rotary=words.rotary)
-    rows = []
+    plant = record.plant
     if not record.machine.follows:
-        weighed = show(mass, words, "kg")
-        rows = [Measurement(text("name-moving-mass"), weighed, DASH, "mass", mass, unit)]
-
-    def permitted(kind: str) -> str:
-        spread = find_number(record, f"requirements.{kind}_spread")
-        return f"± {show(spread, words, '%')}" if spread else DASH
-
+        yield Measurement(MASS.head(words), MASS, plant, key="mass")
     for mode in plant.modes:
-        for name, kind, key, value, unit in (
-            ("frequency", "frequency", "frequency", mode.frequency_hz, "Hz"),
-            ("damping-ratio", "damping", "damping_ratio", mode.damping_ratio, "%"),
+        for quantity, kind, key in (
+            (FREQUENCY, "frequency", "frequency"),
+            (DAMPING, "damping", "damping_ratio"),
         ):
-            named = text("of-mode", name=text(name), mode=mode.name)
-            shown, key = show(value, words, unit), f"{mode.name}.{key}"
-            rows.append(Measurement(named, shown, permitted(kind), key, value, unit))
-    return rows
+            name = words.text("of-mode", name=quantity.head(words), mode=mode.name)
+            spread = find_number(record, f"requirements.{kind}_spread")
+            permitted = f"± {show(spread, words, '%')}" if spread else DASH
+            yield Measurement(name, quantity, mode, permitted, f"{mode.name}.{key}")
 
 
-def _loop(record: Record, words: Catalogue) -> list[Measurement]:
-    return [
-        Measurement(quantity.head(words), quantity.show(record.loop, words))
-        for quantity in (GAIN_MARGIN, PHASE_MARGIN, BANDWIDTH)
-    ]
-
-
-def _motion(record: Record, move: MoveEntry, number: int, words: Catalogue) -> list[Measurement]:
+def _motion(
+    record: Record, move: MoveEntry, number: int, words: Catalogue
+) -> Iterator[Measurement]:
     """Nominal values of one move; what is permitted is the requirement itself."""
     limits = {check.name: check.limit for check in record.assessment.checks}
-    force = record.plant.units["F"]
-    rows = (
-        (SETTLING, "settling time", limits.get("settling time"), "s"),
-        (RESIDUAL, "residual deviation", find_band(record), motion_unit("m", rotary=words.rotary)),
-        (PEAK, "peak deviation", None, motion_unit("m", rotary=words.rotary)),
-        (MAX_FORCE, "max force", limits.get("set force"), force),
-        (RMS_FORCE, "RMS force", limits.get("RMS force"), force),
-    )
-    return [
-        Measurement(
-            f"{words.text('move', number=number)}: {quantity.head(words)}",
-            quantity.show(move.response, words),
-            show(permitted, words, unit),
-            f"move {number}: {key}",
-            # What is recorded of the largest force is the motor's, behind its lag.
-            None if quantity is MAX_FORCE else getattr(move.response, str(quantity.value)),
-            unit,
-        )
-        for quantity, key, permitted, unit in rows
+    for quantity, key, permitted in (
+        (SETTLING, "settling time", limits.get("settling time")),
+        (RESIDUAL, "residual deviation", find_band(record)),
+        (PEAK, "peak deviation", None),
+        (MAX_FORCE, "max force", limits.get("set force")),
+        (RMS_FORCE, "RMS force", limits.get("RMS force")),
+    ):
+        name = f"{words.text('move', number=number)}: {quantity.head(words)}"
+        allowed, key = show(permitted, words, str(quantity.unit)), f"move {number}: {key}"
+        # What is recorded of the largest force is the motor's, behind its lag.
+        is_told = quantity is not MAX_FORCE
+        yield Measurement(name, quantity, move.response, allowed, key, is_told)
+
+
+class Change(NamedTuple):
+    """One thing before and after as printed, and the difference, in words or per cent."""
+
+    name: str
+    before: str
+    after: str
+    change: str
+
+
+def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Block]:
+    """Yield what changed from one record to another, the one whose sheet is printed.
+
+    Raises
+    ------
+    InputError
+        If one axis is linear and the other rotary.
+    """
+    if before.machine.motion != after.machine.motion:
+        message = Message("compared-with-other-motion", got=before.machine.motion)
+        raise InputError([Fault(where="--compare", message=message)])
+    text, machine, profile = words.text, before.machine, before.profile
+    said = {"machine": machine.name, "axis_name": machine.axis, "name": profile.name}
+    yield note(text("compared-with", **said, created=before.created, hash=profile.sha256))
+    inputs = list(_inputs(before, after, words))
+    if not inputs:
+        yield Paragraph(text=text("no-changed-inputs"))
+    outcome = [
+        *_of(_limits(), before, after, words),
+        *_moves(before, after, words),
+        *_of(_loop(words), before, after, words),
     ]
+    columns = (
+        Quantity("quantity", "name", width=2.0),
+        Quantity("before", "before", "", width=1.4),
+        Quantity("after", "after", "", width=1.4),
+        Quantity("change", "change", ""),
+    )
+    for caption, changes in (("changed-inputs", inputs), ("changed-outcome", outcome)):
+        if changes:
+            yield table(words, caption, columns, changes)
+
+
+def _of(
+    quantities: Iterable[Quantity], before: object, after: object, words: Catalogue
+) -> Iterator[Change]:
+    """The changes of some quantities of two items."""
+    for one in quantities:
+        shown = one.show(before, words), one.show(after, words)
+        yield from _change(one.head(words), (one.of(before), one.of(after)), shown, words)
+
+
+def _change(
+    name: str, values: tuple[object, object], shown: tuple[str, str], words: Catalogue
+) -> Iterator[Change]:
+    """The change of a value, if there is one."""
+    before, after = values
+    change = words.text("changed")
+    if isinstance(before, float | int) and isinstance(after, float | int):
+        if abs(after - before) <= SAME * max(abs(before), abs(after)):
+            return
+        if before * after > 0.0:  # else there is no share
+            change = words.format.signed_percent(after / before - 1.0)
+    elif shown[0] == shown[1]:
+        return
+    yield Change(name, *shown, change)
+
+
+def _inputs(before: Record, after: Record, words: Catalogue) -> Iterator[Change]:
+    named = {"machine-row": "name", "axis-row": "axis", "source": "source"}
+    machine = [Quantity(head, f"machine.{key}") for head, key in named.items()]
+    yield from _of(machine, before, after, words)
+    old, new = ({item.key: item for item in record.data} for record in (before, after))
+    # In the order of the sheet, then what has gone.
+    for key, item in (new | {key: item for key, item in old.items() if key not in new}).items():
+        was, now = old.get(key), new.get(key)
+        shown = _datum(was, before, words), _datum(now, after, words)
+        values = was and was.value, now and now.value
+        yield from _change(datum_name(item, words), values, shown, words)
+    yield from _of([Quantity("version", "tool.version")], before, after, words)
+
+
+def _datum(item: Datum | None, record: Record, words: Catalogue) -> str:
+    return words.text("not-stated") if item is None else datum(item, record.plant.units, words)
+
+
+def _limits() -> Iterator[Quantity]:
+    of_recommended = attrgetter("limits.recommended")
+    limits = (ACCELERATION, Quantity("jerk", "jerk", "m/s^3"), JERK_TIME)
+    for one in (*limits, Quantity("bound-by-column", "bound_by")):
+        yield one.within(of_recommended)
+    yield Quantity("verdict-met", "assessment.met")
+    yield from (one.within(of_recommended) for one in (SETTLING, RESIDUAL, PEAK))
+
+
+def _loop(words: Catalogue) -> Iterator[Quantity]:
+    of_loop = attrgetter("loop")
+    yield from (replace(one, name=words.name(str(one.name))).within(of_loop) for one in PATH_GAINS)
+    yield Quantity("reference-delay", "loop.reference_delay", "s")
+    feedback = capitalised(words.text("has-state-feedback"))
+    yield Quantity(feedback, lambda record: bool(record.loop.state_feedback))
+    for one in (GAIN_MARGIN, PHASE_MARGIN):
+        name = f"{one.head(words)}, {words.text('worst-corner')}"
+        yield Quantity(name, partial(_in_worst_corner, one, words))
+    yield BANDWIDTH.within(of_loop)
+
+
+def _in_worst_corner(quantity: Quantity, words: Catalogue, record: Record) -> str:
+    corner = record.loop.worst_corner
+    return quantity.show(corner, words) if corner else DASH
+
+
+def _moves(before: Record, after: Record, words: Catalogue) -> Iterator[Change]:
+    text = words.text
+    for place, (was, now) in enumerate(zip(before.moves, after.moves, strict=False)):
+        titles = (move_title(was.move, place + 1, words), move_title(now.move, place + 1, words))
+        if titles[0] != titles[1]:
+            yield from _change(text("move", number=place + 1), titles, titles, words)
+            continue
+        for one in (SETTLING, MAX_FORCE):
+            named = replace(one, name=f"{titles[1]}: {one.head(words)}, {text('nominal')}")
+            yield from _of([named], was.response, now.response, words)
+        name = f"{titles[1]}: {text('control-time-optimal')}, {text('final-time')}"
+        optima = before.optima[place], after.optima[place]
+        yield from _of([Quantity(name, "time.t_f", "s")], *optima, words)

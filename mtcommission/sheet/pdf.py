@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, fields
-from datetime import UTC, datetime
+from datetime import datetime
 from enum import Enum
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Any
 import typst
 
 from mtcommission.base.errors import ComputationError, Outcome
-from mtcommission.base.messages.catalogue import decimal_mark_of
+from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.sheet.document import (
     Block,
@@ -37,9 +37,6 @@ FONT = "DejaVuSans.ttf"
 LATIN = "\u024f"
 """Last character that every font of ours has, with all letters of Europe's Latin scripts."""
 
-MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
-"""Date of a PDF whose record states none that can be read."""
-
 
 def set_pdf(document: Document) -> bytes:
     """Return a document as PDF/UA-1.
@@ -50,28 +47,32 @@ def set_pdf(document: Document) -> bytes:
         PRINTING_FAILED with the compiler's message.
     """
     pictures: dict[str, list[str]] = {}
-    decimal_mark = decimal_mark_of(document.language)
+    words = Catalogue(document.language)
     sections = [
         {
             "heading": section.heading,
             "is_appendix": section.is_appendix,
-            "blocks": [_data(block, section, decimal_mark, pictures) for block in section.blocks],
+            "blocks": [
+                _data(block, section, words.format.decimal_mark, pictures)
+                for block in section.blocks
+            ],
         }
         for section in document.sections
     ]
     shown = {item.name: getattr(document, item.name) for item in fields(document)}
+    shown |= {"sections": sections, "page": words.text("page"), "appendix": words.text("appendix")}
     try:
         pdf = typst.compile(
             TEMPLATE,
             font_paths=[_font_folder()],
             ignore_system_fonts=True,
             sys_inputs={
-                "document": json.dumps(shown | {"sections": sections}, ensure_ascii=False),
+                "document": json.dumps(shown, ensure_ascii=False),
                 "plots": json.dumps(pictures),
             },
             format="pdf",
             pdf_standards=["ua-1"],
-            timestamp=_timestamp(document.created),
+            timestamp=datetime.fromisoformat(document.created),
         )
     except typst.TypstError as error:
         raise ComputationError(
@@ -124,14 +125,6 @@ def _font_folder() -> Path:
     It is found without being loaded, which would take as long as the typesetting.
     """
     package = find_spec("matplotlib")
-    if package is None or package.origin is None:
-        raise ComputationError(Outcome.PRINTING_FAILED, Message("fonts-missing"))
+    assert package is not None
+    assert package.origin is not None
     return Path(package.origin).with_name("mpl-data") / "fonts" / "ttf"
-
-
-def _timestamp(created: str) -> datetime:
-    try:
-        moment = datetime.fromisoformat(created)
-    except ValueError:
-        return MISSING_DATE
-    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)

@@ -6,6 +6,7 @@ The appendix has every move with all its signals, and the limits on smaller and 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from mtcommission.record.moves import MoveEntry, Series
 from mtcommission.record.optima import OptimaEntry, OptimumEntry
 from mtcommission.record.record import Record
 from mtcommission.record.shape import Words
-from mtcommission.sheet.basis import find_band
 from mtcommission.sheet.document import Block, LinePlot, Paragraph, Subheading, Table, note
 from mtcommission.sheet.limits import jerk_column, other_limits
 from mtcommission.sheet.plots import (
@@ -41,7 +41,7 @@ from mtcommission.sheet.tables import (
     show,
     table,
 )
-from mtcommission.sheet.verdict import move_title, reference_sentence, slowest_move
+from mtcommission.sheet.verdict import find_band, move_title, reference_sentence, slowest_move
 
 MOST_CHANGES = 5
 """Changes that are listed; those that bring less are named."""
@@ -177,17 +177,6 @@ def _peaks(
     return beside(words, "peaks-caption", rows, heads, items, first="signal-head", move=title)
 
 
-def rigid_velocity(states: list[str]) -> str:
-    """Return the state that is the rigid velocity of the axis."""
-    return "v_s" if "v_s" in states and "x_s" in states else "v"
-
-
-def flexible_rates(states: list[str]) -> list[str]:
-    """Return the states that are rates of flexible modes."""
-    speed = rigid_velocity(states)
-    return [state for state in states if state.startswith("v_") and state != speed]
-
-
 def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
     """What drive and machine do in a move and its optima, from top to bottom."""
     text, units, mass = words.text, record.plant.units, record.plant.moving_mass
@@ -221,7 +210,9 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
     # Held values step from cycle to cycle: drawn as they are, they fill a thick band.
     for force in forces[-1:]:
         force.y = mean_over(force.x, force.y, record.loop.position_cycle)
-    speed = rigid_velocity(record.plant.states)
+    states = record.plant.states
+    speed = "v_s" if {"v_s", "x_s"} <= set(states) else "v"
+    rates = [state for state in states if state.startswith("v_") and state != speed]
     accelerations = [*curves(setpoint, "a_ref"), *curves(every, "F", 1.0 / mass)]
     velocities = [*curves(setpoint, "v_ref"), *curves(every, speed)]
     bounds = optima.constrained.limits if optima.constrained else {}
@@ -232,7 +223,7 @@ def _signals(record: Record, number: int, words: Catalogue) -> list[Signals]:
         one(text("velocity"), units[speed], velocities),
         *(
             one(words.name(rate), units[rate], curves(every, rate), bounds.get(rate))
-            for rate in flexible_rates(record.plant.states)
+            for rate in rates
         ),
         one(words.name("tcp_vibration"), tcp, tool),
         one(text("deviation"), tcp, curves(own, "deviation"), find_band(record)),
@@ -284,8 +275,7 @@ def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
     own = {text("setpoint"), text("response"), rest}
 
     def only(panel: Signals) -> Signals:
-        curves = [curve for curve in panel.curves if curve.label in own]
-        return Signals(name=panel.name, unit=panel.unit, curves=curves, limits=panel.limits)
+        return replace(panel, curves=[one for one in panel.curves if one.label in own])
 
     return line_plot(
         words,

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any
 
+from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import DIGITS
 from mtcommission.limits.requirements import read_requirement
-from mtcommission.record.machine import MachineEntry
-from mtcommission.sheet.document import Cell, Column, Formula, Table
+from mtcommission.record.machine import MachineEntry, Profile
+from mtcommission.sheet.document import HASH_DIGITS, Cell, Column, Document, Formula, Table
 
 DASH = "–"
 TENTHS = ("dB", "°")
@@ -24,8 +26,29 @@ TENTHS = ("dB", "°")
 
 
 def words_for(machine: MachineEntry, language: str) -> Catalogue:
-    """Return the texts of a language for an axis."""
+    """Return the texts of a language for an axis.
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    """
+    if language not in LANGUAGES:
+        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        raise InputError([Fault(where="--language", message=message)])
     return Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
+
+
+def document_of(words: Catalogue, machine: MachineEntry, profile: Profile, **own: Any) -> Document:
+    """Return a document about an axis; ``own``: title, created and sections."""
+    return Document(
+        language=words.language,
+        machine=machine.name,
+        axis=f"{words.text('axis')} {machine.axis}",
+        identity=words.text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
+        disclaimer=words.text("disclaimer"),
+        **own,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +61,7 @@ class Quantity:
     """SI, as on a linear axis, or a function of the item; "%": a ratio; None: words, flush left."""
     missing: str = ""  # text of the catalogue where there is no value; "": a dash
     width: float = 1.0
-    digits: int = DIGITS
+    digits: int = 0  # 0: the usual ones
 
     def head(self, words: Catalogue) -> str:
         """Return the name, to stand over a column or in front of a row."""
@@ -49,6 +72,10 @@ class Quantity:
     def of(self, item: object) -> object:
         """Return the value [SI]."""
         return attrgetter(self.value)(item) if isinstance(self.value, str) else self.value(item)
+
+    def within(self, part: Callable[[Any], object]) -> Quantity:
+        """Return the same quantity of a part of an item."""
+        return replace(self, value=lambda item: self.of(part(item)))
 
     def show(self, item: object, words: Catalogue) -> str:
         """Return the value as printed."""
@@ -61,6 +88,9 @@ class Quantity:
         return found if isinstance(found, Formula) else self.show(item, words)
 
 
+MASS = Quantity("name-moving-mass", "moving_mass", "kg")
+FREQUENCY = Quantity("frequency", "frequency_hz", "Hz")
+DAMPING = Quantity("name-damping-ratio", "damping_ratio", "%")
 SETTLING = Quantity("settling-time", "settling_time", "s", "not-settled")
 RESIDUAL = Quantity("residual", "residual_deviation", "m", "not-settled")
 PEAK = Quantity("peak-deviation", "peak_deviation", "m")
@@ -78,7 +108,7 @@ GAIN_MARGIN = Quantity("gain-margin", "gain_margin_db", "dB", "unlimited")
 PHASE_MARGIN = Quantity("phase-margin", "phase_margin_deg", "°", "unlimited")
 SENSITIVITY = Quantity("sensitivity-peak", "sensitivity_peak", "", digits=3)
 BANDWIDTH = Quantity("bandwidth", "bandwidth_hz", "Hz")
-STIFFNESS = Quantity("stiffness-short", "dynamic_stiffness", "N/m")
+STIFFNESS = Quantity("dynamic-stiffness", "dynamic_stiffness", "N/m")
 PATH_GAINS = (
     Quantity("Kv", "Kv", "1/s", width=1.2),
     Quantity("Kp", "Kp", "N s/m", width=1.2),
@@ -91,9 +121,7 @@ def place_columns(items: Iterable[Any]) -> tuple[Quantity, ...]:
     return (STATE, *CORNER) if any(item.state for item in items) else CORNER
 
 
-def show(
-    value: Any, words: Catalogue, unit: str = "", missing: str = "", digits: int = DIGITS
-) -> str:
+def show(value: Any, words: Catalogue, unit: str = "", missing: str = "", digits: int = 0) -> str:
     """Return a value as printed: a number with its unit, a message said, truth as yes or no."""
     if value is None:
         return words.text(missing) if missing else DASH
@@ -102,18 +130,15 @@ def show(
     if isinstance(value, Message | str):
         return words.say(value)
     if unit == "%":
-        return words.format.percent(value)
-    return words.format.axis(round(value, 1) if unit in TENTHS else value, unit, digits=digits)
+        return words.format.percent(value, digits=digits or 3)
+    return words.format.axis(
+        round(value, 1) if unit in TENTHS else value, unit, digits=digits or DIGITS
+    )
 
 
 def member(key: str, mapping: str = "") -> Callable[[Any], object]:
     """Return what finds an entry of an item, or of a mapping that the item has; None without it."""
     return lambda item: (attrgetter(mapping)(item) if mapping else item).get(key)
-
-
-def wide(quantity: Quantity, width: float, **other: Any) -> Quantity:
-    """Return a quantity that is printed in a wider or narrower column, or named otherwise."""
-    return replace(quantity, width=width, **other)
 
 
 def table(
@@ -152,7 +177,10 @@ def beside(
     """Return a table with a row for each quantity and a column for each item."""
     return Table(
         caption=words.text(caption, **values),
-        columns=name_and_numbers(words.text(first), heads, width=width),
+        columns=(
+            Column(head=words.text(first), width=width),
+            *(Column(head=head, is_number=True) for head in heads),
+        ),
         rows=tuple((row.head(words), *(row.cell(item, words) for item in items)) for row in rows),
     )
 
@@ -160,20 +188,15 @@ def beside(
 def pairs(
     words: Catalogue,
     caption: str,
-    rows: Iterable[tuple[Cell, ...]],
+    rows: Iterable[tuple[str, str]],
     *,
     first: str = "quantity",
     width: float = 1.6,
+    **values: Any,
 ) -> Table:
-    """Return a table of names and what is said of them; ``caption`` is spoken already."""
-    columns = Column(head=words.text(first)), Column(head=words.text("value"), width=width)
-    return Table(caption=caption, columns=columns, rows=tuple(rows))
-
-
-def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[Column, ...]:
-    """Return a column of names and, behind it, columns of numbers."""
-    numbers = (Column(head=head, is_number=True) for head in heads)
-    return (Column(head=name, width=width), *numbers)
+    """Return a table of names and what is said of them."""
+    columns = Quantity(first, itemgetter(0)), Quantity("value", itemgetter(1), width=width)
+    return table(words, caption, columns, rows, **values)
 
 
 def capitalised(text: str) -> str:

@@ -14,16 +14,16 @@ from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.control import is_neutral
 from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
-from mtcommission.machine.checks import filter_rows, say_filter
-from mtcommission.record.limits import AttainableEntry
-from mtcommission.record.machine import datum_name
-from mtcommission.record.moves import Check
-from mtcommission.sheet.basis import (
-    basis_rows,
-    data_rows,
-    find_number,
-    holds_rows,
+from mtcommission.machine.checks import (
+    OF_LOOP,
+    filter_rows,
+    mark_assumed,
+    name_control,
+    say_filter,
+    say_loop,
 )
+from mtcommission.record.machine import datum_name, say_assumed
+from mtcommission.record.moves import Check, RangeEntry
 from mtcommission.sheet.document import (
     BigValue,
     Block,
@@ -48,7 +48,8 @@ from mtcommission.sheet.tables import (
 if TYPE_CHECKING:
     from mtcommission.controls.syntax import Entry
     from mtcommission.export.write import Export
-    from mtcommission.record.optima import BandEntry, RobustEntry
+    from mtcommission.record.optima import BandEntry
+    from mtcommission.record.read_back import AxisRecord
     from mtcommission.record.record import Record
 
 ROUNDING = 1e-6
@@ -71,6 +72,14 @@ NAME_WIDTH, LEAST_NAME, MOST_NAME = 0.096, 2.0, 3.65
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
+Row = tuple[str, str]
+
+MARKED = (
+    *("control.", "requirements.reserve", "requirements.payload (least)"),
+    *("requirements.frequency_spread", "requirements.damping_spread"),
+)
+"""Beginnings of the keys that other rows of page 1 mark, or that the largest payload stands for."""
+
 
 def type_in(record: Record) -> Export | Message:
     """Return the export for the record's own control, or why there is none."""
@@ -86,64 +95,62 @@ def type_in(record: Record) -> Export | Message:
 
 def first_page(record: Record, typed: Export | Message, words: Catalogue) -> Iterator[Block]:
     """Yield verdict, what to enter, for what it holds, on what it rests."""
-    text = words.text
     holds = holds_rows(record, words)
     basis = (*basis_rows(record, words), *data_rows(record, words))
-    yield headline_as_typed(record, typed, words)
+    yield headline(record, typed, words)
     yield from _warnings(record, words)
     yield _entries(record, typed, words)
     yield _checks(record, words)
     yield note(_judged_during(record, words))
-    yield pairs(words, text("holds-caption"), holds, first="basis", width=5.0)
-    yield pairs(words, text("basis-caption"), basis, first="basis", width=5.0)
+    yield pairs(words, "holds-caption", holds, first="basis", width=5.0)
+    yield pairs(words, "basis-caption", basis, first="basis", width=5.0)
 
 
-def headline(record: Record, words: Catalogue) -> Headline:
-    """Return the verdict with the limits to enter and what they give."""
+def headline(record: Record, typed: Export | Message, words: Catalogue) -> Headline:
+    """Return the verdict with the limits to enter, what they give, and what the export finds.
+
+    The page speaks as one with the export of its own numbers.
+    """
     text, limits, assessment = words.text, record.limits.recommended, record.assessment
-    given, today = _gives(limits, words), record.limits.today
-    if today is None:
-        settling, residual = given
-        said = [text("what-they-give", settling=settling, residual=residual)]
-    else:
-        now = text("now-no-result") if today.failure else " / ".join(_gives(today, words))
-        said = [text("now-and-then", now=now, then=" / ".join(given)), words.say(today.basis)]
+    values, is_met = list(_big_values(record, words)), assessment.met
+    verdict, said = "verdict-met" if is_met else "verdict-not-met", list[str]()
+    shown, wanted = _acceleration_typed(record, typed, words), values[0].value
+    if shown != wanted:
+        values[0] = replace(values[0], value=shown)
+        said.append(text("as-typed", acceleration=shown, wanted=wanted))
+    said += _reached(record, words)
     if assessment.obstacle:
         obstacle = say_requirement(assessment.obstacle, words)
         said.append(f"{text('obstacle', obstacle=obstacle)}.")
     said.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
     said += [*assumed_and_binding(record, words), *attainable_sentences(record, words)]
+    if isinstance(typed, Message):
+        is_met, verdict = False, "verdict-incomplete" if is_met else verdict
+    else:
+        is_missed = is_met and not typed.is_met
+        said += map(words.say, (*([typed.judgement] if is_missed else []), *typed.doubts))
+        if is_met and not typed.meets_requirements:
+            verdict = "verdict-missed" if is_missed else "verdict-incomplete"
+            is_met = typed.is_met
     return Headline(
-        is_met=assessment.met,
-        verdict=text("verdict-met" if assessment.met else "verdict-not-met"),
-        detail=" ".join(said),
-        values=tuple(_big_values(record, words)),
+        is_met=is_met, verdict=text(verdict), detail=" ".join(said), values=tuple(values)
     )
 
 
-def _gives(limits: object, words: Catalogue) -> tuple[str, str]:
-    return SETTLING.show(limits, words), RESIDUAL.show(limits, words)
+def _reached(record: Record, words: Catalogue) -> Iterator[str]:
+    """What the limits give, beside what the values now in the control do."""
+    text, today = words.text, record.limits.today
 
+    def gives(limits: object) -> tuple[str, str]:
+        return SETTLING.show(limits, words), RESIDUAL.show(limits, words)
 
-def headline_as_typed(record: Record, typed: Export | Message, words: Catalogue) -> Headline:
-    """Return the verdict with what the export finds of its own numbers: it speaks as one."""
-    said = headline(record, words)
-    if isinstance(typed, Message):
-        incomplete = words.text("verdict-incomplete")
-        return replace(said, is_met=False, verdict=incomplete) if said.is_met else said
-    is_missed = said.is_met and not typed.is_met
-    added = (*([typed.judgement] if is_missed else []), *typed.doubts)
-    details = [said.detail, *map(words.say, added)]
-    first, *others = said.values
-    shown = _acceleration_typed(record, typed, words)
-    if shown != first.value:
-        said = replace(said, values=(replace(first, value=shown), *others))
-        details.insert(0, words.text("as-typed", acceleration=shown, wanted=first.value))
-    said = replace(said, detail=" ".join(details))
-    if not said.is_met or typed.meets_requirements:
-        return said
-    verdict = words.text("verdict-missed" if is_missed else "verdict-incomplete")
-    return replace(said, is_met=typed.is_met, verdict=verdict)
+    settling, residual = given = gives(record.limits.recommended)
+    if today is None:
+        yield text("what-they-give", settling=settling, residual=residual)
+    else:
+        now = text("now-no-result") if today.failure else " / ".join(gives(today))
+        yield text("now-and-then", now=now, then=" / ".join(given))
+        yield words.say(today.basis)
 
 
 def signature(record: Record, typed: Export | Message, words: Catalogue) -> tuple[Block, ...]:
@@ -195,9 +202,9 @@ def _big_values(record: Record, words: Catalogue) -> Iterator[BigValue]:
         yield BigValue(label=capitalised(kind), value=", ".join(number for _, number in numbers))
 
 
-def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
-    """Return which assumed values bind, and what others would give, as sentences."""
-    found, binding = list[str](), parts_of(record.limits.recommended.bound_by)
+def assumed_and_binding(record: Record, words: Catalogue) -> Iterator[str]:
+    """Yield which assumed values bind, and what others would give."""
+    binding = parts_of(record.limits.recommended.bound_by)
     for requirement in REGISTER:
         if not isinstance(requirement, Requirement) or requirement.message not in binding:
             continue
@@ -207,8 +214,7 @@ def assumed_and_binding(record: Record, words: Catalogue) -> list[str]:
         if data:
             names = ", ".join(datum_name(one, words) for one in data)
             named = words.text("assumed-binds", data=names)
-            found.append(f"{named}{_with_another(record, name, words)}")
-    return found
+            yield f"{named}{_with_another(record, name, words)}"
 
 
 def _with_another(record: Record, name: str, words: Catalogue) -> str:
@@ -223,26 +229,15 @@ def _with_another(record: Record, name: str, words: Catalogue) -> str:
     return words.text("another-unknown")
 
 
-def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
-    """Return what could be met where a requirement stands in the way."""
-    return [
-        words.text(
-            "could-be-met",
-            requirement=say_limiting(item, words),
-            value=show(item.value, words, item.unit),
-            limit=show(item.limit, words, item.unit),
-        )
-        for item in record.limits.attainable
-    ]
-
-
-def say_limiting(item: AttainableEntry, words: Catalogue) -> str:
-    """Return the requirement that stands in the way, and those that must give way with it."""
-    said = say_requirement(item.requirement, words)
-    others = [read_requirement(name).message for name in item.together_with]
-    if not others:
-        return said
-    return words.text("requirement-together-with", requirement=said, others=join_by_and(others))
+def attainable_sentences(record: Record, words: Catalogue) -> Iterator[str]:
+    """Yield what could be met where a requirement stands in the way."""
+    for item in record.limits.attainable:
+        named = say_requirement(item.requirement, words)
+        if item.together_with:
+            others = join_by_and([read_requirement(one).message for one in item.together_with])
+            named = words.text("requirement-together-with", requirement=named, others=others)
+        value, limit = (show(one, words, item.unit) for one in (item.value, item.limit))
+        yield words.text("could-be-met", requirement=named, value=value, limit=limit)
 
 
 def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
@@ -379,10 +374,10 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     optima, settling = record.optima[number - 1], move.response.settling_time
     title, aside = move_title(move.move, number, words), _band_sentences(record, number, words)
     best, bounded = optima.time, optima.constrained
-    bound, optimal = getattr(best.certificate, "t_f_lower_bound", None), f.quantity(best.t_f, "s")
-    gap = getattr(best.certificate, "relative_gap", None)
-    if isinstance(bound, float) and isinstance(gap, float) and gap > ENCLOSED:
-        optimal = text("reference-enclosed", optimum=optimal, bound=f.quantity(bound, "s"))
+    proof, optimal = best.certificate, f.quantity(best.t_f, "s")
+    if proof.relative_gap is not None and proof.relative_gap > ENCLOSED:
+        bound = f.quantity(proof.t_f_lower_bound, "s")
+        optimal = text("reference-enclosed", optimum=optimal, bound=bound)
     share = 0.0 if settling is None else settling / best.t_f - 1.0
     compared = "unsettled" if settling is None else "sooner" if share < 0.0 else "later"
     sentence = text(
@@ -405,7 +400,7 @@ def _band_sentences(record: Record, number: int, words: Catalogue) -> list[str]:
     text, f, found = words.text, words.format, record.optima[number - 1]
     settling, sentences = record.moves[number - 1].response.settling_time, list[str]()
 
-    def shown(item: BandEntry | RobustEntry) -> dict[str, str]:
+    def shown(item: BandEntry) -> dict[str, str]:
         change = "–" if settling is None else f.signed_percent(settling / item.t_f - 1.0)
         return {"optimum": f.quantity(item.t_f, "s"), "change": change}
 
@@ -415,3 +410,143 @@ def _band_sentences(record: Record, number: int, words: Catalogue) -> list[str]:
     if found.robust:
         sentences.append(text("robust-force", **shown(found.robust)))
     return sentences
+
+
+def find_number(record: Record, key: str) -> float | None:
+    """Return a number of the profile [SI]; None where the record does not state it."""
+    values = (item.value for item in record.data if item.key == key)
+    value = next(values, None)
+    return float(value) if isinstance(value, float | int) else None
+
+
+def find_band(record: Record) -> float | None:
+    """Return the permitted TCP deviation [m or rad]; None where the record does not state it."""
+    return find_number(record, "requirements.tcp_deviation")
+
+
+def is_assumed(record: AxisRecord, key: str) -> bool:
+    """Return whether a key, or one that begins so, was not stated by anybody."""
+    return any(item.is_assumed for item in record.data if item.key.startswith(key))
+
+
+def holds_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return for which moves, frequencies, damping ratios and payloads all is kept."""
+    text, error = words.text, record.robustness
+    rows = [
+        (text("basis-sizes"), _sizes(record, words)),
+        (text("frequencies"), _spread(record, "frequency", error.frequency_error, words)),
+        (text("basis-damping"), _spread(record, "damping", error.damping_error, words)),
+    ]
+    low, high = (
+        find_number(record, f"requirements.payload ({end})") or 0.0 for end in ("least", "largest")
+    )
+    if high > low:
+        said = text("payload-from-to", low=show(low, words, "kg"), high=show(high, words, "kg"))
+        rows.append((text("payload"), _marked(record, "requirements.payload", said, words)))
+    return tuple(rows)
+
+
+def basis_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return the control and its loop, the reserve, and what the encoder's steps do."""
+    text, loop = words.text, record.loop
+    reserve = {
+        name: find_number(record, f"requirements.reserve.{name}") or 0.0
+        for name in ("band", "force")
+    }
+    said = _marked(record, "requirements.reserve", text("reserve-kept", **reserve), words)
+    rows = [(text("control"), _control(record, words)), (text("name-reserve"), said)]
+    if loop.encoder_noise is not None:
+        steps = text(
+            "encoder-steps",
+            resolution=show(loop.encoder_resolution, words, "m"),
+            tool=show(loop.encoder_noise.tool, words, "m"),
+            force=show(loop.encoder_noise.force, words, "N"),
+        )
+        rows.append((words.name("encoder"), steps))
+    return tuple(rows)
+
+
+def data_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return where the machine data come from: stated, measured, and assumed."""
+    text, part, source = words.text, record.identified, words.say(record.machine.source)
+    assumed = assumed_rows(record, words)
+    if part is None:
+        return ((text("basis-data"), text("measured-nothing", source=source)), *assumed)
+    modes = ", ".join(mode.name for mode in part.modes)
+    measured = text("measured-modes", modes=modes, date=part.created[:10])
+    return ((text("basis-data"), source), (text("measured"), measured), *assumed)
+
+
+def assumed_rows(record: Record, words: Catalogue) -> tuple[Row, ...]:
+    """Return the other values that nobody stated, in one row; nothing where all were."""
+    others = [item for item in record.data if not item.key.startswith(MARKED)]
+    said = say_assumed(others, record.plant.units, words)
+    return ((words.text("basis-assumed"), "; ".join(said)),) if said else ()
+
+
+def kept_sentence(record: Record, words: Catalogue) -> str:
+    """Return between which frequency errors every requirement is kept, as a sentence."""
+    kept = _kept_ends(record.robustness.frequency_error, words)
+    return words.text("kept-between", **kept) if kept else words.text("kept-nowhere")
+
+
+def _control(record: Record, words: Catalogue) -> str:
+    loop = record.loop
+    name = _marked(record, "control.kind", name_control(loop.kind, words), words)
+    keys = [item.key for item in record.data if item.key in OF_LOOP]
+    assumed = [key for key in keys if is_assumed(record, key)]
+    place = "" if record.machine.follows else loop.position_loop
+    said = say_loop(place, loop.position_cycle, loop.velocity_cycle, words)
+    return f"{name}; {mark_assumed(said, keys, assumed, words)}"
+
+
+def _spread(record: Record, kind: str, error: RangeEntry, words: Catalogue) -> str:
+    """The spread that was asked for, and the range in which all is kept."""
+    key, kept = f"requirements.{kind}_spread", _kept_ends(error, words)
+    spread, said = find_number(record, key), words.text("spread-none")
+    if spread:
+        said = _marked(record, key, words.text("spread", spread=spread), words)
+    where = words.text("all-kept-between", **kept) if kept else words.text("not-kept-nominally")
+    return f"{said}; {where}"
+
+
+def _kept_ends(error: RangeEntry, words: Catalogue) -> dict[str, str]:
+    """Both ends of the range that is kept; empty if not even the profile's own values are."""
+    low, high = error.kept_from, error.kept_to
+    if low is None or high is None:
+        return {}
+    shown = {}
+    for name, end, tried in (("low", low, error.factor[0]), ("high", high, error.factor[-1])):
+        value = words.format.signed_percent(end - 1.0)
+        # Beyond the last one tried nothing is known.
+        shown[name] = words.text("at-least", value=value) if end == tried else value
+    return shown
+
+
+def _sizes(record: Record, words: Catalogue) -> str:
+    """For which sizes of move the limits hold, the worst of them, and what that costs."""
+    text, f, limits = words.text, words.format, record.limits
+
+    def shown(move: dict[str, float], size: float) -> str:
+        return f.axis(size, "m/s" if "velocity_step" in move else "m")
+
+    moves, sizes = [item.move for item in record.moves], limits.recommended.valid_for
+    own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))
+    if any(item.smallest > 0.0 for item in sizes):
+        return text("sizes-listed", moves=own)
+    said = [text("sizes-every", moves=own)]
+    units = {check.name: check.unit for check in record.assessment.checks}
+    for worst in limits.recommended.worst_sizes:
+        if worst.bound is not None:  # else only some sizes were looked at
+            at, unit = shown(moves[worst.move - 1], worst.size), units[worst.requirement]
+            found, bound = f.quantity(worst.value, unit), f.quantity(worst.bound, unit)
+            said.append(text("sizes-worst", residual=found, size=at, bound=bound))
+    alone, together = limits.listed_only, limits.recommended.settling_time
+    if alone and alone.settling_time and together and together > alone.settling_time:
+        said.append(text("sizes-cost", cost=f.quantity(together - alone.settling_time, "s")))
+    return "; ".join(said)
+
+
+def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
+    """A value, and that nobody stated it where that is so."""
+    return words.text("assumed", value=shown) if is_assumed(record, key) else shown

@@ -20,8 +20,10 @@ from mtcommission.controls.kind import FIR, MOVING_AVERAGE
 from mtcommission.machine.checks import say_filter
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.loop import KnownLimitsEntry, WhatIfPart
+from mtcommission.record.machine import MachineEntry, Profile
 from mtcommission.record.shape import to_plain
-from mtcommission.sheet.tables import say_requirement, show
+from mtcommission.sheet.html import set_html
+from mtcommission.sheet.tables import document_of, say_requirement, show, words_for
 
 FOLDER = Path(__file__).parent
 
@@ -109,7 +111,7 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
 
     ``profile``: name of the profile's file, for the command line.
     """
-    filters = _filters(part, words)
+    filters, has_jerk = _filters(part, words), part.jerk != "none"
     names = {"today": words.text("today"), "recommended": words.text("recommended")}
     units = _units(part, words)
     known = [_known(item, filters) for item in part.limits]
@@ -125,13 +127,21 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             words.text(f"what-if-margins-{key}") for key in ("now", "tried", "worst", "worst-tried")
         ),
         filters=tuple((key, item["name"]) for key, item in filters.items()),
-        rows=tuple((key, words.text(name)) for key, name in ROWS.items() if _has(part, key)),
+        rows=tuple(
+            (key, words.text(name))
+            for key, name in ROWS.items()
+            if has_jerk or key not in ("jerk", "jerk-time")
+        ),
         margin_rows=tuple((key, words.text(name)) for key, name in MARGINS.items()),
         fields=_fields(part, words, units),
         follows=part.loop.follows,
         data={
             "model": to_plain(part),
-            "words": {key.replace("-", "_"): _template(key, words) for key in WORDS},
+            "words": {
+                # With its places left open.
+                key.replace("-", "_"): words.own("what-if", key, **{k: f"{{{k}}}" for k in PLACES})
+                for key in WORDS
+            },
             "fields": [asdict(item) for item in _fields(part, words, units)],
             "units": units,
             "checks": {
@@ -140,18 +150,9 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             "filters": {key: item["entry"] for key, item in filters.items()},
             "known": known,
             "profile": shlex.quote(profile),
-            "has_jerk": part.jerk != "none",
+            "has_jerk": has_jerk,
         },
     )
-
-
-def _has(part: WhatIfPart, row: str) -> bool:
-    return part.jerk != "none" or row not in ("jerk", "jerk-time")
-
-
-def _template(key: str, words: Catalogue) -> str:
-    """A text with its places left open."""
-    return words.own("what-if", key, **{place: f"{{{place}}}" for place in PLACES})
 
 
 def _size(move: dict[str, float], words: Catalogue) -> str:
@@ -296,3 +297,19 @@ def _fields(
         field("notch_depth", "dB", 0.0, DEEPEST, 0.0),
     ]
     return tuple(found)
+
+
+def print_answers(
+    part: WhatIfPart, machine: MachineEntry, profile: Profile, *, created: str, language: str = "en"
+) -> str:
+    """Return the interactive page alone: other limits, moves and machines can be tried."""
+    words = words_for(machine, language)
+    page = document_of(
+        words,
+        machine,
+        profile,
+        title=words.text("what-if-title"),
+        created=created,
+        sections=(),
+    )
+    return set_html(page, panel=what_if(part, words, profile=profile.name))

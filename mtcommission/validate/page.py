@@ -13,12 +13,12 @@ from mtcommission.optimal.control import sample_trajectory
 from mtcommission.sheet.document import (
     Bullets,
     Column,
+    Document,
     Headline,
     LinePlot,
     Section,
     Table,
     Tone,
-    document,
     note,
 )
 from mtcommission.sheet.html import set_html
@@ -141,9 +141,8 @@ def print_validation(validation: Validation, words: Catalogue, *, created: str) 
     ]
     figures = _figures(validation.cases, words)
     drawn = Section(key="figures", heading=say("validate-figures"), blocks=figures)
-    page = document(
-        words,
-        script_note="identify-script-note",
+    page = Document(
+        language=words.language,
         title=say("validate-title"),
         machine=machine.name,
         axis=f"{say('axis')} {machine.axis}",

@@ -35,5 +35,4 @@ outcome-delay-too-long = Verzögerung zu lang: { $detail }: eine kürzere refere
 
 # what another program says, in its own words
 foreign = { $text }
-fonts-missing = matplotlib, das die Schriften mitbringt, fehlt
 setpoint-of-limits = mit a = { PLAIN($acceleration, digits: 6) } m/s^2 und j = { PLAIN($jerk, digits: 6) } m/s^3 (an einer Drehachse rad statt m): { $complaint }

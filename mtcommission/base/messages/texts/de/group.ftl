@@ -125,7 +125,6 @@ group-verify-one-axis = gilt für das Protokoll einer einzelnen Achse; bei einer
 # Das Blatt.
 group-title = Achsgruppe
 group-axes-named = Achsen { $axes }
-group-script-note = Schieber und der Kreis, der ihnen folgt, brauchen JavaScript; alles andere ist ohne zu lesen und zu drucken.
 group-verdict-heading = Urteil und Werte für die Gruppe
 group-contours-heading = Kreis und Ecke, und was zu messen ist
 group-missed = Nicht eingehalten: { $checks }.

@@ -115,7 +115,6 @@ identify-detail = { $states ->
    *[other] { $files } Dateien
 }. ± steht für zwei Standardabweichungen der Messung.
 identify-page-note = Gemessen; ± steht für zwei Standardabweichungen dieser Messung. Was sich von Tag zu Tag und von Maschine zu Maschine unterscheidet, steht in der Streuung.
-identify-script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, der Zeiger zeigt Werte.
 identify-part-result = Ergebnis
 identify-part-modes = Eigenformen
 identify-part-fits = Gemessen und angepasst
@@ -134,7 +133,6 @@ identify-spread-frequency = Streuung der Frequenzen
 identify-spread-damping = Streuung der Dämpfung
 identify-misfit = Abweichung im Verhältnis zum Rauschen
 identify-head-why = Warum
-identify-head-encoder = Verstärkung am Lagegeber
 identify-head-file = Datei
 identify-head-sensor = Sensor
 identify-head-format = Format
@@ -214,7 +212,6 @@ identified-tool-decides = Der Anteil von { $modes } am Werkzeug wurde nicht geme
 identify-document-measured = Was gemessen wurde, für das Inbetriebnahmeblatt: Wert und Standardabweichung. [plant] ändern, nicht dies.
 identified-klipper-caption = Was calibrate_shaper aus denselben Dateien wählen würde (Klipper, Stand 84104bbb, shaper_calibrate.py; sein Kriterium hier berechnet)
 identified-klipper-shaper = Shaper
-identified-klipper-frequency = Frequenz
 identified-klipper-vibration = Restschwingung
 identified-klipper-smoothing = Verrundung bei 5 m/s²
 identified-klipper-max-accel = max_accel

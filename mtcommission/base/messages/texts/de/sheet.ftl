@@ -10,7 +10,7 @@ contents = Inhalt
 skip = Zum Ergebnis springen
 page = Seite
 appendix = Anhang
-script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, Zeiger oder Pfeiltasten zeigen Werte. Ohne JavaScript stehen die Diagramme im PDF.
+script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, Zeiger oder Pfeiltasten zeigen Werte.
 
 ## Words
 
@@ -52,7 +52,6 @@ residual = Restabweichung
 peak-deviation = Größte Abweichung
 time = Zeit
 frequency = Frequenz
-damping-ratio = Dämpfungsgrad
 velocity = Geschwindigkeit
 
 ## Verdict
@@ -72,7 +71,6 @@ obstacle = Begrenzende Anforderung: { $obstacle }
 what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (angegebene Bewegungen, ungünstigster Fall).
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
-now = jetzt { $value }
 now-no-result = kein Ergebnis (siehe Warnung)
 holds-caption = Wofür sie gelten
 basis-caption = Worauf das beruht (angenommen: weder angegeben noch gemessen)
@@ -233,7 +231,7 @@ move-head = Bewegung
 exact-rest = Kürzeste Zeit, exakte Ruhe
 within-band = Kürzeste Zeit, im Band
 robust-short = Im Band über die Streuung
-motion-heading = Optimum, Empfehlung und Antwort
+motions-heading = Optimum, Empfehlung und Antwort
 drive-caption = { $move }: { word-force }, Beschleunigung und Geschwindigkeit
 vibration-caption = { $move }: Schwingung und TCP-Abweichung
 motion-alt = Verläufe über der Zeit: { $signals }. Soll{ word-force-behind } der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
@@ -275,7 +273,6 @@ worst-corner = Ungünstigster Eckfall
 gain-margin = Amplitudenreserve
 gain-margin-up = Verstärkung darf steigen um
 gain-margin-down = Verstärkung darf fallen um
-stiffness-short = Kleinste dynamische Steifigkeit
 loop-corners-caption = Der Regelkreis in jedem Eckfall von Zuladung und Streuung
 disturbance-caption = { $axis ->
     [rotary] Antwort des Werkzeugs auf einen Momentensprung um die Achse des Antriebs
@@ -377,7 +374,7 @@ sizes-plot-alt = Restabweichung über der Größe der Bewegung, je eine Kurve f�
 
 ## Evidence
 
-evidence-heading = Nachweise und Annahmen
+certificates-heading = Nachweise und Annahmen
 certificate-caption = { $move }: { $what }
 final-time = Endzeit t_f
 method = Verfahren
@@ -397,7 +394,7 @@ profile-caption = Profil { $name }, wie gelesen
 
 ## Measurements
 
-measure-heading = Messungen an der Maschine
+measurements-heading = Messungen an der Maschine
 measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
 measure-how-1 = { $axis ->
     [open-loop] Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
@@ -475,11 +472,8 @@ signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
 
 # $got, $wanted: linear or rotary
 compared-with-other-motion = die Achse ist { $got ->
-    [rotary] rotatorisch
-   *[linear] linear
-}, muss { $wanted ->
-    [rotary] rotatorisch
-   *[linear] linear
+    [rotary] rotatorisch, muss linear
+   *[linear] linear, muss rotatorisch
 } sein wie die des Blattes, das gedruckt wird
 
 ## Potential improvements

@@ -26,5 +26,4 @@ outcome-delay-too-long = delay too long: { $detail }: state a shorter reference_
 
 # what another program says, in its own words
 foreign = { $text }
-fonts-missing = matplotlib, which brings the fonts, is missing
 setpoint-of-limits = with a = { PLAIN($acceleration, digits: 6) } m/s^2 and j = { PLAIN($jerk, digits: 6) } m/s^3 (rad instead of m on a rotary axis): { $complaint }

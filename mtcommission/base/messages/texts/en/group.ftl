@@ -125,7 +125,6 @@ group-verify-one-axis = is for the record of one axis; leave it out for a group
 # The sheet.
 group-title = Axis group
 group-axes-named = axes { $axes }
-group-script-note = Sliders and the circle that follows them need JavaScript; all else reads and prints without it.
 group-verdict-heading = Verdict and values to enter for the group
 group-contours-heading = Circle and corner, and what to measure
 group-missed = Not kept: { $checks }.

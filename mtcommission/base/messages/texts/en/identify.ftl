@@ -112,7 +112,6 @@ identify-detail = { $states ->
    *[other] { $files } files
 }. ± is two standard errors of the measurement.
 identify-page-note = Measured; ± is two standard errors of this measurement. What differs from day to day and from machine to machine is in the spread.
-identify-script-note = Plots: drag to zoom, double-click to reset, move the pointer to read values.
 identify-part-result = Result
 identify-part-modes = Modes
 identify-part-fits = Measured and fitted
@@ -131,7 +130,6 @@ identify-spread-frequency = Spread of frequencies
 identify-spread-damping = Spread of damping
 identify-misfit = Misfit, in units of the noise
 identify-head-why = Why
-identify-head-encoder = Gain at the encoder
 identify-head-file = File
 identify-head-sensor = Sensor
 identify-head-format = Format
@@ -205,7 +203,6 @@ identified-tool-decides = The share of { $modes } at the tool was not measured b
 identify-document-measured = What was measured, for the sheet: value and standard error. Change [plant], not this.
 identified-klipper-caption = What calibrate_shaper would choose from the same files (Klipper at 84104bbb, shaper_calibrate.py; its criterion computed here)
 identified-klipper-shaper = Shaper
-identified-klipper-frequency = Frequency
 identified-klipper-vibration = Vibration left
 identified-klipper-smoothing = Smoothing at 5 m/s²
 identified-klipper-max-accel = max_accel

@@ -10,7 +10,7 @@ contents = Contents
 skip = Skip to the verdict
 page = page
 appendix = Appendix
-script-note = Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to read values. Without JavaScript the plots are in the PDF.
+script-note = Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to read values.
 
 ## Words
 
@@ -52,7 +52,6 @@ residual = Residual deviation
 peak-deviation = Peak deviation
 time = Time
 frequency = Frequency
-damping-ratio = Damping ratio
 velocity = Velocity
 
 ## Verdict
@@ -72,7 +71,6 @@ obstacle = Limiting requirement: { $obstacle }
 what-they-give = Settles after { $settling }, residual deviation { $residual } (listed moves, worst corner).
 today = Today
 now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
-now = now { $value }
 now-no-result = no result (see the warning)
 holds-caption = For what they hold
 basis-caption = What this rests on (assumed: neither stated nor measured)
@@ -215,7 +213,7 @@ move-head = Move
 exact-rest = Least time, exact rest
 within-band = Least time, in the band
 robust-short = In the band over the spread
-motion-heading = Optimum, recommendation and response
+motions-heading = Optimum, recommendation and response
 drive-caption = { $move }: { word-force }, acceleration and velocity
 vibration-caption = { $move }: vibration and TCP deviation
 motion-alt = Curves over time of { $signals }. Set { word-force } of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
@@ -254,7 +252,6 @@ worst-corner = Worst corner
 gain-margin = Gain margin
 gain-margin-up = Gain may rise by
 gain-margin-down = Gain may fall by
-stiffness-short = Least dynamic stiffness
 loop-corners-caption = The loop in every corner of payload and spread
 disturbance-caption = { $axis ->
     [rotary] Response of the tool to a step of torque about the axis of the drive
@@ -350,7 +347,7 @@ sizes-plot-alt = Residual deviation over the size of the move, a curve for each 
 
 ## Evidence
 
-evidence-heading = Certificates and assumptions
+certificates-heading = Certificates and assumptions
 certificate-caption = { $move }: { $what }
 final-time = Final time t_f
 method = Method
@@ -370,7 +367,7 @@ profile-caption = Profile { $name } as read
 
 ## Measurements
 
-measure-heading = Measurements to make on the machine
+measurements-heading = Measurements to make on the machine
 measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
 measure-how-1 = { $axis ->
     [open-loop] Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
@@ -422,7 +419,10 @@ signature-field-3 = Verified at the machine (date, name, signature)
 ## Faults
 
 # $got, $wanted: linear or rotary
-compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed
+compared-with-other-motion = got a { $got ->
+    [rotary] rotary axis, must be linear
+   *[linear] linear axis, must be rotary
+} like the record to be printed
 
 ## Potential improvements
 
