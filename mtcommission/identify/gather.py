@@ -158,10 +158,7 @@ _BELT = re.compile(r"axis=-?[0-9.]+,-?[0-9.]+", re.IGNORECASE)
 def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
     """Return the files of each axis that their names tell, in the order given.
 
-    Raises
-    ------
-    InputError
-        A file was recorded along a belt.
+    Raise InputError where one was recorded along a belt.
     """
     belts = [file for file in files if _BELT.search(PurePath(file).name)]
     if belts:
