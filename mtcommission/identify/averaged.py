@@ -57,12 +57,14 @@ BEFORE = 0.005
 """Time before a blow at which its part of the record begins [s]."""
 USEFUL = 1e-2
 """Power of the blow over that at low frequency, down to which lines are kept: 20 dB."""
+HOLD = 0.078
+"""Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
 LEFT_OVER = 0.1
 """Share of a response at the end of its part that is told."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Signals:
+class _Signals:
     """Input and output of one response, made ready.
 
     A position drifts and its spectrum falls by four decades, which leaks into every line; so its
@@ -76,40 +78,44 @@ class Signals:
     reference: Array | None  # Recorded excitation, shape (n,); None where there is none
     response: FrequencyResponse  # What it will be, without lines yet
 
-    @property
-    def is_difference(self) -> bool:
-        """Whether the output is a difference."""
-        return self.response.output is Signal.POSITION
-
     def frequencies(self, length: int) -> Array:
-        """Return the lines of a transform of so many samples [Hz]."""
+        """Lines of a transform of so many samples [Hz]."""
         return np.fft.rfftfreq(length, self.step).astype(np.float64)
 
     def kept(self, length: int) -> NDArray[np.bool_]:
-        """Return which of these lines may be kept."""
         f = self.frequencies(length)
         return np.asarray((f > 0.0) & (f <= HIGHEST_SHARE / self.step))
 
 
-def prepare(
+def average(
     step: float, input_: Array, output: Array, reference: Array | None, response: FrequencyResponse
-) -> Signals:
-    """Return signals without their means, a position as differences."""
+) -> FrequencyResponse:
+    """Return a response in the lines that signals show, by the way that fits their excitation.
+
+    ``response``: what it will be, without lines yet; ``step``: of the clock [s].
+    """
     if response.output is Signal.POSITION:
         output, input_ = np.diff(output), input_[:-1]
     if reference is not None:
         reference = reference[: input_.size] - reference[: input_.size].mean()
-    return Signals(
+    signals = _Signals(
         step=step,
         input=input_ - input_.mean(),
         output=output - output.mean(),
         reference=reference,
         response=response,
     )
+    if blows := _find_blows(signals.input, step):
+        return _by_blows(signals, blows)
+    period = _find_period(signals.input)
+    if not period and reference is not None:
+        period = _find_period(reference)
+    found = _by_periods(signals, period) if period else _by_windows(signals)
+    return found.say(Message("identify-hold", limit=HOLD / step))
 
 
-def by_windows(signals: Signals) -> FrequencyResponse:
-    """Return a response from a record that repeats nothing.
+def _by_windows(signals: _Signals) -> FrequencyResponse:
+    """A response from a record that repeats nothing.
 
     The window is lengthened from a twelfth of the record until the sharpest peak is resolved, but
     not beyond the length that leaves seven overlapping segments.
@@ -118,7 +124,7 @@ def by_windows(signals: Signals) -> FrequencyResponse:
     longest = 2 * size // (FEWEST_SEGMENTS + 1)
     length = min(2 * size // (FIRST_SEGMENTS + 1), int(MOST_LINES / HIGHEST_SHARE))
     while True:
-        found, segments, is_joint = _by_windows(signals, length)
+        found, segments, is_joint = _in_windows(signals, length)
         narrowest = _narrowest_width(found)
         window = length * signals.step
         is_resolved = narrowest == 0.0 or 1.0 / window <= SPACING_OF_WIDTH * narrowest
@@ -139,8 +145,8 @@ def by_windows(signals: Signals) -> FrequencyResponse:
     return found.say(*said, Message(kind, share=doubtful))
 
 
-def by_periods(signals: Signals, period: int) -> FrequencyResponse:
-    """Return a response, in the excited lines, from a record that repeats."""
+def _by_periods(signals: _Signals, period: int) -> FrequencyResponse:
+    """A response, in the excited lines, from a record that repeats."""
     count = signals.input.size // period
     first = signals.input.size - count * period
     U, Y = (
@@ -153,7 +159,7 @@ def by_periods(signals: Signals, period: int) -> FrequencyResponse:
     used = len(U)
     power = np.abs(U.mean(axis=0)) ** 2
     spread = _smooth(U.var(axis=0, ddof=1), used)
-    excited = (power > EXCITED * spread / used) & excited_band(power)
+    excited = (power > EXCITED * spread / used) & _excited_band(power)
     excited &= signals.kept(period) & (np.abs(Y.mean(axis=0)) > 0.0)
     U, Y = U[:, excited], Y[:, excited]
     frequency = signals.frequencies(period)[excited]
@@ -162,8 +168,8 @@ def by_periods(signals: Signals, period: int) -> FrequencyResponse:
     return found.say(how, *said)
 
 
-def by_blows(signals: Signals, blows: Sequence[int]) -> FrequencyResponse:
-    """Return a response, in the band that they excite, from blows that begin at some samples."""
+def _by_blows(signals: _Signals, blows: Sequence[int]) -> FrequencyResponse:
+    """A response, in the band that they excite, from blows that begin at some samples."""
     lead = int(BEFORE / signals.step)
     starts = [max(blow - lead, 0) for blow in blows]
     gaps = np.diff([*starts, signals.input.size])
@@ -202,7 +208,7 @@ def _segments(values: Array, length: int) -> ComplexArray:
 
 
 def _average(
-    signals: Signals,
+    signals: _Signals,
     frequency: Array,
     R: ComplexArray,
     U: ComplexArray,
@@ -223,7 +229,7 @@ def _average(
         gamma2 = 1.0 / (1.0 + (_smooth(noise, len(U)) if repeats else noise))
     good = np.isfinite(H) & np.isfinite(gamma2) & (np.abs(H) > 0.0)
     frequency, H = frequency[good], H[good]
-    if signals.is_difference:
+    if signals.response.output is Signal.POSITION:
         H = H / (np.exp(2j * np.pi * frequency * signals.step) - 1.0)
     return replace(
         signals.response,
@@ -255,7 +261,7 @@ def _is_unsettled(U: ComplexArray, Y: ComplexArray) -> bool:
     return False
 
 
-def _by_windows(signals: Signals, length: int) -> tuple[FrequencyResponse, int, bool]:
+def _in_windows(signals: _Signals, length: int) -> tuple[FrequencyResponse, int, bool]:
     """The response, the number of segments, and whether the recorded excitation was used."""
     frequency, kept = signals.frequencies(length), signals.kept(length)
     kept[:2] = False  # Hann's window spreads what is near 0 Hz into the first two lines
@@ -327,8 +333,8 @@ NEIGHBOURS = 5
 """Lines over which a level, or a variance, is averaged."""
 
 
-def find_blows(force: Array, step: float) -> list[int]:
-    """Return the samples at which blows begin; [] if the record is none of blows."""
+def _find_blows(force: Array, step: float) -> list[int]:
+    """The samples at which blows begin; [] if the record is none of blows."""
     rest = force - np.median(force)
     busy = np.abs(rest) > QUIET * np.abs(rest).max()
     if not busy.any() or busy.mean() > MOST_BUSY:
@@ -338,8 +344,8 @@ def find_blows(force: Array, step: float) -> list[int]:
     return [int(p) for p in places[np.concatenate(([True], np.diff(places) > gap))]]
 
 
-def find_period(values: Array) -> int:
-    """Return the period of a signal in samples; 0 if it has none that is recorded twice."""
+def _find_period(values: Array) -> int:
+    """The period of a signal in samples; 0 if it has none that is recorded twice."""
     size = values.size
     if size < 2 * SHORTEST:
         return 0
@@ -362,8 +368,8 @@ def find_period(values: Array) -> int:
     return best
 
 
-def excited_band(power: Array) -> NDArray[np.bool_]:
-    """Return which lines of an input are excited on purpose, shape (n_lines,).
+def _excited_band(power: Array) -> NDArray[np.bool_]:
+    """Which lines of an input are excited on purpose, shape (n_lines,).
 
     A loop makes the input's power fall slowly, a resonance digs a hole that ends; only where the
     power falls off a cliff and never recovers does the excitation end. Where most lines stand far

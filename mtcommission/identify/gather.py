@@ -13,14 +13,7 @@ import numpy as np
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.averaged import (
-    by_blows,
-    by_periods,
-    by_windows,
-    find_blows,
-    find_period,
-    prepare,
-)
+from mtcommission.identify.averaged import average
 from mtcommission.identify.formats.recognise import read_contents, read_measured
 from mtcommission.identify.measurement import (
     MOTIONS,
@@ -181,8 +174,6 @@ _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-h
 """What is said of a force in a loop, and of one that is held between samples."""
 LEAST_COHERENCE = 0.3
 """Median coherence below which a record has not measured the response of the input."""
-HOLD = 0.078
-"""Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
 
 
 def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
@@ -248,15 +239,7 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
         rotary=bool(told),
         remarks=record.remarks,
     )
-    signals = prepare(record.sample_time, force, motion.values, reference, found)
-    if blows := find_blows(signals.input, signals.step):
-        found = by_blows(signals, blows)
-    else:
-        period = find_period(signals.input)
-        if not period and signals.reference is not None:
-            period = find_period(signals.reference)
-        found = by_periods(signals, period) if period else by_windows(signals)
-        found = found.say(Message("identify-hold", limit=HOLD / signals.step))
+    found = average(record.sample_time, force, motion.values, reference, found)
     coherence = found.coherence
     if coherence is None or not coherence.size or np.quantile(coherence, 0.9) < LEAST_COHERENCE:
         raise _refusal(record, "identify-incoherent")

@@ -226,13 +226,8 @@ def _of_spectrum(one: FittedSpectrum) -> MeasuredResponseEntry:
         misfit=None,
         frequency_hz=hertz,
         magnitude=_rounded(np.maximum(density[chosen], floor)),
-        error=None,
-        phase_deg=None,
-        coherence=None,
-        missed=None,
         curve_hz=hertz,
         curve_magnitude=_rounded(np.maximum(one.density[chosen], floor)),
-        curve_phase_deg=None,
     )
 
 

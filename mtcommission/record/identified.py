@@ -59,13 +59,13 @@ class MeasuredResponseEntry:
     misfit: float | None
     frequency_hz: list[float]
     magnitude: list[float]
-    error: list[float] | None  # standard error of real and imaginary part
-    phase_deg: list[float] | None
-    coherence: list[float] | None
-    missed: list[float] | None  # distance of point and curve in that error
+    error: list[float] | None = None  # standard error of real and imaginary part
+    phase_deg: list[float] | None = None
+    coherence: list[float] | None = None
+    missed: list[float] | None = None  # distance of point and curve in that error
     curve_hz: list[float]
     curve_magnitude: list[float]
-    curve_phase_deg: list[float] | None
+    curve_phase_deg: list[float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
