@@ -66,6 +66,11 @@ class InputError(MtcommissionError):
         super().__init__(faults)
         self.faults = tuple(faults)
 
+    @classmethod
+    def at(cls, where: str, message: Message, *, line: int = 0, key: str = "") -> InputError:
+        """Return the error of one fault, at its place."""
+        return cls([Fault(where=where, line=line, key=key, message=message)])
+
     def text(self, catalogue: Catalogue) -> str:
         """Return a line for each fault."""
         return "\n".join(fault.text(catalogue) for fault in self.faults)

@@ -41,7 +41,7 @@ def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
                 message = Message("file-unreadable", reason=error.strerror)
             case _:
                 message = Message("file-unreadable", reason=str(error))
-        raise InputError([Fault(where=str(path), message=message)]) from error
+        raise InputError.at(str(path), message) from error
 
 
 def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> None:
@@ -68,7 +68,7 @@ def no_folder(folder: Path, reason: Message | OSError) -> InputError:
     """Return the error of a folder that cannot be written, for a reason."""
     said = (reason.strerror or str(reason)) if isinstance(reason, OSError) else reason
     message = Message("file-folder-not-writable", reason=said)
-    return InputError([Fault(where=str(folder), message=message)])
+    return InputError.at(str(folder), message)
 
 
 def require_writable(*names: str, inputs: Sequence[Path] = ()) -> None:
@@ -138,7 +138,7 @@ def write_text(name: str, text: str) -> None:
         replace_file(Path(name), text.encode(errors="replace"))
     except OSError as error:
         message = Message("file-not-writable", reason=error.strerror or str(error))
-        raise InputError([Fault(where=name, message=message)]) from error
+        raise InputError.at(name, message) from error
 
 
 def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 
 ASKED = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -27,7 +27,7 @@ def now() -> str:
         moment = datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
     except (ValueError, OverflowError, OSError) as error:
         message = Message("cli-no-epoch", got=str(fixed)[:40])
-        raise InputError([Fault(where="SOURCE_DATE_EPOCH", message=message)]) from error
+        raise InputError.at("SOURCE_DATE_EPOCH", message) from error
     return moment.isoformat(timespec="seconds")
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from typer.core import TyperArgument, TyperCommand, TyperGroup, TyperOption
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages import ENGLISH, LANGUAGES
 from mtcommission.base.messages.message import Message, Value
 
@@ -44,7 +44,7 @@ def choose(language: str) -> str:
         return _spoken.get()
     if language not in LANGUAGES:
         message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
-        raise InputError([Fault(where="--language", message=message)])
+        raise InputError.at("--language", message)
     _spoken.set(language)
     _rotary.set(False)
     _follows.set(False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.files import require_writable, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import LANGUAGE, argument, flag, option, read_machine
@@ -53,7 +53,7 @@ def check(
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return
     if profile is None:
-        raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
+        raise InputError.at("check", Message("cli-no-profile"))
     from mtcommission.cli.machine_view import describe_machine
     from mtcommission.machine.checks import check_plausibility
     from mtcommission.machine.plant.plant import build_plant
@@ -103,7 +103,7 @@ def copy_profile(
     found = read_shipped(name)
     target = file or f"{found.name}.toml"
     if target != "-" and Path(target).exists():
-        raise InputError([Fault(where=target, message=Message("cli-file-exists"))])
+        raise InputError.at(target, Message("cli-file-exists"))
     write_text(target, found.text)
     if target != "-":
         print_written(Path(target))

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import now
@@ -74,7 +74,7 @@ def identify(
         jobs = [_Job(files, profile, output, page, json_file, next(iter(axes)))]
     else:
         if profile is not None or "-" in (output, page, json_file):
-            _refuse("FILE", Message("identify-several-axes", axes=", ".join(axes)))
+            raise InputError.at("FILE", Message("identify-several-axes", axes=", ".join(axes)))
         jobs = [
             _Job(
                 [one for one in files if split_name(one).name in own],
@@ -177,7 +177,7 @@ def _keep_others(output: str, profile: Path | None) -> None:
     if output in ("", "-") or not file.is_file() or (profile and profile.samefile(file)):
         return
     if "[identified]" not in file.read_text(encoding="utf-8", errors="replace"):
-        _refuse("-o", Message("identify-profile-there", file=output))
+        raise InputError.at("-o", Message("identify-profile-there", file=output))
 
 
 def _read_given(
@@ -206,10 +206,6 @@ def _read_given(
     return given.on(read_machine(profile)[0]) if profile else given
 
 
-def _refuse(option: str, message: Message) -> NoReturn:
-    raise InputError([Fault(where=option, message=message)])
-
-
 def read_number(option: str, text: str, *, units: tuple[str, ...] = ()) -> float:
     """A number other than 0, with or without one of some units of SI, which say nothing new."""
     number, _, unit = text.strip().replace(",", ".").partition(" ")
@@ -221,7 +217,7 @@ def read_number(option: str, text: str, *, units: tuple[str, ...] = ()) -> float
         value = 0.0
     if not (isfinite(value) and value != 0.0):
         kind = "identify-option-constant" if units else "identify-option-number"
-        _refuse(option, Message(kind, got=text))
+        raise InputError.at(option, Message(kind, got=text))
     return value
 
 
@@ -233,7 +229,7 @@ def _read_band(text: str) -> tuple[float, float] | None:
     except ValueError:  # more or fewer parts, or one that is no frequency
         low = high = 0.0
     if not 0.0 < low < high:
-        _refuse("--band", Message("identify-option-band", got=text))
+        raise InputError.at("--band", Message("identify-option-band", got=text))
     return low, high
 
 
@@ -241,7 +237,7 @@ def _read_count(text: str) -> int | None:
     if text == "auto":
         return None
     if not (text.isdigit() and 1 <= int(text) <= MOST_MODES):
-        _refuse("--modes", Message("identify-option-modes", got=text, most=MOST_MODES))
+        raise InputError.at("--modes", Message("identify-option-modes", got=text, most=MOST_MODES))
     return int(text)
 
 
@@ -251,7 +247,7 @@ def read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
     for pair in pairs:
         name, equals, column = pair.partition("=")
         if not (name.strip() and equals and column.strip()):
-            _refuse("--columns", Message("identify-option-columns", got=pair))
+            raise InputError.at("--columns", Message("identify-option-columns", got=pair))
         found[name.strip()] = column.strip()
     return found
 
@@ -287,7 +283,7 @@ def verify(
     is_group = names_group(record)
     for name, given in (("--constant", constant), ("--refine", renewed)):
         if is_group and given:
-            raise InputError([Fault(where=name, message=Message("group-verify-one-axis"))])
+            raise InputError.at(name, Message("group-verify-one-axis"))
     with show_stage() as progress:
         if is_group:
             told = _verify_circles(record, traces, said, language, progress)

@@ -8,7 +8,7 @@ from typing import NoReturn
 
 import typer
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.files import require_folder, require_writable, write_files, write_text
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.arguments import (
@@ -50,7 +50,7 @@ def sheet(
     if names_group(record):
         for name, given in (("--compare", compare), ("--verified", verified)):
             if given:
-                raise InputError([Fault(where=name, message=Message("group-verify-one-axis"))])
+                raise InputError.at(name, Message("group-verify-one-axis"))
         _print_group(record, output, language, with_pdf=not no_pdf)
     loaded = load_record(record)
     before = load_record(compare) if compare else None
@@ -77,7 +77,6 @@ def sheet(
 
 
 def _print_group(record: Path, output: Path, language: str, *, with_pdf: bool) -> NoReturn:
-    from mtcommission.base.files import write_files
     from mtcommission.group.record import load_group, read_pair
     from mtcommission.group.sheet import print_group
 
@@ -107,7 +106,7 @@ def export(
         sys.stdout.write(describe_controls(words()))
         return
     if record is None:
-        raise InputError([Fault(where="export", message=Message("cli-no-record"))])
+        raise InputError.at("export", Message("cli-no-record"))
     key = find_control_key(control)
     require_writable(output, inputs=[record])
 

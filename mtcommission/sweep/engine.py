@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mtcommission.base.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.base.files import replace_file
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import end_as_if_by_keyboard
@@ -117,7 +117,7 @@ class _Run:
                 address = engine.scheduler
                 if not losses:
                     message = Message("sweep-no-scheduler", address=address, why=error.why)
-                    raise InputError([Fault(where="--scheduler", message=message)]) from error
+                    raise InputError.at("--scheduler", message) from error
                 detail = Message("sweep-scheduler-gone", **self.counts, address=address)
                 raise ComputationError(Outcome.SCHEDULER_LOST, detail) from error
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from typing import Any
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 
 PATIENCE = 30.0
@@ -138,10 +138,10 @@ def _open_cluster(address: str) -> Iterator[Lane]:
     try:
         from distributed import Client, KilledWorker
     except ImportError as error:
-        raise _refused(Message("sweep-no-cluster-extra")) from error
+        raise InputError.at("--scheduler", Message("sweep-no-cluster-extra")) from error
     scheme, separator, _ = address.partition("://")
     if separator and scheme not in ("tcp", "tls"):
-        raise _refused(Message("sweep-other-scheme", address=address))
+        raise InputError.at("--scheduler", Message("sweep-other-scheme", address=address))
     # Dask logs pages where a scheduler is lost: we say it in a line.
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] == "distributed":
@@ -182,10 +182,6 @@ def _within_patience(connect: Callable[[], Any]) -> Any:
     if isinstance(found[0], Exception):
         raise NoSchedulerError(_last_words(found[0])) from found[0]
     return found[0]
-
-
-def _refused(message: Message) -> InputError:
-    return InputError([Fault(where="--scheduler", message=message)])
 
 
 def _last_words(error: BaseException) -> str:

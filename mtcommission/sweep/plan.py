@@ -17,7 +17,7 @@ import numpy as np
 import tomlkit
 
 from mtcommission.base import __version__
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message, Value
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
@@ -147,7 +147,7 @@ def read_axis(text: str, *, where: str) -> Axis:
     """Return what ``KEY=RANGE`` asks for; raise InputError, naming the option, otherwise."""
     key, separator, values = text.partition("=")
     if not separator or not key.strip():
-        raise InputError([Fault(where=where, message=Message("sweep-no-axis", got=repr(text)))])
+        raise InputError.at(where, Message("sweep-no-axis", got=repr(text)))
     rows = read_range(values, where=f"{where} {key.strip()}")
     return Axis(keys=(key.strip(),), rows=rows, where=where)
 
@@ -166,7 +166,7 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
 
     def refuse(kind: str, **values: Value) -> NoReturn:
         why = Message("sweep-no-range", got=repr(text), reason=Message(kind, **values))
-        raise InputError([Fault(where=where, message=why)])
+        raise InputError.at(where, why)
 
     parts = [part.strip() for part in text.split(":")]
     if len(parts) == 1:
@@ -239,14 +239,14 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
         document = tomlkit.parse(text)
     except ValueError as error:
         message = Message("sweep-no-toml", reason=str(error))
-        raise InputError([Fault(where=where, message=message)]) from error
+        raise InputError.at(where, message) from error
     for number, key in enumerate(keys):
         try:
             _place(document, read_key(key).split("."), f"{mark}-{number}")
         except (LookupError, TypeError, ValueError) as error:
             kind = "sweep-no-element" if isinstance(error, LookupError) else "sweep-no-key"
             message = Message(kind, example=EXAMPLE_KEY)
-            raise InputError([Fault(where=where, key=key, message=message)]) from error
+            raise InputError.at(where, message, key=key) from error
     return document.as_string()
 
 

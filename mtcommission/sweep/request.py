@@ -187,11 +187,11 @@ def load_cases(path: Path) -> Axis:
     where = str(path)
     data = read_bytes(path, folder=Message("file-is-folder"), most=LARGEST_TABLE + 1)
     if len(data) > LARGEST_TABLE:
-        raise _fault(where, Message("sweep-table-too-large", most=LARGEST_TABLE))
+        raise InputError.at(where, Message("sweep-table-too-large", most=LARGEST_TABLE))
     try:
         return read_cases(data.decode("utf-8-sig"), where=where)
     except UnicodeDecodeError as error:
-        raise _fault(where, Message("sweep-no-text")) from error
+        raise InputError.at(where, Message("sweep-no-text")) from error
 
 
 def read_cases(text: str, *, where: str) -> Axis:
@@ -203,13 +203,13 @@ def read_cases(text: str, *, where: str) -> Axis:
     """
     table = _cells(text, where)
     if len(table) < 2 or not all(table[0][1]):
-        raise _fault(where, Message("sweep-table-without-cases"), line=1)
+        raise InputError.at(where, Message("sweep-table-without-cases"), line=1)
     if len(table) - 1 > MOST_VALUES:
         message = Message("sweep-table-too-long", count=len(table) - 1, most=MOST_VALUES)
-        raise _fault(where, message)
+        raise InputError.at(where, message)
     if len(table[0][1]) > MOST_COLUMNS:
         message = Message("sweep-table-too-wide", count=len(table[0][1]), most=MOST_COLUMNS)
-        raise _fault(where, message, line=table[0][0])
+        raise InputError.at(where, message, line=table[0][0])
     heads = [_split_head(head) for head in table[0][1]]
     faults = [
         Fault(where=where, line=line, message=wrong)
@@ -236,7 +236,7 @@ def _cells(text: str, where: str) -> list[tuple[int, list[str]]]:
     try:
         lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
     except csv.Error as error:
-        raise _fault(
+        raise InputError.at(
             where, Message("sweep-no-csv", reason=str(error)), line=reader.line_num
         ) from error
     return [(number, cells) for number, cells in lines if any(cells)]
@@ -262,7 +262,3 @@ def _wrong_with(cells: list[str], heads: list[tuple[str, str]]) -> Message | Non
 
 def _join_unit(cell: str, unit: str) -> str:
     return f"{cell} {unit}" if unit and NUMBER.fullmatch(cell) else cell
-
-
-def _fault(where: str, message: Message, *, line: int = 0) -> InputError:
-    return InputError([Fault(where=where, line=line, message=message)])

@@ -21,7 +21,7 @@ from zlib import crc32
 
 from filelock import FileLock, Timeout
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.files import no_folder
 from mtcommission.base.messages.message import Message
 from mtcommission.sweep.solve import Answer
@@ -77,12 +77,14 @@ def open_store(
         names = (NAME,) if os.path.lexists(path) else results
         foreign = [name for name in names if os.path.lexists(folder / name) and not _is_log(path)]
         if foreign:
-            raise _refused(folder, Message("sweep-folder-holds-foreign", names=", ".join(foreign)))
+            raise InputError.at(
+                str(folder), Message("sweep-folder-holds-foreign", names=", ".join(foreign))
+            )
         begun = [(plan, date) for plan, date, *_ in _entries(path)]
         if begun and not resume:
-            raise _refused(folder, Message("sweep-folder-holds-one"))
+            raise InputError.at(str(folder), Message("sweep-folder-holds-one"))
         if any(plan != digest for plan, _ in begun):
-            raise _refused(folder, Message("sweep-folder-holds-another"))
+            raise InputError.at(str(folder), Message("sweep-folder-holds-another"))
         if not begun:
             path.unlink(missing_ok=True)
     except OSError as error:
@@ -128,14 +130,10 @@ def _checksum(text: bytes) -> bytes:
     return b"%08x " % crc32(text)
 
 
-def _refused(folder: Path, message: Message) -> InputError:
-    return InputError([Fault(where=str(folder), message=message)])
-
-
 def disk_full(path: Path, error: OSError) -> InputError:
     """Return the error of a file that could not be written while the rows before are kept."""
     message = Message("sweep-disk-full", reason=str(error.strerror))
-    return InputError([Fault(where=str(path), message=message)])
+    return InputError.at(str(path), message)
 
 
 @contextmanager
@@ -151,7 +149,7 @@ def hold_folder(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except Timeout as error:
-        raise _refused(folder, Message("sweep-folder-in-use")) from error
+        raise InputError.at(str(folder), Message("sweep-folder-in-use")) from error
     except OSError as error:
         if error.errno not in NO_LOCKS:
             raise no_folder(folder, error) from error

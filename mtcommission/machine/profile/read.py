@@ -62,17 +62,17 @@ def read_source(path: Path | str) -> ProfileSource:
 
 def _decode(data: bytes, *, where: str) -> str:
     if data.lstrip()[:1] == b"{":
-        raise _file_fault(where, 0, Message("file-is-json"))
+        raise InputError.at(where, Message("file-is-json"))
     if len(data) > LARGEST_FILE:
-        raise _file_fault(where, 0, Message("file-too-large", most=LARGEST_FILE))
+        raise InputError.at(where, Message("file-too-large", most=LARGEST_FILE))
     if b"\0" in data:
-        raise _file_fault(where, 0, Message("file-binary"))
+        raise InputError.at(where, Message("file-binary"))
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         message = Message("file-not-utf8", byte=f"0x{data[error.start]:02x}")
         line = data.count(b"\n", 0, error.start) + 1
-        raise _file_fault(where, line, message) from error
+        raise InputError.at(where, message, line=line) from error
 
 
 def profile_text_hash(data: bytes) -> str:
@@ -85,16 +85,16 @@ def load_toml(text: str, *, where: str) -> dict[str, Any]:
     lines = text.split("\n")
     for number, line in enumerate(lines, start=1):
         if line.partition("=")[0].partition("#")[0].count(".") > MOST_PARTS:
-            raise _file_fault(where, number, Message("toml-nested-deeply"))
+            raise InputError.at(where, Message("toml-nested-deeply"), line=number)
     try:
         return tomllib.loads(text)
     except RecursionError as error:
-        raise _file_fault(where, 1, Message("toml-nested-deeply")) from error
+        raise InputError.at(where, Message("toml-nested-deeply"), line=1) from error
     except ValueError as error:
         place = re.search(r"\(at line (\d+)", str(error))
         at = min(int(place[1]), len(lines)) if place else len(lines)
         reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
-        raise _file_fault(where, at, Message("toml-refused", reason=reason)) from error
+        raise InputError.at(where, Message("toml-refused", reason=reason), line=at) from error
 
 
 def parse_profile(text: str, *, where: str) -> Machine:
@@ -103,7 +103,7 @@ def parse_profile(text: str, *, where: str) -> Machine:
     Raises InputError with every fault found, ordered by line.
     """
     if not text.strip():
-        raise _file_fault(where, 1, Message("file-empty"))
+        raise InputError.at(where, Message("file-empty"), line=1)
     data = load_toml(text, where=where)
     reading = _begin(data)
     machine = _read_machine(data, reading)
@@ -117,10 +117,6 @@ def parse_profile(text: str, *, where: str) -> Machine:
         ]
         raise InputError(sorted(faults, key=lambda fault: fault.line))
     return machine
-
-
-def _file_fault(where: str, line: int, message: Message) -> InputError:
-    return InputError([Fault(where=where, line=line, message=message)])
 
 
 def _begin(data: Mapping[str, Any]) -> Reading:

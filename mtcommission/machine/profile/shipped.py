@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine
@@ -35,7 +35,7 @@ def read_shipped(name: str) -> ShippedProfile:
     known, wanted = shipped_names(), name.strip().removesuffix(".toml")
     if wanted not in known:
         message = Message("profile-unknown", got=repr(name), hint=propose(wanted, known))
-        raise InputError([Fault(where="profiles", message=message)])
+        raise InputError.at("profiles", message)
     text = read_profile_text(_folder() / f"{wanted}.toml")
     return ShippedProfile(
         name=wanted, machine=parse_profile(text, where=f"{wanted}.toml"), text=text
