@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.every_size import draw_profile
 from mtcommission.base.errors import ComputationError
 from mtcommission.group.contours import worst_circle
-from mtcommission.group.group import Group, join
+from mtcommission.group.group import LEAST_RADIUS, Group, join
 from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
 from mtcommission.group.task import Task
 from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
@@ -97,7 +97,8 @@ def refuted(group: Group, seed: int) -> list[str]:
     if np.abs(off).max() > allowed:
         found.append(f"circle {1e6 * np.abs(off).max():.2f} um of {1e6 * group.allowed:.2f}")
     turned = float(generator.uniform(0.0, pi))
-    entered = task.feed**2 / a
+    # Smaller circles are passed as corners are.
+    entered = max(task.feed**2 / a, LEAST_RADIUS)
     off_entry = entry_off(
         driven(group, somewhere), item, radius=entered, feed=task.feed, turned=turned
     )
