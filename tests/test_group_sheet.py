@@ -18,10 +18,10 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from mtcommission.group.ballbar import trace_circle
 from mtcommission.group.contours import Pair, find_entries, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.follow import filter_response
+from mtcommission.group.page import trace_circle
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
 from mtcommission.loop.respond import TOOL

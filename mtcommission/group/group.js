@@ -1,4 +1,4 @@
-// Circles and corners of a group from how its axes answer, as ballbar.py and contours.py; SI.
+// Circles and corners of a group from how its axes answer, as page.py and contours.py; SI.
 
 const contours = (() => {
   const PLACES = 720, DIRECTIONS = 16, HALVINGS = 9;
