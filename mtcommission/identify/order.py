@@ -154,8 +154,6 @@ LONG_LAG = 2e-3
 """Lag at which another one begins: a lag so long that the phase's slope does not show it [s]."""
 CERTAIN = 1e9
 """A gain in its standard errors beyond which more counts no more."""
-TRIED = 3
-"""Modes, the least sure first, without which a fit is tried."""
 MOST = 10
 """Terms of a fit, background and modes."""
 PHASE_STEP = 0.04
@@ -269,24 +267,17 @@ class _Search:
         """Drop modes without which the fit is as good, the weakest first."""
         best = refine(responses, best.poles)
         while best.poles.omega.size > (self.count or 0):
-            # Modes of the least gains in their standard errors.
             surest = np.abs(best.gains) / find_variances(responses, best).each_gain
-            order = np.argsort(np.sum(np.minimum(surest[:, 1:-1], CERTAIN) ** 2, axis=0))
-            less = [
-                refine(responses, best.poles.drop(int(mode)), steps=15, tolerance=1e-4)
-                for mode in order[:TRIED]
-            ]
-            weakest = int(np.argmin([one.cost for one in less]))
+            weakest = int(np.argmin(np.sum(np.minimum(surest[:, 1:-1], CERTAIN) ** 2, axis=0)))
+            less = refine(responses, best.poles.drop(weakest), steps=15, tolerance=1e-4)
             if self.count is None and not _too_near(best.poles):
                 correlation = correlation_length(best)
                 with_it = _criterion(responses, best, correlation=correlation)
-                without = _criterion(responses, less[weakest], correlation=correlation)
-                if without - with_it > LEAST_GAIN:
-                    shown = [_evidence(responses, best, one) for one in less]
-                    if min(shown) > LEAST_EVIDENCE:
-                        break
-                    weakest = int(np.argmin(shown))
-            best = refine(responses, less[weakest].poles)
+                without = _criterion(responses, less, correlation=correlation)
+                is_worth = without - with_it > LEAST_GAIN
+                if is_worth and _evidence(responses, best, less) > LEAST_EVIDENCE:
+                    break
+            best = refine(responses, less.poles)
         return best
 
 
