@@ -9,7 +9,7 @@ docs/optimal-control.md derives the method.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, isfinite, nan
+from math import inf, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from mtcommission.optimal.cells import (
     finishes,
     first_cells,
     refined,
-    smallest_factor_by,
 )
 from mtcommission.optimal.control import (
     Bound,
@@ -63,8 +62,6 @@ SLOW = 10.0
 """Times the move without bounds from which on the search begins at that of the rigid axis."""
 SAME_TIME = 1e-7
 """Relative distance at which a zero of σ and a switching time count as the same."""
-UNDECIDED = 2e-3
-"""Relative distance of the smallest bound from the wanted one that cells cannot judge."""
 SHORTEST_RAMP = 1e-4
 """Of the acceleration from 0 to its limit, times the fastest mode [rad]: proofs of 1e-8 there, and
 searches that do not end below (measured)."""
@@ -158,33 +155,6 @@ def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> No
             if least > 0.0:
                 detail = Message("bound-below-need", bound=told, least=least, unit=unit)
             raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
-
-
-def explain_short_time(
-    plant: Plant, move: Move, *, force_limit: float, t_f: float, bounds: tuple[Bound, ...]
-) -> ComputationError | None:
-    """Return the refusal of bounds that cannot be kept by t_f; None if that is not the reason."""
-    every = all_bounds(plant, move, bounds)
-    t_free = solve_time_optimal(plant, move, force_limit=force_limit).t_f
-    problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=t_f)
-    least = smallest_factor_by(problem, t_f)
-    if not isfinite(least) or least < 1.0 + UNDECIDED:
-        return None
-    try:
-        need = Message("bounds-take-some", t_f=first_cells(problem, t_free=t_free).t_f)
-    except ComputationError as error:
-        if error.outcome is Outcome.BOUND_CANNOT_HOLD:
-            return error
-        need = Message("bounds-take-longer")
-    detail = Message(
-        "bounds-need-longer",
-        t_f=t_f,
-        bounds=describe_bounds(plant, every),
-        need=need,
-        possible=describe_bounds(plant, every, kind="signal-bound-about", factor=least),
-        together=Message("bounds-widened-alike") if len(every) > 1 else None,
-    )
-    return ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
 
 
 def _search(problem: BoundedProblem, *, t_free: float) -> Found:

@@ -64,20 +64,10 @@ def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
         if now > least * (1.0 - LEAST_TOLERANCE):
             break
         least, time = now, share
-    return _finer(problem, time * t_free, least)
-
-
-def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
-    """Return the factor of all bounds below which the target is out of reach by a given time."""
-    return _finer(problem, t_f, _least_factor(problem, t_f, cells=LEAST_CELLS[0]))
-
-
-def _finer(problem: BoundedProblem, t_f: float, least: float) -> float:
-    """Return the factor on finer cells, if there is a single bound and the program ends."""
-    if len(problem.limits) > 1:
-        return least
-    now = _least_factor(problem, t_f, cells=LEAST_CELLS[1])
-    return now if isfinite(now) else least
+    if len(problem.limits) == 1:
+        now = _least_factor(problem, time * t_free, cells=LEAST_CELLS[1])
+        least = now if isfinite(now) else least
+    return least
 
 
 def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:

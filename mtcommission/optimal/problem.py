@@ -192,12 +192,10 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
     return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
-def describe_bounds(
-    plant: Plant, bounds: tuple[Bound, ...], *, kind: str = "signal-bound", factor: float = 1.0
-) -> tuple[Message, ...]:
-    """Return bounds for a message, each times a factor, with their units."""
+def describe_bounds(plant: Plant, bounds: tuple[Bound, ...]) -> tuple[Message, ...]:
+    """Return bounds for a message, with their units."""
     return tuple(
-        Message(kind, signal=k.name, value=factor * k.value, unit=plant.unit(k.name))
+        Message("signal-bound", signal=k.name, value=k.value, unit=plant.unit(k.name))
         for k in bounds
     )
 

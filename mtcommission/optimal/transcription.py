@@ -35,7 +35,6 @@ from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Weight
 from mtcommission.machine.moves import Move, least_motion_time
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.bounded import explain_short_time
 from mtcommission.optimal.control import (
     ArcControl,
     Bang,
@@ -52,7 +51,7 @@ from mtcommission.optimal.control import (
     terminal_target,
 )
 from mtcommission.optimal.damping import cost_terms, state_scales
-from mtcommission.optimal.problem import all_bounds
+from mtcommission.optimal.problem import all_bounds, describe_bounds
 from mtcommission.optimal.transcription_settings import Scheme, TranscriptionSettings
 
 Array = NDArray[np.float64]
@@ -126,9 +125,7 @@ def transcribe_damping_optimal(
     Raises
     ------
     ComputationError
-        FINAL_TIME_TOO_SHORT if there is no such move, under bounds with the smallest possible
-        ones; BOUND_CANNOT_HOLD if there is none at any time; NO_CONVERGENCE for IPOPT's other
-        failures.
+        FINAL_TIME_TOO_SHORT if there is no such move; NO_CONVERGENCE for IPOPT's other failures.
     KeyError
         If a bound names no signal of the plant.
     ValueError
@@ -144,13 +141,7 @@ def transcribe_damping_optimal(
         t_f=t_f,
         weights=weights,
     )
-    try:
-        found = _solve(problem, settings)
-    except ComputationError as error:
-        if not problem.every_bound:
-            raise
-        reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
-        raise reason or error from error
+    found = _solve(problem, settings)
     wanted = np.clip(-found.adjoint @ plant.B / 2.0 / force_limit, -1.0, 1.0)
     law = Law(
         adjoint_initial=found.adjoint_initial,
@@ -360,6 +351,9 @@ def _check(problem: _Problem, settings: TranscriptionSettings, stats: dict[str, 
     if status != "Infeasible_Problem_Detected" or problem.weights is None:
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     ended = Message("ipopt-ended-at", t_f=problem.t_f, ended=detail)
+    if problem.every_bound:
+        told = describe_bounds(problem.plant, problem.every_bound)
+        ended = Message("bounds-need-longer", t_f=problem.t_f, bounds=told)
     raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, ended)
 
 

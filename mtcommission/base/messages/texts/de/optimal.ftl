@@ -2,7 +2,6 @@
 # $unit: of the signal or of the force, as the plant names it
 
 signal-bound = |{ $signal }| <= { PLAIN($value, digits: 6) } { $unit }
-signal-bound-about = |{ $signal }| <= { PLAIN($value, digits: 4) } { $unit }
 value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, die Bewegung braucht mindestens { PLAIN($least, digits: 6) } { $unit }
@@ -10,10 +9,7 @@ bound-not-positive = { $bound }, die Bewegung braucht mehr als 0
 bounds-near-least = { $bounds }: nur etwa { PLAIN($above, digits: 1, unit: "%") } % über dem Kleinstmöglichen
 bounds-below-least = { $bounds }: kleinstmöglich ist etwa { $least }
 bounds-beyond-time = { $bounds }: t_f wäre länger als { PLAIN($t_f) } s
-bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms, aber Schranken von { $bounds } { $need }; kleinstmöglich bis zu diesem t_f: etwa { $possible }{ $together }
-bounds-take-some = brauchen etwa { PLAIN($t_f, unit: "ms") } ms
-bounds-take-longer = brauchen länger
-bounds-widened-alike = { " " }(alle gleich erweitert)
+bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms ist zu kurz für { $bounds }: die zeitoptimale Steuerung unter denselben Schranken zeigt, wie lange sie brauchen
 
 bounded-optimum-not-found = zeitoptimale Steuerung unter { $bounds } und { PLAIN($force, digits: 6) } { $unit }
 optimum-too-long = eine optimale Steuerung von { PLAIN($t_f) } s sind { ROUND($radians, digits: 3) } rad des Schnellsten in der Maschine, gerechnet werden höchstens { ROUND($most, digits: 2) }

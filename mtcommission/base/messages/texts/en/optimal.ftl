@@ -2,7 +2,6 @@
 # $unit: of the signal or of the force, as the plant names it
 
 signal-bound = |{ $signal }| <= { PLAIN($value, digits: 6) } { $unit }
-signal-bound-about = |{ $signal }| <= { PLAIN($value, digits: 4) } { $unit }
 value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, the move needs at least { PLAIN($least, digits: 6) } { $unit }
@@ -10,10 +9,7 @@ bound-not-positive = { $bound }, the move needs more than 0
 bounds-near-least = { $bounds }: only some { PLAIN($above, digits: 1, unit: "%") } % above the least
 bounds-below-least = { $bounds }: the smallest possible is about { $least }
 bounds-beyond-time = { $bounds }: t_f would be longer than { PLAIN($t_f) } s
-bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms, but bounds of { $bounds } { $need }; the smallest possible by that t_f: about { $possible }{ $together }
-bounds-take-some = take some { PLAIN($t_f, unit: "ms") } ms
-bounds-take-longer = take longer
-bounds-widened-alike = { " " }(all widened alike)
+bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms is too short for { $bounds }: the time-optimal control under the same bounds tells how long they take
 
 bounded-optimum-not-found = time-optimal control under { $bounds } and { PLAIN($force, digits: 6) } { $unit }
 optimum-too-long = an optimal control of { PLAIN($t_f) } s is { ROUND($radians, digits: 3) } rad of what is fastest in the machine, at most { ROUND($most, digits: 2) } are computed
