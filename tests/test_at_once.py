@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from mtcommission.base.errors import InputError
-from mtcommission.limits.optima import find_damping_optimum, find_optima, find_time_optimum
+from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
@@ -23,7 +23,7 @@ from mtcommission.machine.plant.plant import build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band import find_band_optimum
-from mtcommission.optimal.control import Arc, Bound, TimeOptimum, sample_trajectory
+from mtcommission.optimal.control import Arc, Bound, TimeOptimum
 from mtcommission.optimal.free import solve_forces
 from mtcommission.optimal.transcription import transcribe_damping_optimal
 from mtcommission.optimal.transcription_settings import TranscriptionSettings
@@ -178,17 +178,6 @@ def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
     assert {bound.name for bound in bounded.bounds} == {"v", "F"}
 
 
-def test_sampled_motion_has_the_set_acceleration_for_its_force() -> None:
-    """Else the sheet's plots and the CSV show another acceleration than the one that is set."""
-    machine = axis([(45.0, 0.05, 1.0), (110.0, 0.02, 0.2)], 20.0)
-    plant = build_plant(machine)
-    found = find_time_optimum(plant, machine.moves[0], force_limit=20.0, bounds=())
-    motion = sample_trajectory(plant, found.arcs, step=1e-4)
-    assert motion.states.shape[1] == plant.order
-    assert motion.states[:, plant.force] == pytest.approx(motion.force)
-    assert motion.states[-1, plant.position] == pytest.approx(0.02, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     "move", [Positioning(distance=0.004), VelocityStep(velocity_step=0.1)], ids=["rest", "step"]
 )
@@ -211,14 +200,6 @@ def test_damping_optimum_is_that_of_a_grid(move: Positioning | VelocityStep) -> 
         assert "F" not in entry["certificate"]["adjoint_initial"]
         assert entry["peaks"]["F"] <= a * (1.0 + 1e-12)
         json.dumps(entry, allow_nan=False)
-
-
-def test_no_shorter_time_than_least() -> None:
-    machine = axis([(45.0, 0.05, 1.0)], 20.0)
-    plant, move = build_plant(machine), Positioning(distance=0.01)
-    least = find_time_optimum(plant, move, force_limit=20.0, bounds=()).t_f
-    found = find_damping_optimum(machine, plant, move, t_f=1.0001 * least, least=least)
-    assert found.peaks[plant.force] == pytest.approx(20.0)
 
 
 def test_band_is_reached_before_exact_rest() -> None:

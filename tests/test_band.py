@@ -12,7 +12,6 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.base.errors import ComputationError, Outcome
-from mtcommission.base.messages.message import Message
 from mtcommission.limits.optima import find_optima, find_time_optimum, find_within_band
 from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
@@ -208,18 +207,6 @@ def test_robust_force_keeps_the_band_on_machines_that_it_never_saw(name: str) ->
     assert follow(off, found.optimum, after=0.6)[0] > needs.tcp_deviation
 
 
-def test_without_spread_there_is_no_robust_force() -> None:
-    machine = paper_machine()
-    needs = replace(machine.requirements, frequency_spread=0.0, damping_spread=0.0)
-    machine = replace(machine, requirements=needs)
-    plant = build_plant(machine)
-    optima = find_optima(machine, plant, machine.moves[0])
-    found = find_within_band(machine, optima)
-    assert found.optimum is not None
-    assert found.robust is None
-    assert found.remarks == ()
-
-
 def test_damping_known_to_a_spread_alone_asks_for_a_robust_force() -> None:
     """Three machines are fewer than are looked at first otherwise."""
     machine = paper_machine()
@@ -245,20 +232,6 @@ def test_a_band_wider_than_the_move_has_no_optimum() -> None:
     assert found.optimum is None
     assert found.robust is None
     assert [remark.kind for remark in found.remarks] == ["band-wider-than-move"]
-
-
-def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def gives_up(*_: object, **__: object) -> None:
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("band-program-gave-up"))
-
-    monkeypatch.setattr("mtcommission.limits.optima.find_band_optimum", gives_up)
-    machine = paper_machine()
-    optima = find_optima(machine, build_plant(machine), machine.moves[0])
-    found = find_within_band(machine, optima)
-    assert found.optimum is None
-    assert [remark.kind for remark in found.remarks] == ["band-optimum-failed"]
 
 
 def test_what_a_band_saves_is_not_asked_of_a_move_of_hundreds_of_periods() -> None:

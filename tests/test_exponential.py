@@ -51,21 +51,3 @@ def test_a_long_boundary_arc_keeps_its_digits() -> None:
         return float(np.abs((row @ found - row - problem.rate * 0.05 * rate) * scale).max())
 
     assert drift(flow.over(0.05)) < 0.05 * drift(balanced)
-
-
-def test_the_adjoint_of_a_long_boundary_arc_keeps_sigma_at_zero() -> None:
-    """Rounding that moves σ off 0 on an arc is charged to the proof of t_f."""
-    machine = paper_machine()
-    bounds = (Bound(name="phi", value=1e-5),)
-    problem = bounded_problem(
-        build_plant(machine), machine.moves[0], force_limit=2e3, bounds=bounds, horizon=0.05
-    )
-    limit, span = problem.limits[0], 0.2
-    # σ and its derivatives follow their own chain: without rounding a polynomial of the span.
-    chain, u = limit.force_chain.T, problem.rate * span
-    shift = np.array([[1.0, u, u**2 / 2.0], [0.0, 1.0, u], [0.0, 0.0, 1.0]])
-    rows = chain @ limit.adjoint_flow.over(span)
-    weight = 1.0 / problem.state_scale
-    assert np.all(np.abs((rows - shift @ chain) * weight) < 1e-12 * np.abs(rows * weight).max())
-    plain = chain @ expm(limit.adjoint_flow.matrix * span)
-    assert np.abs((plain - shift @ chain) * weight).max() > 1e-11 * np.abs(rows * weight).max()

@@ -18,7 +18,6 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.control import Bound, TimeOptimum, propagate, sample_trajectory
-from mtcommission.optimal.modes import impulse_response, step_response, transition
 from mtcommission.optimal.open_loop import solve_jerk_limited
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -30,22 +29,6 @@ ONE_MODE = [(45.0, 0.05, 1.0)]
 
 def solved(machine: Machine, move: Move, *, a: float, jerk: float) -> TimeOptimum:
     return solve_jerk_limited(build_plant(machine), move, force_limit=a, jerk_limit=jerk, bounds=())
-
-
-def test_closed_form_of_the_jerk_s_plant() -> None:
-    """Every bound and every sign is read from these; the matrix exponential knows no modes."""
-    plant = build_plant(axis([(45.0, 0.05, 1.0), (110.0, 0.0, 0.3)], 20.0))
-    n = plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n], joint[:n, n] = plant.A, plant.B
-    for tau in (0.0, 2e-4, 7e-3, 0.08):
-        whole, at = expm(joint * tau), np.array(tau)
-        size = np.abs(whole).max()
-        assert transition(plant, at) == pytest.approx(whole[:n, :n], abs=1e-12 * size)
-        assert impulse_response(plant, at) == pytest.approx(
-            expm(plant.A * tau) @ plant.B, abs=1e-14
-        )
-        assert step_response(plant, at) == pytest.approx(whole[:n, n], abs=1e-15)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -86,8 +86,3 @@ def test_program_from_a_known_basis_is_that_from_none() -> None:
     assert_allclose(warm.unknowns, cold.x, atol=1e-9)
     assert_allclose(warm.rows, cold.ineqlin.marginals, atol=1e-9)
     assert_allclose(warm.bounds, cold.lower.marginals + cold.upper.marginals, atol=1e-9)
-
-
-def test_program_without_a_solution_has_no_answer() -> None:
-    program = replace(small_program(fine=1.0), rooms=np.array([-4.0]))
-    assert solve_program(program, steps=50) is None

@@ -20,7 +20,7 @@ from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.optimal.bang_bang import find_bang_bang
 from mtcommission.optimal.control import Bang, TimeOptimum, propagate, sample_trajectory
-from mtcommission.optimal.free import BangBangMotion, solve_forces, solve_time_optimal
+from mtcommission.optimal.free import solve_forces, solve_time_optimal
 from mtcommission.optimal.modes import MomentProblem
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
 from tests.references_optimal import (
@@ -81,13 +81,6 @@ def test_paper_eq_12_switching_times() -> None:
     assert relative_error(PAPER, optimum) < 1e-13
 
 
-def test_every_force_next_to_the_birth_of_an_arc_is_certified() -> None:
-    # Two pairs of zeros are about to meet there, and only one of them is the optimum's.
-    for force in np.linspace(1245.0, 1300.0, 111).tolist():
-        optimum = solve_time_optimal(PAPER, STEP, force_limit=force)
-        assert optimum.certificate.relative_gap < 1e-12, force
-
-
 @pytest.mark.parametrize("force", [1252.655, 1294.5447])
 def test_arc_of_some_nanoseconds_is_found_and_certified(force: float) -> None:
     optimum = solve_time_optimal(PAPER, STEP, force_limit=force)
@@ -105,14 +98,6 @@ def test_rigid_axis_with_lag_has_the_closed_form(span: float) -> None:
     t_f, switch = lag_only_step(span, T)
     assert control.horizon == pytest.approx(t_f, rel=1e-13)
     assert control.zeros == pytest.approx([switch], rel=1e-12)
-
-
-def test_rigid_positioning_with_stiff_mode_approaches_two_parabolas() -> None:
-    # 1 m, 10 m/s²: 2 sqrt(L m / F) = 0.6325 s; lag and mode add a few of their time constants.
-    plant = modal_plant((2000.0, 0.02), force_lag=1e-5)
-    optimum = solve_time_optimal(plant, Positioning(distance=1.0), force_limit=1e3)
-    rigid = 2.0 * np.sqrt(0.1)
-    assert rigid < optimum.t_f < rigid + 5e-4
 
 
 def test_very_short_move_switches_at_the_zeros_of_the_chebyshev_polynomial() -> None:
@@ -209,13 +194,6 @@ def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches() -> None:
     assert relative_error(plant, optimum) < 1e-9
 
 
-def test_undetermined_multipliers_of_a_bad_start_do_no_harm() -> None:
-    # The first attempts have fewer zeros than conditions, and Newton's multipliers overflow.
-    plant = build_plant(random_modal_machine(170153, n_modes=2))
-    optimum = solve_time_optimal(plant, Positioning(distance=1.35e-4), force_limit=14381.3)
-    assert optimum.certificate.relative_gap < 1e-9
-
-
 def test_nearly_equal_modes_are_certified() -> None:
     plant = modal_plant((40.0, 0.02), (40.004, 0.02))
     optimum = solve_time_optimal(plant, STEP, force_limit=500.0)
@@ -283,17 +261,6 @@ def test_no_arc_has_vanished(n_modes: int, seed: int) -> None:
     assert optimum.certificate.relative_gap < 1e-12
 
 
-def test_state_that_is_small_at_the_last_switch_is_judged_by_its_peak() -> None:
-    # Judged by what it is there alone, this control would be refused although it ends at rest.
-    machine = random_modal_machine(5, n_modes=4)
-    plant, force = build_plant(machine), 0.01 * machine.drive.max_force
-    optimum = solve_time_optimal(plant, machine.moves[0], force_limit=force)
-    assert isinstance(optimum.motion, BangBangMotion)
-    (x,) = optimum.motion.states_at(np.array(optimum.switching_times[-1:]))
-    assert np.min(np.abs(x) / optimum.peaks[: plant.order]) < 1e-3
-    assert relative_error(plant, optimum) < 1e-9
-
-
 def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
     # "No convergence, report the profile" would blame the program for 1e14 N.
     plant = build_plant(paper_machine())
@@ -328,13 +295,3 @@ def test_forces_one_after_the_other_are_those_of_single_solves(move: Move) -> No
         assert motion.switching_times == pytest.approx(
             np.array(alone.switching_times), abs=1e-9 * alone.t_f
         )
-
-
-def test_an_arc_that_closes_on_the_way_does_no_harm() -> None:
-    # Newton may close an arc to the last digit; dividing by its length would end the sweep.
-    machine = random_modal_machine(6, n_modes=5)
-    forces = machine.drive.max_force * np.geomspace(0.02, 0.5, 25)
-    found = list(solve_forces(build_plant(machine), Positioning(distance=1e-3), forces))
-    times = [solved[0].t_f for solved in found if solved]
-    assert len(times) == forces.size
-    assert np.all(np.diff(times) < 0.0), "more force must never take more time"
