@@ -210,7 +210,6 @@ def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
 
 
 def _weights(mesh: Mesh, horizon: float) -> Array:
-    """Return the lengths of the cells as far as they are before the horizon."""
     inside = np.minimum(mesh.nodes, horizon)
     return np.asarray(inside[1:] - inside[:-1])
 

@@ -190,7 +190,6 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
 def _as_optimum(
     problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], found: Found
 ) -> TimeOptimum:
-    """Return what was found as an optimum with its proof."""
     error = np.zeros(problem.plant.order)
     error[problem.fixed] = (found.motion.final - problem.target)[problem.fixed]
     touches = [

@@ -323,7 +323,8 @@ class Optimum(Generic[Proof]):
     arcs: tuple[Arc, ...]  # In order, without gaps, from 0 to t_f
     touch_points: tuple[TouchPoint, ...] = ()  # Where a bound is touched without a boundary arc
     terminal_error: Array  # State at t_f minus target, shape (n,); 0 for a free state
-    motion: MotionPeaks  # Tells the peaks of all signals
+    motion: MotionPeaks  # Tells the peaks of all signals but that of ``set_state``
+    set_state: int = -1  # Index of F among the signals, if it is what is set (a motor that follows)
     certificate: Proof  # The proof
     jerk_limit: float = inf  # Of a motor that follows [m/s³]; inf: the acceleration may jump
     weights: tuple[Weight, ...] = ()  # c_i of the cost by state
@@ -346,7 +347,10 @@ class Optimum(Generic[Proof]):
 
         Searched for whenever it is read, where ``motion`` does not hold it.
         """
-        return self.motion.peaks
+        peaks = self.motion.peaks
+        if self.set_state < 0:
+            return peaks
+        return np.insert(peaks, self.set_state, self.motion.force_peak)
 
     @property
     def switching_times(self) -> tuple[float, ...]:

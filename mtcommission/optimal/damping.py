@@ -306,7 +306,6 @@ def _control_at(
 
 
 def _settle(problem: SaturatedProblem, first: Iterate, *, bound: float, goal: float) -> Iterate:
-    """Return the first iterate of the arc iteration within the goal, else the best one."""
     best = _follow(problem, first.edges, first.arc_labels, bound=bound)
     now = best
     for _ in range(ITERATIONS):

@@ -160,7 +160,6 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
 
 
 def _joined(pieces: list[Piece]) -> list[Piece]:
-    """Return the pieces with neighbours of the same kind as one."""
     joined: list[Piece] = []
     for piece in pieces:
         if joined and _kind(joined[-1]) == _kind(piece):
@@ -222,7 +221,6 @@ def _piece(problem: BoundedProblem, arc: Arc) -> Piece:
 
 
 def _ramp(problem: BoundedProblem, start: float, end: float) -> float:
-    """Return the time in which full force takes F from start to end [s]."""
     full = problem.force_limit if end > start else -problem.force_limit
     return problem.plant.force_lag * log((full - start) / (full - end))
 

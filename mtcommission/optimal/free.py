@@ -178,7 +178,6 @@ def _published(
 def _motion(
     plant: Plant, problem: MomentProblem, control: Control, *, force_limit: float
 ) -> BangBangMotion:
-    """Return the motion under a control."""
     zeros, t_f = _told_apart(control), control.horizon
     return BangBangMotion(
         plant=plant,
@@ -190,7 +189,6 @@ def _motion(
 
 
 def _told_apart(control: Control) -> Array:
-    """Return the zeros but for pairs that coincide."""
     kept: list[float] = []
     for zero in control.zeros.tolist():
         if kept and zero - kept[-1] <= SAME_INSTANT * control.horizon:
@@ -256,7 +254,6 @@ def certify(motion: BangBangMotion, proved: Control, *, nodes: Array) -> Certifi
 
 
 def _moved(problem: MomentProblem, weights: Array, tau: float) -> Array:
-    """Return the weights of σ(· + τ)."""
     moved = weights.copy()
     pairs = problem.modal(weights) * np.exp(problem.rates * tau)
     moved[: problem.one] = pairs.conj().view(np.float64)[: problem.one]
@@ -266,7 +263,6 @@ def _moved(problem: MomentProblem, weights: Array, tau: float) -> Array:
 
 
 def _scaled(functions: Array) -> Array:
-    """Return functions with rows and then columns of length 1."""
     lengths = np.sqrt(np.add.reduce(functions * functions, axis=1))
     by_row = functions / np.maximum(lengths, TINY)[:, np.newaxis]
     return np.asarray(by_row / np.sqrt(np.add.reduce(by_row * by_row)))

@@ -11,6 +11,8 @@ from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Basis = highspy.HighsBasis
+"""Which unknowns and constraints, equations first, are at a bound: where a search starts."""
 
 WAYS: tuple[dict[str, str | int], ...] = (
     # Forces and bounds are relative here. Scaled by their largest coefficients, short cells weigh
@@ -53,14 +55,6 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Basis:
-    """Which unknowns and constraints, equations first, are at a bound: where a search starts."""
-
-    unknowns: tuple[HighsBasisStatus, ...]
-    constraints: tuple[HighsBasisStatus, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
     """The solution of a program and its multipliers."""
 
@@ -89,7 +83,7 @@ def solve_program(
         _stop_circles(solver, most=CHECKS_PER_STEP * steps)
         _pass_program(solver, program)
         if start is not None:
-            solver.setBasis(_highs_basis(start, rows=count))
+            solver.setBasis(_extended(start, rows=count))
         solver.run()
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
@@ -177,22 +171,22 @@ def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
 
 
 def _solution(solver: highspy.Highs, *, equations: int) -> Solution:
-    solution, basis = solver.getSolution(), solver.getBasis()
+    solution = solver.getSolution()
     prices = np.array(solution.row_dual)
     return Solution(
         unknowns=np.array(solution.col_value),
         rows=prices[equations:],
         equal=prices[:equations],
         bounds=np.array(solution.col_dual),
-        basis=Basis(unknowns=tuple(basis.col_status), constraints=tuple(basis.row_status)),
+        basis=solver.getBasis(),
     )
 
 
-def _highs_basis(start: Basis, *, rows: int) -> highspy.HighsBasis:
+def _extended(start: Basis, *, rows: int) -> Basis:
     """Return a basis in which constraints that are new do not act."""
-    new = [HighsBasisStatus.kBasic] * (rows - len(start.constraints))
-    basis = highspy.HighsBasis()
-    basis.col_status = list(start.unknowns)
-    basis.row_status = [*start.constraints, *new]
+    basis = Basis()
+    basis.col_status = start.col_status
+    known = list(start.row_status)
+    basis.row_status = known + [HighsBasisStatus.kBasic] * (rows - len(known))
     basis.valid = basis.alien = True
     return basis

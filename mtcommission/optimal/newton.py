@@ -147,7 +147,6 @@ def _damped(system: _System, point: _Point) -> _Point:
 
 
 def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
-    """Return the point after a step; None where its durations lead too far."""
     legs = len(system.legs)
     unknowns = point.unknowns - step
     back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
@@ -209,7 +208,6 @@ def _placed(system: _System, guess: Sequence, unknowns: Array) -> Sequence:
 
 
 def _first_point(system: _System) -> _Point:
-    """Return the first durations with the multipliers that fit best, a linear problem."""
     unknowns = np.append(system.start, np.zeros(system.size - system.start.size))
     point, times = _point(system, unknowns), system.start.size
     rows, right = point.jacobian[point.primal :, times:], -point.residual[point.primal :]
@@ -218,7 +216,6 @@ def _first_point(system: _System) -> _Point:
 
 
 def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
-    """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
     # Where rounding is all that is left, damping cannot help.
     for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
         trial = _tried(system, point, _step(system, point, damping))

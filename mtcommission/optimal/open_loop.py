@@ -8,7 +8,7 @@ is the control, and the acceleration a bounded state.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from mtcommission.optimal.control import (
     Bang,
     Bound,
     Boundary,
-    MotionPeaks,
     Optimum,
     Proof,
     Ramp,
@@ -34,24 +33,6 @@ from mtcommission.optimal.problem import all_bounds, bounded_problem
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PeaksWithForce:
-    """Peaks of a motion with that of what is set."""
-
-    motion: MotionPeaks  # Of ``driven_at_once``
-    force: int  # Index of F among the plant's signals
-
-    @property
-    def peaks(self) -> Array:
-        """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
-        return np.insert(self.motion.peaks, self.force, self.motion.force_peak)
-
-    @property
-    def force_peak(self) -> float:
-        """Largest magnitude of what is set [N]."""
-        return self.motion.force_peak
-
-
 def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
     """Return an optimal control in the states of the plant."""
     if not plant.follows:
@@ -60,7 +41,7 @@ def optimum_on(plant: Plant, found: Optimum[Proof]) -> Optimum[Proof]:
     return replace(
         found,
         terminal_error=np.append(found.terminal_error, 0.0),
-        motion=PeaksWithForce(motion=found.motion, force=plant.force),
+        set_state=plant.force,
         certificate=replace(proof, adjoint_initial=np.append(proof.adjoint_initial, np.nan)),
     )
 
@@ -123,7 +104,6 @@ def solve_jerk_limited(
 
 
 def _least_ramps(move: Move, jerk: float) -> float:
-    """Return the time that a rigid axis takes within the jerk alone [s]."""
     if isinstance(move, VelocityStep):
         return float(2.0 * np.sqrt(move.velocity_step / jerk))
     return float(4.0 * np.cbrt(0.5 * move.distance / jerk))

@@ -386,7 +386,6 @@ def find_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
 
 
 def _tail_peaks(problem: BoundedProblem, cells: Cells) -> Peaks:
-    """Return the peaks of the free motions after the end."""
     plant = problem.plant
     weights = free_waves(plant, problem.tails, cells.final)
     rates = np.broadcast_to(in_moments(plant).functions.rates, weights.shape)

@@ -324,7 +324,6 @@ def isolate_zeros(mesh: Mesh, weights: Array, *, guess: Array = NOTHING) -> Zero
 
 
 def _first_cells(mesh: Mesh, weights: Array) -> Array:
-    """Return the cells of the mesh that may hold a zero."""
     sigma = weights.dot(mesh.values)
     slope = mesh.problem.differentiation.dot(weights).dot(mesh.values)
     left, right = slope[:-1] * mesh.lengths, slope[1:] * mesh.lengths
@@ -374,7 +373,6 @@ def _rounding(problem: MomentProblem, weights: Array, cells: Array) -> Array:
 
 
 def _divided(problem: MomentProblem, weights: Array, cells: Array) -> Array:
-    """Return the ``PARTS`` parts of all cells that may hold a zero."""
     parts = np.empty((7, PARTS, cells.shape[1]))
     parts[0] = cells[0] + SHARES * cells[1]
     parts[1] = cells[1] / PARTS

@@ -170,8 +170,6 @@ class _Problem:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Solution:
-    """What IPOPT found."""
-
     t_f: float  # [s]
     control: Array  # u of each interval in units of F_max, shape (N,)
     adjoint: Array  # λ of each interval, shape (N, n), for ∫ 1 dt or the functional
@@ -214,14 +212,12 @@ def _require_gain(problem: _Problem, found: _Solution, *, longest: float) -> Non
 
 
 def _next_time(found: _Solution, low: float, high: float) -> float:
-    """Return the final time after a step of Newton's method, or between those that it has tried."""
     newton = found.t_f + (1.0 - found.reach) / max(found.reach_rate, TINY)
     low, high = max(low, found.t_f / STEEPEST), min(high, STEEPEST * found.t_f)
     return newton if low < newton < high else sqrt(low * high)
 
 
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
-    """Return the rigid body's shortest time plus the time that flexibility may cost [s]."""
     slowest = max(2.0 * np.pi / mode.natural_frequency for mode in plant.modes)
     rigid = least_motion_time(move, force_limit / plant.moving_mass)
     return float(rigid + slowest / 2.0 + 4.0 * plant.force_lag)
@@ -358,7 +354,6 @@ def _check(problem: _Problem, settings: TranscriptionSettings, stats: dict[str, 
 
 
 def _snap(control: Array) -> Array:
-    """Return the control with its nearly saturated intervals at the limit exactly."""
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
 
 
