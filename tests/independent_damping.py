@@ -35,24 +35,13 @@ STAGES = np.array(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Followed:
-    """A published control, integrated again.
+    """A published control, integrated again."""
 
-    Parameters
-    ----------
-    cost
-        The functional (5) [N² s].
-    cost_gap
-        By how much of itself the cost can at most exceed the least one [-]: J is convex, so no
-        admissible force v that reaches the target saves more than ∫ s (F_set - v) dt with
-        s = 2 F_set + λ_F / T, and |v| <= F_max.
-    law
-        Largest |F_set - Proj(-λ_F / (2 T))| over F_max [-].
-    terminal_error
-        x(t_f) less the target over the peak, prescribed states only, shape (n,) [-].
-    adjoint_initial
-        λ(0), shape (n,).
-    """
-
+    # cost: the functional (5) [N² s]. cost_gap: by how much of itself it can at most exceed the
+    # least one [-]: J is convex, so no admissible force v that reaches the target saves more than
+    # ∫ s (F_set - v) dt with s = 2 F_set + λ_F / T, and |v| <= F_max.
+    # law: largest |F_set - Proj(-λ_F / (2 T))| over F_max [-].
+    # terminal_error: x(t_f) less the target over the peak, prescribed states only, shape (n,) [-].
     cost: float
     cost_gap: float
     law: float

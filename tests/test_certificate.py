@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,10 +13,7 @@ from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.optimal.bang_bang import find_bang_bang
 from mtcommission.optimal.control import (
-    Bang,
     Certificate,
-    constant_arc,
-    propagate,
     sample_trajectory,
 )
 from mtcommission.optimal.free import BangBangMotion, certify, solve_time_optimal
@@ -132,34 +128,6 @@ def test_wrong_claims_are_refused() -> None:
     assert not certified(fewer, weights).switching_law_holds
     slow = replace(motion, t_f=1.01 * motion.t_f)
     assert certified(slow, weights).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
-
-
-def test_terminal_jacobian_is_that_of_the_states() -> None:
-    problem, control = solved(STEP)
-    motion = motion_of(problem, control)
-    rows = [i for i in range(PAPER.order) if i != PAPER.position]
-    times = np.append(motion.switching_times, motion.t_f)
-    step = 1e-8
-    columns = []
-    for i in range(times.size):
-        shift = step * (np.arange(times.size) == i)
-        ahead, behind = final_state(times + shift), final_state(times - shift)
-        columns.append((ahead - behind)[rows] / (2.0 * step))
-    states = np.column_stack(columns)
-    states /= np.linalg.norm(states, axis=1, keepdims=True)
-    certificate = certified(motion, control.weights)
-    assert certificate.terminal_jacobian_rank == np.linalg.matrix_rank(states, tol=1e-6) == 6
-    # Both are regular together: a direction that one maps to nothing would show in the other.
-    assert certificate.terminal_jacobian_condition < 1e3
-
-
-def final_state(times: np.ndarray) -> np.ndarray:
-    edges = [0.0, *times]
-    arcs = [
-        constant_arc(start, end, control=Bang(1 if i % 2 == 0 else -1), force=FORCE * (-1.0) ** i)
-        for i, (start, end) in enumerate(pairwise(edges))
-    ]
-    return propagate(PAPER, tuple(arcs))
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -411,52 +411,6 @@ modes = [
     assert solve_exactly(problem, held) is None
 
 
-LONG_ARCS = """schema = 1
-machine = {name = "long arcs", axis = "X", source = "made up"}
-drive = {force_lag = "0.8081 ms", max_force = "430.1 N", static_load = "-200.2 N"}
-moves = [{distance = "91.51 mm"}]
-requirements = {tcp_deviation = "5 um"}
-[plant]
-kind = "modal"
-moving_mass = "99.19 kg"
-modes = [{name = "m1", frequency = "40.61 Hz", damping_ratio = 0.004118, tcp_gain = 0.002032}]
-"""
-RINGING = """schema = 1
-machine = {name = "ringing base", axis = "X", source = "made up"}
-drive = {force_lag = "0.6825 ms", max_force = "5445 N", static_load = "-742.9 N"}
-moves = [{distance = "37.61 mm"}]
-requirements = {tcp_deviation = "5 um"}
-[plant]
-kind = "manipulator"
-base_mass = "575 kg"
-slider_mass = "378.9 kg"
-rotary_inertia = "2.388 kg m^2"
-lever_arm = "0.3035 m"
-tcp_height = "-0.1053 m"
-base_stiffness = "30.33e6 N/m"
-base_damping = "2196 N s/m"
-rotary_stiffness = "3.577e6 N m/rad"
-rotary_damping = "35.38 N m s/rad"
-"""
-
-
-@pytest.mark.parametrize(
-    ("text", "name", "value", "gap"),
-    [
-        # Where no sequence is recognised: what the program leaves, and says.
-        (LONG_ARCS, "v_m1", 0.1744, 1e-6),
-        (RINGING, "x_b", 1.089e-4, 1e-5),
-    ],
-)
-def test_tight_bounds_over_long_arcs(text: str, name: str, value: float, gap: float) -> None:
-    machine = parse_profile(text, where="a test")
-    force = machine.drive.max_force - abs(machine.drive.static_load)
-    plant, bounds = build_plant(machine), (Bound(name=name, value=value),)
-    found = solve_bounded_time_optimal(plant, machine.moves[0], force_limit=force, bounds=bounds)
-    assert found.certificate.relative_gap < gap
-    assert largest_excess(plant, found) < 1e-9
-
-
 @pytest.mark.parametrize(("name", "value"), [("v_phi", 0.005), ("phi", 5e-5)])
 def test_multipliers_of_a_program_prove_no_more_than_the_optimum(name: str, value: float) -> None:
     """The printed gap is what a user goes by where no exact sequence is found."""

@@ -193,30 +193,6 @@ def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
     assert lowest == pytest.approx(1270.0)
 
 
-def test_short_moves_cannot_switch_more_often_than_five_times(plant: Plant) -> None:
-    """The theory behind the range above 12 MN: zeros of random switching functions."""
-    poles = [pole for pole in np.linalg.eigvals(plant.A) if pole.imag >= 0.0 and pole != 0.0]
-    half = np.pi / max(pole.imag for pole in poles)
-    random = np.random.default_rng(2)
-
-    def most_zeros(length: float) -> int:
-        tau = np.linspace(0.0, length, 4001)
-        waves = np.array([np.exp(pole * tau) for pole in poles])
-        functions = np.vstack([np.ones_like(tau), waves.real, waves[np.iscomplex(poles)].imag])
-        orthogonal = np.linalg.qr(functions.T)[0]
-        trials = orthogonal @ random.normal(size=(orthogonal.shape[1], 3000))
-        return int((np.diff(np.sign(trials), axis=0) != 0).sum(axis=0).max())
-
-    assert functions_needed(plant) == 6
-    assert most_zeros(half) == 5
-    assert most_zeros(4.0 * half) > 5
-
-
-def functions_needed(plant: Plant) -> int:
-    """1, the force lag and two for each mode: five zeros at most, by theory."""
-    return 2 + 2 * len(plant.modes)
-
-
 def test_law_is_found_from_the_force_alone(found: Validation, plant: Plant) -> None:
     damping = found.cases.damping
     assert law_residual(plant, damping, samples=40_000) < 1e-7
