@@ -32,8 +32,7 @@ from mtcommission.validate.adjoint import (
 from mtcommission.validate.bounded import bounded_rows, damping_rows
 from mtcommission.validate.free import printed_control_error, scan_forces, time_rows
 from mtcommission.validate.page import Validation, name_of, print_validation, validate
-from mtcommission.validate.printed import SWITCHING_TIMES, T_F
-from mtcommission.validate.row import Row, Verdict, claim, number, tell
+from mtcommission.validate.paper import SWITCHING_TIMES, T_F, Row, Verdict, claim, number, tell
 from tests.machines import paper_machine
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.terminal import Line, heading, table
 from mtcommission.validate.page import SOURCE, Validation, head_of, heading_of, key_of, name_of
-from mtcommission.validate.row import Row, Verdict, tell
+from mtcommission.validate.paper import Row, Verdict, tell
 
 STYLES = {"agrees": "green", "corrected": "yellow", "differs": "yellow", "out": "bold red"}
 

@@ -1,8 +1,7 @@
 """The paper's numbers and claims beside ours.
 
-printed.py what the paper prints: its numbers, and a table of its claims
+paper.py   what the paper prints: numbers and claims; one line of the comparison, and its verdict
 cases.py   its problems, solved
-row.py     one number or claim, and how it is judged
 adjoint.py the adjoint equation apart from the solvers
 free.py    rows of secs. 2 to 5.1: plant, time-optimal control, its switches over the force
 bounded.py rows of secs. 5.2 and 6: bound on the tower's rate, damping-optimal control

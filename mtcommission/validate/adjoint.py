@@ -14,7 +14,7 @@ from mtcommission.machine.plant.manipulator import Manipulator
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import DampingOptimum, Interior, powers_of, sample_trajectory
 from mtcommission.validate.cases import Array
-from mtcommission.validate.printed import FORCE_LIMIT
+from mtcommission.validate.paper import FORCE_LIMIT
 
 DIFFERENCE_STEP = 1e-8
 """Step of a switching time for a difference quotient [s]; the quotient is right to 4 digits."""

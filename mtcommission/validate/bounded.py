@@ -21,7 +21,7 @@ from mtcommission.optimal.damping import balanced_weights
 from mtcommission.validate.adjoint import law_residual
 from mtcommission.validate.cases import Array, Cases
 from mtcommission.validate.free import SURE_GAP
-from mtcommission.validate.printed import (
+from mtcommission.validate.paper import (
     BANG_ARCS,
     BOUNDED_T_F,
     FORCE_LIMIT,
@@ -30,8 +30,10 @@ from mtcommission.validate.printed import (
     RATE_BOUND,
     T_F,
     TIME_ACCURACY,
+    Row,
+    claim,
+    number,
 )
-from mtcommission.validate.row import Row, claim, number
 
 FORMULA_TOLERANCE = 1e-7
 """Relative error of a formula that holds [-]: rounding of motions and adjoints."""

@@ -16,7 +16,7 @@ from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.control import Bound, DampingOptimum, TimeOptimum
 from mtcommission.optimal.damping import solve_damping_optimal
 from mtcommission.optimal.free import solve_time_optimal
-from mtcommission.validate.printed import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
+from mtcommission.validate.paper import BOUNDED_T_F, FORCE_LIMIT, RATE_BOUND
 
 Array = NDArray[np.float64]
 

@@ -28,7 +28,7 @@ from mtcommission.validate.adjoint import (
     zeros,
 )
 from mtcommission.validate.cases import Array, Cases
-from mtcommission.validate.printed import (
+from mtcommission.validate.paper import (
     ADJOINT,
     FORCE_LIMIT,
     JACOBIAN_RANK,
@@ -39,8 +39,10 @@ from mtcommission.validate.printed import (
     T_F,
     TIME_ACCURACY,
     VELOCITY_STEP,
+    Row,
+    claim,
+    number,
 )
-from mtcommission.validate.row import Row, claim, number
 
 THREE_DIGITS = 1e-3
 """Accuracy of λ(0) as printed [-]."""

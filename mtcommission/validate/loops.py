@@ -22,7 +22,7 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.loops import settle_on_loop
 from mtcommission.validate.cases import Array, Cases
-from mtcommission.validate.row import Row, claim
+from mtcommission.validate.paper import Row, claim
 
 MUCH_LARGER = 2.0
 """Ratio of times from which one is "much larger" [-]."""

@@ -28,8 +28,15 @@ from mtcommission.validate.bounded import bounded_rows, damping_rows, peak_rows
 from mtcommission.validate.cases import Cases, solve_cases
 from mtcommission.validate.free import plant_rows, structure_rows, time_rows, vibration_rows
 from mtcommission.validate.loops import loop_rows
-from mtcommission.validate.printed import FORCE_LIMIT, RATE_BOUND, VELOCITY_STEP
-from mtcommission.validate.row import Row, Told, Verdict, tell
+from mtcommission.validate.paper import (
+    FORCE_LIMIT,
+    RATE_BOUND,
+    VELOCITY_STEP,
+    Row,
+    Told,
+    Verdict,
+    tell,
+)
 
 SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool Manipulators"
 SIGNS = (

@@ -1,4 +1,7 @@
-"""One line of the comparison with the paper, and how it is judged."""
+"""What the paper prints, misprints included, and how one line beside it is judged.
+
+Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Manipulators.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,127 @@ from types import MappingProxyType
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, Value
-from mtcommission.validate.printed import CLAIMS, NUMBERS
+
+FORCE_LIMIT = 2e3
+"""F_max of secs. 5.1, 5.2 and 6 [N]."""
+LARGEST_FORCE = 4e3
+"""Upper limit of F_max "for mechanical reasons", Table 1 [N]."""
+VELOCITY_STEP = 0.1
+"""v_s(t_f), eq. (3) [m/s]."""
+KALMAN_RANK, JACOBIAN_RANK = 7, 6
+"""Rank of eq. (10), and of the Jacobian of the terminal conditions, sec. 5.1."""
+SWITCHES = 5
+"""Number of switches "for all values of F_max > 0", eq. (11)."""
+SWITCHING_TIMES = (0.009337, 0.009668, 0.036552, 0.037653, 0.041942)
+"""t_1 ... t_5, eq. (12) [s]."""
+T_F = 0.043505
+"""t_f, eq. (12) [s]."""
+ADJOINT = (-11.87902, 0.0, 14.75425, 0.05508, -0.23018, 0.01149, -1.2503e-6)
+"""λ(0), sec. 5.1, in the order of the states."""
+TIME_ACCURACY = 1e-4
+"""The text calls switching times "correct up to 3-4 decimals", sec. 5 [s]."""
+RATE_BOUND = 0.005
+"""c_φ, sec. 5.2 [rad/s]."""
+BOUNDED_T_F = 0.0522
+"""t_f under that bound, sec. 5.2, and t_f of sec. 6 [s]."""
+INCREASE = 0.23
+"""By how much that is longer than (12), sec. 5.2 [-]."""
+BANG_ARCS = (2, 5, 2)
+"""Bang arcs before, between and after the two boundary arcs, sec. 5.2."""
+PEAKS = (0.008916, 0.005, 0.022444)
+"""Sec. 6, printed as ‖φ‖: damping-optimal, bounded and free time-optimal control [rad/s]."""
+
+NUMBERS = {
+    "kalman-rank": "5, (10)",
+    "adjoint-equations": "5, (8)",
+    "switching-time": "5.1, (12)",
+    "final-time": "5.1, (12)",
+    "terminal-error": "5.1, (12)",
+    "adjoint": "5.1",
+    "adjoint-implied": "5.1",
+    "hamiltonian": "5, (7)",
+    "jacobian-rank": "5.1",
+    "bounded-time": "5.2",
+    "increase": "5.2",
+    "largest-rate": "5.2, (13)",
+    "peak-rate": "6",
+    "weight": "6, (17)",
+    "control-law": "6, (16)",
+}
+"""Sections and equations in which numbers stand, by what is compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A statement or formula as the paper prints it."""
+
+    place: str  # Section and equation
+    text: str
+    corrected: str | Message = ""  # What it must read; "" where it is no misprint
+
+
+_EVERYWHERE = f"{SWITCHES} for all values of F_max > 0"
+_BANG_ARCS = f"{' + '.join(map(str, BANG_ARCS))} = {sum(BANG_ARCS)}"
+
+CLAIMS = {
+    "order": Claim("5.2", "order 2: F_set first appears in the second derivative"),
+    "active-damping": Claim(
+        "3",
+        "possible with sensors quite near to the TCP, but the achievable damping is not sufficient",
+    ),
+    "overshoot": Claim("3, (i)", "the terminal position is not attained precisely: overshooting"),
+    "transfer-time": Claim("3, (ii)", "much larger than the minimal transfer time"),
+    "jerk-control": Claim(
+        "3", "optimum productivity with suitable damping for significant jerk control"
+    ),
+    "jerk-follows": Claim(
+        "3", "the eigenfrequency of the dominating mode; no commissioning rules up to now"
+    ),
+    "switching-law": Claim("5, (9)", "F_set = -sign(lambda_F) F_max"),
+    "law-as-printed": Claim("5.1", "(9) holds with high accuracy"),
+    "switches": Claim("5.1, (11)", f"{SWITCHES}, +F_max first"),
+    "switches-everywhere": Claim("5, (11)", _EVERYWHERE),
+    "switches-beyond": Claim("5, (11)", _EVERYWHERE),
+    "boundary-arcs": Claim("5.2", "one with v_phi = +c, then one with v_phi = -c"),
+    "bang-arcs": Claim("5.2", _BANG_ARCS),
+    "second-derivative": Claim(
+        "5.2", "(d^2 - k)/J v_phi + d k/J phi - ...", "(d^2/J - k)/J v_phi + d k/J^2 phi - ..."
+    ),
+    "boundary-control": Claim(
+        "5.2",
+        "T (k - d^2)/r v_phi - T d k/r phi + (1 + T d/J) F",
+        "T (k - d^2/J)/r v_phi - T d k/(r J) phi + (1 + T d/J) F",
+    ),
+    "inside": Claim("5.2", "assumed"),
+    "switching-function": Claim(
+        "5.2, (14)", "lambda_I(t) / T = H_U(t) = 0", "lambda_F(t) / T = H_{F_set}(t) = 0"
+    ),
+    "multiplier": Claim(
+        "5.2, (15)",
+        "J/(r m_b) lambda_xb - lambda_phi - J d_b/(r m_b^2) lambda_vb",
+        Message("paper-multiplier.correct"),
+    ),
+    "jumps": Claim("5.2", "lambda_vphi may have jumps at entry and exit"),
+    "terms": Claim("6", "all of the same magnitude"),
+    "cost": Claim("6, (5)", "no value printed"),
+    "continuous": Claim("6", "any optimal control is continuous"),
+    "saturated": Claim("7", "linear-quadratic with control constraints (saturated control)"),
+    "functional": Claim(
+        "6",
+        "lambda = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4)",
+        "d lambda/dt = -2 D x - lambda A, D = diag(c1, 0, c2, c3, 0, c4, 0)",
+    ),
+    "least-time": Claim("4", "t_f > t_f,min"),
+    "oscillation": Claim("4", "some of the time-optimal state trajectories are highly oscillatory"),
+    "more-force": Claim("5.2", "higher values of F_max lead to higher vibrations"),
+    "bound-helps": Claim("5.2", "significant reduction"),
+    "rate-between": Claim(
+        "6", "notably higher than the bound, significantly smaller than time-optimal"
+    ),
+    "bounds-damp": Claim("7", "significantly improved by suitable state constraints"),
+    "hints": Claim("7", "concrete hints for suitable jerk limitations"),
+}
+"""Claims by what is compared."""
 
 NOTHING: Mapping[str, Value] = MappingProxyType({})
 """What most rows have to say beside their numbers."""
