@@ -48,8 +48,8 @@ from mtcommission.optimal.control import (
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-PIECE_ANGLE, CELLS = 4.0, 16
-"""Longest piece times the fastest eigenvalue [-], within which the flow grows by at most e^4, and
+PIECE_ANGLE, CELLS = 8.0, 32
+"""Longest piece times the fastest eigenvalue [-], within which the flow grows by at most e^8, and
 its cells: cubic interpolation on a quarter radian isolates every crossing (empirical)."""
 TERMS = 20
 """Of the power series of a flow over one cell: 1 / 20! leaves room for a norm four times as large

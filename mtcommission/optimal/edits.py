@@ -30,8 +30,8 @@ from mtcommission.optimal.sequence import (
 
 Array = NDArray[np.float64]
 
-EDITS = 12
-"""Changes of a sequence in one go."""
+EDITS, FEW = 12, 4
+"""Changes of a sequence in one go, and touch points of which each is left out, if that fails."""
 CLOSED_GAP = 1e-9
 """Gap below which the simpler one of two sequences is the better one."""
 VANISHED, SLIVER = 1e-8, 1e-6
@@ -47,6 +47,17 @@ def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 
 
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
+    """Return the accepted extremal of a sequence, or of that with one touch point less."""
+    found = _solve_edited(problem, guess)
+    # Ripple of the multipliers may show one touch point as two, or one where there is none.
+    for left_out in guess.touches if len(guess.touches) <= FEW else ():
+        if found is None:
+            rest = tuple(touch for touch in guess.touches if touch is not left_out)
+            found = _solve_edited(problem, replace(guess, touches=rest))
+    return found
+
+
+def _solve_edited(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     best: Found | None = None
     # Arcs that a guess drives over each other, as where a force turns before it is on its bound.
