@@ -61,7 +61,7 @@ MEAN_TO_SQUARE = 0.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CellForce:
+class _CellForce:
     """A force that is constant on cells, on its way to the best one."""
 
     mesh: Mesh  # Its cells are those of the force; reaches beyond the horizon
@@ -94,12 +94,12 @@ class CellForce:
         )
 
 
-def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
+def _start_force(problem: MomentProblem, *, span: float, tolerance: float) -> _CellForce:
     """Return a force that is near the best one on cells of the first, coarse mesh."""
     guess = guess_horizon(problem, span=span)
     for _ in range(REBUILDS):
         mesh = build_mesh(problem, MARGIN * guess)
-        found = improve(_fit_squares(mesh, guess), span=span, tolerance=tolerance)
+        found = _improve(_fit_squares(mesh, guess), span=span, tolerance=tolerance)
         if LEAST_SHARE * mesh.horizon < found.horizon < mesh.horizon:
             break
         guess = found.horizon
@@ -125,7 +125,7 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     return exp(guess)
 
 
-def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
+def _improve(begun: _CellForce, *, span: float, tolerance: float) -> _CellForce:
     """Return the force after enough Newton steps.
 
     At the optimum the force is the sign of σ, and its moments vanish. The sign is smoothed over a
@@ -164,7 +164,7 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     return replace(begun, coefficients=c, force=force, horizon=horizon)
 
 
-def refine_cells(coarse: CellForce) -> CellForce:
+def _refine_cells(coarse: _CellForce) -> _CellForce:
     """Return the force on divided cells, where σ may change sign."""
     mesh, problem = coarse.mesh, coarse.mesh.problem
     sigma = coarse.weights @ mesh.values
@@ -189,7 +189,7 @@ def _means(mesh: Mesh) -> Array:
     return np.asarray(0.5 * (values[:, :-1] + values[:, 1:]) + bent)
 
 
-def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
+def _fit_squares(mesh: Mesh, horizon: float) -> _CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
     means = _means(mesh)
     size, weight = mesh.problem.size, _weights(mesh, horizon)
@@ -198,7 +198,7 @@ def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
     inverse = dgesv(triangle, np.eye(size))[2]
     psi, basis = means[-1], inverse.T.dot(means[:-1])
-    return CellForce(
+    return _CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
@@ -244,7 +244,7 @@ TO_BOUNDARY = 0.9
 """Longest step, as a share of the one that closes an arc."""
 
 
-def sign_jumps(count: int, *, first_sign: float) -> Array:
+def _sign_jumps(count: int, *, first_sign: float) -> Array:
     """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0."""
     jumps = np.full(count + 1, 2.0 * first_sign)
     jumps[1::2] *= -1.0
@@ -252,7 +252,7 @@ def sign_jumps(count: int, *, first_sign: float) -> Array:
     return jumps
 
 
-def refine_control(mesh: Mesh, start: Control, *, span: float) -> Control | None:
+def _refine_control(mesh: Mesh, start: Control, *, span: float) -> Control | None:
     """Return the stationary control next to another; None where there is no feasible one.
 
     All functions are scaled by their moments' size: φ by ∫|φ|, ψ by the span. So σ / span is the
@@ -261,7 +261,7 @@ def refine_control(mesh: Mesh, start: Control, *, span: float) -> Control | None
     Source: docs/optimal-control.md, section 3.
     """
     problem, k = mesh.problem, start.zeros.size
-    jumps = sign_jumps(k, first_sign=start.first_sign)
+    jumps = _sign_jumps(k, first_sign=start.first_sign)
     scale = np.concatenate((mesh.norms(start.horizon) + TINY, (span,)))
     inverse, target = 1.0 / scale, np.zeros(scale.size)
     target[-1] = 1.0
@@ -384,12 +384,12 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         NO_CONVERGENCE if no attempt is feasible; how far the bound stays behind is left to the
         certificate.
     """
-    cells = start_force(problem, span=span, tolerance=TOLERANCES[0])
+    cells = _start_force(problem, span=span, tolerance=TOLERANCES[0])
     best = exchange_zeros(cells.mesh, cells.control, span)
     for tolerance in TOLERANCES[1:]:
         if best and best.gap <= AGREEMENT:
             return best
-        cells = improve(cells, span=span, tolerance=tolerance)
+        cells = _improve(cells, span=span, tolerance=tolerance)
         best = _better(best, exchange_zeros(cells.mesh, cells.control, span))
     # Finer starts help the structure, not the digits that nearly dependent functions cost.
     is_worth = ROUNDING * independence(problem, cells.horizon) > ROUNDOFF
@@ -399,7 +399,7 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         for start in (cells.control, prove_time(cells.mesh, cells.control, span=span)):
             best = _better(best, exchange_zeros(cells.mesh, start, span))
         tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
-        cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
+        cells = _improve(_refine_cells(cells), span=span, tolerance=tolerance)
     if best is None:
         detail = Message("no-control-reaches-rest", span=span, t_f=cells.horizon)
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
@@ -420,7 +420,7 @@ def exchange_zeros(mesh: Mesh, start: Control, span: float) -> Attempt | None:
     """
     best = None
     for _ in range(EXCHANGES):
-        control = refine_control(mesh, start, span=span)
+        control = _refine_control(mesh, start, span=span)
         if control is None:
             if best or start.zeros.size < 2:
                 break

@@ -56,7 +56,7 @@ LEAST_TOLERANCE = 2e-4
 """Relative change of the smallest bound, over time and cells, that counts as none."""
 
 
-def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
+def _smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
     """Return the factor of all bounds below which the target is out of reach at any time."""
     least, time = inf, LEAST_TIMES[0]
     for share in LEAST_TIMES:
@@ -162,7 +162,7 @@ def exchange(
     return found
 
 
-def first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
+def _first_edges(problem: BoundedProblem, t_f: float, *, radians: float) -> Array:
     """Return even edges; of a long move close together at its ends and those of its cruise."""
     cell = radians / problem.vibration_rate
     if t_f / cell < MOST_CELLS[bool(problem.ramp == inf)]:
@@ -231,7 +231,7 @@ def _is_still(earlier: Cells, found: Cells) -> bool:
 
 
 def _evenly(problem: BoundedProblem, t_f: float, *, near: Cells | None = None) -> Cells:
-    edges = first_edges(problem, t_f, radians=RADIANS_PER_CELL)
+    edges = _first_edges(problem, t_f, radians=RADIANS_PER_CELL)
     start = near.basis if near is not None and near.force.size == edges.size - 1 else None
     points = at_ends(problem, edges)
     if near is not None:  # what the free motions of another time have asked for
@@ -259,7 +259,7 @@ def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> Com
     named = describe_bounds(problem.plant, problem.bounds)
     if longest.t_f > HORIZON * t_free:
         return beyond_time(problem, longest)
-    least = smallest_factor(problem, t_free=t_free)
+    least = _smallest_factor(problem, t_free=t_free)
     if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
         detail = Message("grid-search-stopped", t_f=longest.t_f)
         return ComputationError(Outcome.NO_CONVERGENCE, detail)

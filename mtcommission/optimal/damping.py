@@ -74,7 +74,7 @@ SHORTEST_ARC = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SaturatedProblem:
+class _SaturatedProblem:
     """The scaled problem; z is extended by the constant bound, N = 2 n + 1."""
 
     # Shape (3, N, N) [1/s]: of an arc inside, at the upper, at the lower limit (0, 1, -1).
@@ -97,7 +97,7 @@ class SaturatedProblem:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Iterate:
+class _Iterate:
     """States and adjoints for given arcs, in pieces of ``CELLS`` cells each, and their worth."""
 
     bound: float  # Magnitude of the saturated control, in units of F_max
@@ -124,10 +124,9 @@ def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
     return scales
 
 
-def scale_problem(
+def _scale_problem(
     plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[Weight, ...]
-) -> SaturatedProblem:
-    """Return the scaled problem of eq. (5)."""
+) -> _SaturatedProblem:
     n = plant.order
     # Any time will do as the unit of the adjoint; the lag makes that of the force one.
     T = plant.force_lag or 1.0 / plant.fastest_rate
@@ -150,7 +149,7 @@ def scale_problem(
     for power in range(1, TERMS):
         series[:, power] = series[:, power - 1] @ generators / (power * rate)
     target, fixed = terminal_target(plant, move)
-    return SaturatedProblem(
+    return _SaturatedProblem(
         generators=generators,
         control_row=control_row,
         series=series,
@@ -164,7 +163,7 @@ def scale_problem(
     )
 
 
-def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: float) -> Iterate:
+def _follow(problem: _SaturatedProblem, edges: Array, labels: Labels, *, bound: float) -> _Iterate:
     """Return the states and adjoints that meet both ends of the move with the given arcs."""
     lengths = np.diff(edges)
     counts = np.maximum(1.0, np.ceil(lengths * (problem.rate / PIECE_ANGLE))).astype(np.int64)
@@ -184,7 +183,7 @@ def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: f
     at = CELLS * piece[:, None] + np.arange(CELLS + 1)
     w, label = z @ problem.control_row, labels[owner]
     control = np.where(label[:, None] == 0, w, label[:, None] * bound)
-    return Iterate(
+    return _Iterate(
         bound=bound,
         edges=edges,
         arc_labels=labels,
@@ -197,7 +196,7 @@ def _follow(problem: SaturatedProblem, edges: Array, labels: Labels, *, bound: f
     )
 
 
-def _starts(problem: SaturatedProblem, flow: Array, owner: Labels, *, bound: float) -> Array:
+def _starts(problem: _SaturatedProblem, flow: Array, owner: Labels, *, bound: float) -> Array:
     """Return z at the start of each piece, given the flow over a piece of each arc, (n_pieces, N).
 
     Ends of all pieces are unknown together: x = 0, then the flow over each piece, then the target;
@@ -223,7 +222,7 @@ def _starts(problem: SaturatedProblem, flow: Array, owner: Labels, *, bound: flo
     return np.column_stack([z.reshape(-1, width)[:-1], np.full(count, bound)])
 
 
-def _crossings(problem: SaturatedProblem, now: Iterate) -> tuple[Array, Labels]:
+def _crossings(problem: _SaturatedProblem, now: _Iterate) -> tuple[Array, Labels]:
     """Return edges and labels of the arcs on which the unlimited control is beyond the limit."""
     rate = now.z @ (problem.control_row @ problem.generators[0])
     w = now.control
@@ -269,7 +268,7 @@ def _crossed(cubics: Array, level: float) -> tuple[NDArray[np.intp], Array]:
 
 
 def _control_at(
-    problem: SaturatedProblem, now: Iterate, cells: NDArray[np.intp], tau: Array
+    problem: _SaturatedProblem, now: _Iterate, cells: NDArray[np.intp], tau: Array
 ) -> tuple[Array, Array]:
     """Return w and its rate at times after the starts of cells [s]."""
     piece, cell = np.divmod(cells, CELLS)
@@ -280,7 +279,7 @@ def _control_at(
     return (terms * powers).sum(axis=1), problem.rate * slope
 
 
-def _settle(problem: SaturatedProblem, first: Iterate, *, bound: float, goal: float) -> Iterate:
+def _settle(problem: _SaturatedProblem, first: _Iterate, *, bound: float, goal: float) -> _Iterate:
     best = _follow(problem, first.edges, first.arc_labels, bound=bound)
     now = best
     for _ in range(ITERATIONS):
@@ -298,14 +297,8 @@ def _settle(problem: SaturatedProblem, first: Iterate, *, bound: float, goal: fl
     return best
 
 
-def solve_saturated(problem: SaturatedProblem, *, force_unit: str) -> Iterate:
-    """Return the solution, lowering the limit to F_max by degrees if one step will not do.
-
-    Raises
-    ------
-    ComputationError
-        NO_CONVERGENCE, also where t_f is below the shortest time.
-    """
+def _solve_saturated(problem: _SaturatedProblem, *, force_unit: str) -> _Iterate:
+    """Return the solution, lowering the limit to F_max by degrees if one step will not do."""
     whole = np.array([0.0, problem.t_f])
     reached = _follow(problem, whole, np.zeros(1, dtype=np.int64), bound=1.0)
     limit = 1.0 + reached.violation
@@ -363,8 +356,8 @@ def solve_damping_optimal(
     >>> round(best.cost / 1e3), [arc.control for arc in best.arcs][:2]
     (449, [Bang(side=1), Interior()])
     """
-    problem = scale_problem(plant, move, force_limit=force_limit, t_f=t_f, weights=weights)
-    found = solve_saturated(problem, force_unit=plant.force_unit)
+    problem = _scale_problem(plant, move, force_limit=force_limit, t_f=t_f, weights=weights)
+    found = _solve_saturated(problem, force_unit=plant.force_unit)
     arcs = _arcs(problem, found)
     target, fixed = terminal_target(plant, move)
     motion = follow_control(plant, arcs, rate=problem.rate)
@@ -386,7 +379,7 @@ def solve_damping_optimal(
     )
 
 
-def _arcs(problem: SaturatedProblem, found: Iterate) -> tuple[Arc, ...]:
+def _arcs(problem: _SaturatedProblem, found: _Iterate) -> tuple[Arc, ...]:
     """Return one arc where the force is saturated, and one for each piece where it is not."""
     F, width = problem.force_limit, 2 * problem.target.size
     generator, output = problem.generators[0, :width, :width], F * problem.control_row[:width]

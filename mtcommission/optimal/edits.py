@@ -67,14 +67,14 @@ def _solve_edited(problem: BoundedProblem, guess: Sequence) -> Found | None:
         if following is None or not _may_be_solved(problem, following):
             break
         extremal = solve_sequence(problem, following)
-        found = accepted(problem, extremal)
+        found = _accepted(problem, extremal)
         if found is not None and (best is None or found.gap < max(best.gap, CLOSED_GAP)):
             best = found
-        following = pruned(problem, extremal, least=VANISHED)
+        following = _pruned(problem, extremal, least=VANISHED)
         if following is None and found is not None:  # it may hold slivers at no cost
-            following = pruned(problem, extremal, least=SLIVER)
+            following = _pruned(problem, extremal, least=SLIVER)
         if following is None and extremal.residual <= RESIDUAL:
-            following = with_short_arc(problem, extremal)
+            following = _with_short_arc(problem, extremal)
     return best
 
 
@@ -86,7 +86,7 @@ def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
     return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
 
 
-def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
+def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
     """Return the control of a solved sequence with its proof, or None."""
     sequence = extremal.sequence
     if extremal.residual > RESIDUAL or min(p.duration for p in sequence.pieces) <= 0.0:
@@ -95,7 +95,7 @@ def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
     return prove(problem, arcs, extremal.measure, touch_points(sequence), is_exact=True)
 
 
-def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
+def _pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
     """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
     sequence = extremal.sequence
     shared = _shared(sequence.pieces)
@@ -138,7 +138,7 @@ def _at_arc(sequence: Sequence, point: Atom, *, near: float) -> bool:
     )
 
 
-def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     """Return the sequence with an arc where a bound of order 1 is exceeded most; None if nowhere.
 
     Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and

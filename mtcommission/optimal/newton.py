@@ -34,8 +34,6 @@ LARGEST_STEP = 0.2
 FURTHEST_BACK = 100.0
 """Longest negative duration that is tried, in radians of the fastest rate: the responses run
 backwards grow with its exponential."""
-GROWTH = 1e4
-"""Growth of the residual at which full Newton steps are given up for damped ones."""
 SINGULAR = 1e-13
 """Share of the largest singular value below which a direction is left alone."""
 
@@ -104,10 +102,7 @@ Condition = tuple[Array, Array]
 def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
     """Return the extremal of a given sequence by Newton's method."""
     system = _system(problem, guess)
-    first = _first_point(system)
-    point = _undamped(system, first)
-    if point.norm > RESIDUAL:
-        point = _damped(system, first)
+    point = _solved(system, _first_point(system))
     return Extremal(
         sequence=_placed(system, guess, point.unknowns),
         measure=_measure(system, point),
@@ -115,23 +110,7 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
     )
 
 
-def _undamped(system: _System, point: _Point) -> _Point:
-    """Return where full Newton steps lead; a residual may grow on the way to a solution."""
-    limit = GROWTH * point.norm
-    for _ in range(STEPS):
-        following = _tried(system, point, _step(system, point, 0.0))
-        if following is None or not following.norm < limit:
-            break
-        if point.norm < RESIDUAL and following.norm >= point.norm:
-            break
-        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
-        point = following
-        if done:
-            break
-    return point
-
-
-def _damped(system: _System, point: _Point) -> _Point:
+def _solved(system: _System, point: _Point) -> _Point:
     damping = 1e-9
     for _ in range(STEPS):
         if point.norm < 1e-14:

@@ -127,8 +127,9 @@ def _settled(
     j = 0 it is an atom, for the others its largest value over all motions is the slack.
     """
     limit = problem.limits[index]
-    weights = adjoint @ limit.impulses
-    worth = np.append(1.0, largest_outputs(problem, limit.output_chain[1:], t_f=t_f))
+    weights, higher = adjoint @ limit.impulses, limit.output_chain[1:]
+    sizes = _integrals_of_sizes(problem, higher, np.full(len(higher), t_f))
+    worth = np.append(1.0, problem.force_limit * sizes)
     return adjoint - weights @ limit.output_chain, float(np.abs(weights) @ worth)
 
 
@@ -278,15 +279,6 @@ def _integrals_of_sizes(problem: BoundedProblem, rows: Array, lengths: Array) ->
     return np.asarray(each)
 
 
-def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Array:
-    """Return bounds of |row x| over all motions of a duration from rest, for rows of shape (k, n).
-
-    The rows are 0 for the position.
-    """
-    sizes = _integrals_of_sizes(problem, rows, np.full(len(rows), t_f))
-    return np.asarray(problem.force_limit * sizes)
-
-
 def _sizes(problem: BoundedProblem, adjoint: Array) -> tuple[Array, Array]:
     """Return what each exponential and what 1, τ and τ²/2 have in σ, in magnitude, at most."""
     known = in_moments(problem.plant)
@@ -350,14 +342,14 @@ def prove(
     motion = follow_control(problem.plant, arcs)
     error = np.abs(motion.final - problem.target)[problem.fixed]
     share = error / motion.peaks[: problem.plant.order][problem.fixed]
-    if peak_level(problem, motion) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
+    if _peak_level(problem, motion) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
         return None
     dual = weigh(problem, replace(measure, t_f=arcs[-1].t_end))
     found = Found(motion=motion, dual=dual, touches=touches, is_exact=is_exact)
     return found if found.gap <= GAP or not is_exact else None
 
 
-def peak_level(problem: BoundedProblem, motion: FollowedMotion) -> float:
+def _peak_level(problem: BoundedProblem, motion: FollowedMotion) -> float:
     """Return the largest peak of the bounded signals and of the force, relative to its bound."""
     signals = problem.plant.signals
     peaks = [
