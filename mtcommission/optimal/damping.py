@@ -23,7 +23,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
-from scipy.linalg import solve_banded
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
@@ -48,8 +47,8 @@ from mtcommission.optimal.control import (
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-PIECE_ANGLE, CELLS = 8.0, 32
-"""Longest piece times the fastest eigenvalue [-], within which the flow grows by at most e^8, and
+PIECE_ANGLE, CELLS = 4.0, 16
+"""Longest piece times the fastest eigenvalue [-], within which the flow grows by at most e^4, and
 its cells: cubic interpolation on a quarter radian isolates every crossing (empirical)."""
 TERMS = 20
 """Of the power series of a flow over one cell: 1 / 20! leaves room for a norm four times as large
@@ -199,27 +198,53 @@ def _follow(problem: _SaturatedProblem, edges: Array, labels: Labels, *, bound: 
 def _starts(problem: _SaturatedProblem, flow: Array, owner: Labels, *, bound: float) -> Array:
     """Return z at the start of each piece, given the flow over a piece of each arc, (n_pieces, N).
 
-    Ends of all pieces are unknown together: x = 0, then the flow over each piece, then the target;
-    where no state is prescribed, its adjoint is 0. Errors grow by no more than one piece's flow.
+    What a stretch of pieces does is told from both of its ends, x_b and λ_a by x_a and λ_b:
+    states are carried forwards and adjoints backwards, the directions in which each decays, so
+    nothing grows with the length, and two stretches make one. Stretches of the same pieces do the
+    same, and are joined once.
     """
-    n, count = problem.target.size, owner.size
-    width, size = 2 * n, 2 * n * (count + 1)
-    below, above = 3 * n - 1, 2 * n - 1
-    bands, right = np.zeros((below + above + 1, size)), np.zeros(size)
-
-    def put(rows: Labels, columns: Labels, values: Array | float) -> None:
-        bands[above + rows - columns, columns] = values
-
-    first, own = np.arange(n), np.arange(width)
-    put(first, first, 1.0)
-    starts = width * np.arange(count)[:, None, None]
-    put(n + starts + own[:, None], starts + own, flow[owner, :-1, :-1])
-    put(n + starts[:, 0] + own, width + starts[:, 0] + own, -1.0)
-    right[n:-n] = -bound * flow[owner, :-1, -1].ravel()
-    put(size - n + first, size - width + np.where(problem.fixed, first, n + first), 1.0)
-    right[-n:] = np.where(problem.fixed, problem.target, 0.0)
-    z = solve_banded((below, above), bands, right, overwrite_ab=True, check_finite=False)
-    return np.column_stack([z.reshape(-1, width)[:-1], np.full(count, bound)])
+    n, kind = problem.target.size, owner
+    # From the second line of the flow, λ_a = S (λ_b - flow_21 x_a - offset_2).
+    S = np.linalg.inv(flow[:, n:-1, n:-1])
+    adjoint = np.concatenate([-S @ flow[:, n:-1, :n], S, -bound * S @ flow[:, n:-1, -1:]], axis=2)
+    state = flow[:, :n, n:-1] @ adjoint
+    state[:, :, :n] += flow[:, :n, :n]
+    state[:, :, -1] += bound * flow[:, :n, -1]
+    joints = []
+    while len(kind) > 1:
+        last = len(kind) // 2 * 2
+        pairs = kind[:last:2] * len(state) + kind[1:last:2]
+        distinct, same = np.unique(pairs, return_inverse=True)
+        one, other = np.divmod(distinct, len(state))
+        left, right = state[one], adjoint[other]
+        mixed = left.copy()  # x in the middle: (1 - Q R) x = P x_a + Q (S λ_b + q) + r
+        mixed[:, :, n:] = left[:, :, n:-1] @ right[:, :, n:]
+        mixed[:, :, -1:] += left[:, :, -1:]
+        x = np.linalg.solve(np.eye(n) - left[:, :, n:-1] @ right[:, :, :n], mixed)
+        between = right[:, :, :n] @ x  # λ there
+        between[:, :, n:] += right[:, :, n:]
+        joints.append((np.concatenate([x, between], axis=1), same))
+        joined = state[other, :, :n] @ x
+        joined[:, :, n:] += state[other, :, n:]
+        before = adjoint[one, :, n:-1] @ between
+        before[:, :, :n] += adjoint[one, :, :n]
+        before[:, :, -1:] += adjoint[one, :, -1:]
+        state = np.concatenate([joined, state[kind[last:]]])
+        adjoint = np.concatenate([before, adjoint[kind[last:]]])
+        kind = np.append(same, np.arange(len(distinct), len(state)))
+    # At t_f a state is prescribed, or its adjoint is 0.
+    state, adjoint = state[kind[0]], adjoint[kind[0]]
+    rows = np.where(problem.fixed[:, None], state[:, n:-1], np.eye(n))
+    wanted = np.where(problem.fixed, problem.target - state[:, -1], 0.0)
+    end = np.concatenate([np.zeros(n), np.linalg.solve(rows, wanted), [1.0]])
+    z = np.array([[*np.zeros(n), *(adjoint @ end)], [*(state @ end), *end[n:-1]]])
+    for joint, same in reversed(joints):
+        ends = np.column_stack([z[: len(same), :n], z[1 : len(same) + 1, n:]])
+        middle = np.empty_like(ends)
+        for i, own in enumerate(joint):
+            middle[same == i] = ends[same == i] @ own[:, :-1].T + own[:, -1]
+        z = np.insert(z, np.arange(1, len(same) + 1), middle, axis=0)
+    return np.column_stack([z[:-1], np.full(len(owner), bound)])
 
 
 def _crossings(problem: _SaturatedProblem, now: _Iterate) -> tuple[Array, Labels]:
