@@ -117,8 +117,9 @@ class MomentProblem:
 
 def powers_of_time(tau: NDArray[Any], highest: int) -> NDArray[Any]:
     """Return 1, τ, τ²/2, ..., shape (highest + 1, ...)."""
-    powers = np.ones((highest + 1, *tau.shape), dtype=tau.dtype)
-    for k in range(1, highest + 1):
+    powers = np.empty((highest + 1, *tau.shape), dtype=tau.dtype)
+    powers[0], powers[1:2] = 1.0, tau
+    for k in range(2, highest + 1):
         powers[k] = powers[k - 1] * tau / k
     return powers
 
@@ -205,28 +206,26 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
     return np.asarray(values.T @ known.back.T).reshape(*tau.shape, plant.order)
 
 
-def advance(plant: Plant, states: Array, tau: Array) -> Array:
-    """Return expm(A τ) x of many states and times, (..., n) and (...)."""
+def driven(plant: Plant, states: Array, force: Array | float, tau: Array) -> Array:
+    """Return the states a time τ later, (..., n), under a constant force, (...)."""
     tau, known = np.asarray(tau, dtype=np.float64), in_moments(plant)
     functions, moments = known.functions, states @ known.rows.T
-    one, powers = functions.one, powers_of_time(tau, functions.degree)
-    turned = functions.modal(moments).conj() * np.exp(np.multiply.outer(tau, functions.rates))
-    moved = np.zeros((*turned.shape[:-1], plant.order))
+    one, powers = functions.one, powers_of_time(tau, functions.degree + 1)
+    modal = functions.modal(moments).conj()
+    less_one = np.expm1(np.multiply.outer(tau, functions.rates))
+    turned = modal + less_one * (modal + np.multiply.outer(force, 1.0 / functions.rates))
+    moved = np.empty((*turned.shape[:-1], plant.order))
     moved[..., :one] = turned.view(np.float64)[..., :one]
     for k in range(functions.degree + 1):
+        moved[..., one + k] = powers[k + 1] * force
         for j in range(k + 1):
             moved[..., one + k] += powers[k - j] * moments[..., one + j]
     return np.asarray(moved @ known.back.T)
 
 
-def driven(plant: Plant, states: Array, force: Array, tau: Array) -> Array:
-    """Return the states a time τ later, (..., n), under a constant force, (...)."""
-    return advance(plant, states, tau) + step_response(plant, tau) * force[..., np.newaxis]
-
-
 def transition(plant: Plant, tau: Array) -> Array:
     """Return expm(A τ)."""
-    columns = advance(plant, np.eye(plant.order), np.asarray(tau)[..., np.newaxis])
+    columns = driven(plant, np.eye(plant.order), 0.0, np.asarray(tau)[..., np.newaxis])
     return np.asarray(np.swapaxes(columns, -1, -2))
 
 
