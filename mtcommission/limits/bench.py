@@ -264,17 +264,12 @@ class Use:
     def of_rest(self, a: float, t_j: float) -> float:
         """Return the largest share of what is judged during the move, in some sizes [-]."""
         bench, used = self.bench, 0.0
-        during = list(zip(bench.asked.during, bench.left_during, strict=True))
-        # Far from the limit a response need not be looked at.
-        is_far = all(
-            requirement.at_most(bench.machine, a) < left
-            for swings, own in during
-            for requirement, left in zip(swings.requirements, own, strict=True)
-        )
-        if is_far:
-            return used
         shares = np.array(SIZES) if bench.every_size else np.ones(1)
-        for swings, left in during:
+        for swings, left in zip(bench.asked.during, bench.left_during, strict=True):
+            # Far from the limit a response need not be looked at.
+            most = [requirement.at_most(bench.machine, a) for requirement in swings.requirements]
+            if np.all(most < left):
+                continue
             for move in swings.moves:
                 worst = self._worst_during(swings, self._sizes(move, shares, a, t_j))
                 used = max(used, float((worst / left).max()))
