@@ -7,12 +7,13 @@ literature, widened generously.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import inf, isinf, log
+from math import inf, isinf, log, pi
 
 from mtcommission.base.messages.catalogue import NAME, Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import convert_to
 from mtcommission.controls.kind import ControlKind
+from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.identified import MOST_MISFIT
 from mtcommission.machine.machine import Machine, Motion, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
@@ -266,6 +267,14 @@ def say_filter(item: SetpointFilter | None, words: Catalogue) -> str:
     """Return a setpoint filter with its numbers; None is "none"."""
     (_, kind), *numbers = filter_rows(item, words)
     return " ".join([kind, *([", ".join(value for _, value in numbers)] if numbers else [])])
+
+
+def name_filter(item: ForceFilter) -> Message:
+    """Return what a filter of the set force is called, with its numbers."""
+    frequency = item.natural_frequency / (2.0 * pi)
+    if item.kind is FilterKind.LOW_PASS:
+        return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)
+    return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
 
 
 def say_jerk(

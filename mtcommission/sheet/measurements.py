@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
+from mtcommission.machine.checks import name_filter, say_filter
 from mtcommission.record.machine import Datum, datum, datum_name
 from mtcommission.record.moves import MoveEntry
 from mtcommission.record.read_back import Verified
@@ -197,7 +198,7 @@ def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Blo
     if not inputs:
         yield Paragraph(text=text("no-changed-inputs"))
     outcome = [
-        *_of(_limits(), before, after, words),
+        *_of(_limits(words), before, after, words),
         *_moves(before, after, words),
         *_of(_loop(words), before, after, words),
     ]
@@ -255,11 +256,12 @@ def _datum(item: Datum | None, record: Record, words: Catalogue) -> str:
     return words.text("not-stated") if item is None else datum(item, record.plant.units, words)
 
 
-def _limits() -> Iterator[Quantity]:
+def _limits(words: Catalogue) -> Iterator[Quantity]:
     of_recommended = attrgetter("limits.recommended")
     limits = (ACCELERATION, Quantity("jerk", "jerk", "m/s^3"), JERK_TIME)
     for one in (*limits, Quantity("bound-by-column", "bound_by")):
         yield one.within(of_recommended)
+    yield Quantity("setpoint-filter", partial(_setpoint_filter, words))
     yield Quantity("verdict-met", "assessment.met")
     yield from (one.within(of_recommended) for one in (SETTLING, RESIDUAL, PEAK))
 
@@ -268,12 +270,22 @@ def _loop(words: Catalogue) -> Iterator[Quantity]:
     of_loop = attrgetter("loop")
     yield from (replace(one, name=words.name(str(one.name))).within(of_loop) for one in PATH_GAINS)
     yield Quantity("reference-delay", "loop.reference_delay", "s")
+    yield Quantity("compared-force-filters", partial(_force_filters, words))
     feedback = capitalised(words.text("has-state-feedback"))
     yield Quantity(feedback, lambda record: bool(record.loop.state_feedback))
     for one in (GAIN_MARGIN, PHASE_MARGIN):
         name = f"{one.head(words)}, {words.text('worst-corner')}"
         yield Quantity(name, partial(_in_worst_corner, one, words))
     yield BANDWIDTH.within(of_loop)
+
+
+def _setpoint_filter(words: Catalogue, record: Record) -> str:
+    return say_filter(record.limits.recommended.setpoint_filter, words)
+
+
+def _force_filters(words: Catalogue, record: Record) -> str:
+    named = [words.say(name_filter(item)) for item in record.loop.force_filters]
+    return "; ".join(named) or words.text("no-setpoint-filter")
 
 
 def _in_worst_corner(quantity: Quantity, words: Catalogue, record: Record) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, pi
+from math import inf, isfinite
 from typing import Any
 
 from mtcommission.base.messages.message import Message
@@ -31,7 +31,8 @@ from mtcommission.loop.tuning.family import (
 from mtcommission.loop.tuning.gains import CLASSIC, Shape
 from mtcommission.loop.tuning.tuned import TUNING, TunedLoop
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.checks import name_filter
+from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -351,14 +352,6 @@ def describe_loop(controller: Controller) -> list[Message]:
     )
     filters = tuple(map(name_filter, controller.force_filters))
     return [gains, *([Message("simulated-with-filters", filters=filters)] if filters else [])]
-
-
-def name_filter(item: ForceFilter) -> Message:
-    """Return what a filter of the set force is called, with its numbers."""
-    frequency = item.natural_frequency / (2.0 * pi)
-    if item.kind is FilterKind.LOW_PASS:
-        return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)
-    return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
 
 
 def disturb(loop: LoopChoice) -> dict[str, DisturbanceStep]:

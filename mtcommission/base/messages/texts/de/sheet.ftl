@@ -22,7 +22,7 @@ not-settled = nicht eingeschwungen
 unlimited = unbegrenzt
 no-jerk-limit = ohne Grenze
 setpoint-filter = Sollwertfilter
-no-setpoint-filter = keines
+no-setpoint-filter = keiner
 # $kind: des Sollwertfilters; $shaper: sein Name in Großbuchstaben; $count: der Koeffizienten
 filter-name = { $kind ->
     [moving_average] gleitender Mittelwert
@@ -207,6 +207,7 @@ differences-heading = Änderungen seit dem früheren Blatt
 compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am { $created }, Profil { $name }, SHA-256 { $hash }.
 changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
 no-changed-inputs = Maschine, Bewegungen und Anforderungen sind auf beiden Blättern dieselben.
+compared-force-filters = Filter im { word-force-before }sollwert
 changed-outcome = Grenzwerte, Ergebnis und Regelkreis: was sich geändert hat
 before = Vorher
 after = Nachher

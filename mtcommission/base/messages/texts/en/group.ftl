@@ -48,7 +48,7 @@ group-radius = Radius
 group-radius-deviation = Radius error
 group-form-deviation = Form
 group-peak = Peak { $name }
-group-circle-of = Circle of { LENGTH($radius) }
+group-circle-of = Circle, radius { LENGTH($radius) }
 group-corner-told = Corners: { $kind ->
     [arc] { $name } { LENGTH($value) } of the tolerance for the arc.
     [junction] { $name } { VELOCITY($value) } (speed at 90°).
@@ -78,8 +78,8 @@ group-part-path = Path of all axes
 group-export-not-met = THE GROUP DOES NOT MEET ALL REQUIREMENTS: { $checks }.
 group-export-title = { $name }, axes { $axes }: limits and loops that go together, for { $control }
 # $radius: mm, $feed: m/min
-group-export-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; as in the record but for rounding, by 0.1 um or 1 % at most.
-group-export-other-circle = Circle of { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; NOT AS IN THE RECORD: radius { $planned }, form { $planned_form }. The control lacks what the group counts on, or rounds it: compute the profiles for this control.
+group-export-circle = Circle, radius { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; as in the record but for rounding, by 0.1 um or 1 % at most.
+group-export-other-circle = Circle, radius { NUMBER($radius, digits: 4) } mm at { NUMBER($feed, digits: 4) } m/min, simulated from this text, worst case, friction apart: radius { $deviation }, form { $form }; NOT AS IN THE RECORD: radius { $planned }, form { $planned_form }. The control lacks what the group counts on, or rounds it: compute the profiles for this control.
 group-export-line = Lines up to { NUMBER($feed, digits: 4) } m/min, simulated from this text, in the worst direction: off by { $deviation }.
 group-export-of = Axis { $name }: { $said }
 group-export-without-place = NOT IN THIS TEXT, for no place of it is known in this control: { $values }.
@@ -130,7 +130,7 @@ group-contours-heading = Circle and corner, and what to measure
 group-missed = Not kept: { $checks }.
 group-path-acceleration = Path acceleration
 group-path-jerk = Path jerk
-group-together-caption = For all axes together ("(?)": not read in a maker's text, verify; ">": in the drive)
+group-together-caption = For all axes together; export group.json has every parameter, with its switches ("(?)": not read in a maker's text, verify; ">": in the drive)
 group-filter-chosen = settles first of those that leave circles alone
 group-filter-binds = allows the fastest circles
 group-bound-by-axis = limit of axis { $name }
@@ -144,7 +144,7 @@ group-corner-deviation = Corners: junction deviation
 group-corner-own = Corners: the control's own filter (not simulated)
 group-corner-none = no value
 group-corner-holds = tolerance: { FEED($speed) } at 90°, all on page 2
-group-each-caption = For each axis, as typed in; export group.json has every parameter
+group-each-caption = For each axis, as typed in
 group-axis-today = { $name } today
 group-axis-new = { $name } new
 group-axis-bound = Axis { $name } is bound by: { $by }.

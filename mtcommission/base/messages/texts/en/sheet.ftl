@@ -195,6 +195,7 @@ differences-heading = Changes since the earlier record
 compared-with = Compared with: { $machine }, axis { $axis_name }, calculated on { $created }, profile { $name }, SHA-256 { $hash }.
 changed-inputs = Machine, moves and requirements: what changed
 no-changed-inputs = Machine, moves and requirements are the same in both records.
+compared-force-filters = Filters of the set { word-force }
 changed-outcome = Limits, result and loop: what changed
 before = Before
 after = After
