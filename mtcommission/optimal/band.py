@@ -19,20 +19,13 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.cells import (
-    cell_arcs,
-    exchange,
-    finer,
-    finishes,
-    first_cells,
-    observe,
-    refined,
-)
+from mtcommission.optimal.cells import exchange, first_cells
 from mtcommission.optimal.control import Arc, Boundary, Interior, constant_arc
 from mtcommission.optimal.modes import free_peaks, free_row, in_moments
 from mtcommission.optimal.problem import BoundedProblem, all_bounds, bounded_problem
 from mtcommission.optimal.program import Cells
 from mtcommission.optimal.proof import require_followable
+from mtcommission.optimal.refine import cell_arcs, finer, finishes, observe, refined
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

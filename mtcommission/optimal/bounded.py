@@ -18,14 +18,7 @@ from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.moves import Move, least_motion_time
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.optimal.cells import (
-    MOST_RADIANS,
-    Seen,
-    cell_arcs,
-    finishes,
-    first_cells,
-    refined,
-)
+from mtcommission.optimal.cells import first_cells
 from mtcommission.optimal.control import (
     Bound,
     Certificate,
@@ -49,6 +42,7 @@ from mtcommission.optimal.problem import (
     describe_bounds,
 )
 from mtcommission.optimal.proof import Found, prove, require_followable, slopes
+from mtcommission.optimal.refine import MOST_RADIANS, Seen, cell_arcs, finishes, refined
 from mtcommission.optimal.sequence import detect_sequence
 
 Array = NDArray[np.float64]

@@ -1,0 +1,359 @@
+"""Programs on finer and finer cells, until they prove the time that they take.
+
+The multipliers of one program tell where the next has its cells: at the zeros of σ and about the
+ends of arcs and touch points; well inside a boundary arc it has none but holds the bound. So proof
+and program come together, and what is left between them is the gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.cells import MOST_ENTRIES, RADIANS_PER_CELL, beyond_time, exchange, later
+from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
+from mtcommission.optimal.problem import ArcInterior, BoundedProblem
+from mtcommission.optimal.program import (
+    Cells,
+    Plan,
+    Points,
+    excess,
+    find_peaks,
+    solve_cells,
+)
+from mtcommission.optimal.proof import (
+    Dual,
+    Stretch,
+    densities,
+    require_followable,
+    slopes,
+    weigh,
+)
+from mtcommission.optimal.sequence import Structure, boundary_arc, detect_structure, local_cell
+
+Array = NDArray[np.float64]
+
+ROUNDS = 10
+"""Programs on finer and finer cells."""
+MOST_RADIANS = 3e5
+"""Fastest rate times t_f up to which a control under bounds is looked for."""
+PATIENCE = 2
+"""Programs in succession that prove less than the best one, after which the search ends."""
+LOST, BLIND = 0.05, 1
+"""Distance of the reach from 1 at which a program has not even found the time, and how many of the
+first ones may end so: their cells are too long for the bounds then."""
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+"""What the programs of the rounds may miss of bounds and target; the last from there on."""
+LEAST_HIDDEN, LARGE_SHARE = 3e-10, 0.01
+"""Share of the time that a zero of σ hides in its cell, and of the largest, from which its cell is
+divided."""
+BESIDE = 1.0 / 8.0
+"""Distance from a zero of further edges, in its cell: it moves when the program is solved again."""
+NEARBY = 3.0
+"""Cells about an acting point in which new edges become points, too."""
+MARGINS, SHORT = (3.0, 15.0), 0.7
+"""Cells between an interior and the ends of its arc, for orders 1 and 2 and for higher ones, and
+the share of its arc that they may take."""
+LEAST_ARCS = (0.0, 0.06)
+"""Share of t_f from which an arc has an interior, by order as before."""
+JUNCTIONS, BEYOND = (6, 30), 0.3
+"""Even cells at an end of an arc from its interior on, by order, and how far they go beyond."""
+WIDER, SETBACK = 4.0, 3.0
+"""Factor on that after a program that proves less than one before, and on the gap from which the
+one before is refined instead."""
+INSIDES, APART = 8, 0.3
+"""Edges inside an interior from each end on, for what looks at its cells, and the share of one that
+others keep from its ends."""
+WRONG, PARTING = 1e-6, 1e-6
+"""Share of the largest density that counts as none, and excess over another bound that parts an
+arc."""
+MOST_GROWTH = 10.0
+"""Growth of the motion over an interior, as exponent of e, from which no digits are left."""
+SEVERAL = 2
+"""Machines from which on no interiors are held: what no proof is asked of does without them."""
+LEAST_CELL = 1e-9
+"""Share of t_f that new edges keep from old ones."""
+FINISHES, SPARE = 16, 2e-9
+"""Programs until a control on cells keeps everything, and the reach that it has to spare."""
+POINT_EXCESS = 3e-8
+"""Excess over a bound that calls for another point then; less is paid for by time."""
+FULL = 1.0 - 1e-9
+"""Share of the force limit from which a cell is a bang arc, as is one within that of the next."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Seen:
+    """What the multipliers of a program show."""
+
+    cells: Cells
+    mesh: Array  # Its edges, and some in the interiors
+    dual: Dual  # Their worth
+    hidden: Array  # Share of the time that each zero of σ hides in its cell
+    structure: Structure
+    gap: float  # Relative distance of t_f from the time that they exclude
+
+
+def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
+    """Yield what programs on finer and finer cells show, until they become too large.
+
+    Raises
+    ------
+    ComputationError
+        MOVE_TOO_LONG; BEYOND_HORIZON where first cells are too long for the bounds.
+    """
+    require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
+    best, room, worse, edges = observe(problem, first), 1.0, 0, first.plan.edges
+    plan = _planned(problem, best, edges, first.acting, room=room)
+    for i in range(ROUNDS):
+        cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
+        if cells is None or abs(cells.reach - 1.0) > LOST:
+            if best.cells is first and i >= BLIND:
+                raise beyond_time(problem, first)
+            # The arcs that it holds are not those of the optimum: shorter cells show them.
+            edges = np.union1d(edges, 0.5 * (edges[1:] + edges[:-1]))
+            plan = Plan(edges=edges, points=best.cells.acting)
+        else:
+            seen = observe(problem, cells)
+            yield seen
+            if seen.gap < best.gap or best.cells is first:
+                best, worse = seen, 0
+            else:
+                # Points that crowd towards an arc look like its end: an interior there is too long.
+                room, worse = room * WIDER, worse + 1
+            if worse == PATIENCE:
+                return
+            base = best if seen.gap > SETBACK * best.gap else seen
+            plan = finer(problem, base, room=room)
+            edges = plan.edges
+        if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
+            return
+
+
+def observe(problem: BoundedProblem, cells: Cells) -> Seen:
+    """Return what the multipliers of a program show."""
+    measure, edges = cells.measure, cells.plan.edges
+    dual = weigh(problem, measure)
+    zeros, held = dual.zeros, _rightly_held(problem, dual.parts, measure.interiors)
+    mesh = _with_insides(problem, edges, measure.interiors, held)
+    structure = detect_structure(measure.atoms, mesh, held)
+    after = np.clip(np.searchsorted(edges, zeros), 1, edges.size - 1)
+    nearer = np.minimum(zeros - edges[after - 1], edges[after] - zeros)
+    along = abs(float(measure.terminal @ problem.target))
+    return Seen(
+        cells=cells,
+        mesh=mesh,
+        dual=dual,
+        # The program sees |∫ σ| of a cell only, so the smaller part of its zero's counts twice.
+        hidden=problem.force_limit * np.abs(slopes(problem, dual.parts, zeros)) * nearer**2 / along,
+        structure=structure,
+        # A reach below 1 is missing time.
+        gap=1.0 - dual.lower_bound / cells.t_f + max(1.0 - cells.reach, 0.0),
+    )
+
+
+def _with_insides(
+    problem: BoundedProblem,
+    edges: Array,
+    interiors: tuple[ArcInterior, ...],
+    held: list[ArcInterior],
+) -> Array:
+    """Return the edges with some in the interiors: about their ends, and where holding costs time.
+
+    An end has cells of one size on both sides.
+    """
+    more = [edges]
+    steps = np.arange(1, INSIDES + 1)
+    for one in interiors:
+        first, last = np.searchsorted(edges, [one.end, one.start])
+        cells = edges[first] - edges[first - 1], edges[min(last + 1, edges.size - 1)] - edges[last]
+        inside = [one.end + cells[0] * steps, one.start - cells[1] * steps]
+        kept = sorted((span.end, span.start) for span in held if one.end <= span.end < one.start)
+        stops = [one.end, *(stop for span in kept for stop in span), one.start]
+        for low, high in zip(stops[::2], stops[1::2], strict=True):
+            if high > low:
+                cell = (high - low) / INSIDES
+                count = max(INSIDES, int((high - low) * problem.vibration_rate / RADIANS_PER_CELL))
+                inside += [np.linspace(low, high, count + 1)]
+                inside += [low - cell * steps, high + cell * steps]
+        every = np.concatenate(inside)
+        more.append(every[(every > one.end) & (every < one.start)])
+    return np.unique(np.concatenate(more))
+
+
+def _rightly_held(
+    problem: BoundedProblem, parts: tuple[Stretch, ...], interiors: tuple[ArcInterior, ...]
+) -> list[ArcInterior]:
+    """Return where in the interiors the density has the sign of the side: where holding pays."""
+    found: list[ArcInterior] = []
+    for one in interiors:
+        middle = 0.5 * (one.start + one.end)
+        part = next(part for part in parts if part.end <= middle <= part.start)
+        density = one.side * densities(problem, part)[0]
+        tau = np.linspace(part.end, part.start, density.size)
+        right = density > -WRONG * np.abs(density).max()
+        turns = np.flatnonzero(np.diff(np.pad(right.astype(np.int8), 1)))
+        for first, stop in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
+            if stop - first > 1:
+                found.append(replace(one, end=float(tau[first]), start=float(tau[stop - 1])))
+    return found
+
+
+def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
+    """Return the next program: cells divided where σ changes sign.
+
+    The force may then switch there. About ends of arcs and touch points cells are halved.
+    """
+    edges, zeros = seen.mesh, seen.dual.zeros
+    arcs, widths = seen.structure.arcs, np.diff(edges)
+    around = widths[np.clip(np.searchsorted(edges, zeros), 1, widths.size) - 1]
+    on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden
+    for arc in arcs:
+        on_arc |= (arc.end <= zeros) & (zeros <= arc.start)
+    large = hidden > max(LEAST_HIDDEN, LARGE_SHARE * float(hidden.max(initial=0.0)))
+    moving = zeros[large & ~on_arc], BESIDE * around[large & ~on_arc]
+    points = seen.cells.acting
+    touched = [touch.remaining for touch in seen.structure.touches]
+    ends = [end for arc in arcs for end in (arc.start, arc.end)]
+    here = np.clip(np.searchsorted(edges, [*touched, *ends]), 1, widths.size).astype(np.intp)
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    beside = np.unique([here - 1, np.minimum(here, widths.size - 1)])
+    new = np.concatenate(
+        [zeros[large], moving[0] - moving[1], moving[0] + moving[1], middles[beside]]
+    )
+    inside = new[(new > 0.0) & (new < edges[-1])]
+    apart = np.abs(edges[np.searchsorted(edges, inside) - [[1], [0]]] - inside).min(axis=0)
+    finer = np.unique(np.concatenate([edges, inside[apart > LEAST_CELL * edges[-1]]]))
+    for k in range(len(problem.limits)):
+        own = np.sort(points.remaining[points.limit == k])
+        if own.size:
+            far = np.abs(finer[1:-1, np.newaxis] - own).min(axis=1)
+            near = finer[1:-1][far < NEARBY * np.maximum(*map(np.diff, (finer[1:], finer[:-1])))]
+            points = points.joined(near, np.full(near.size, k))
+    return _planned(problem, seen, finer, points, room=room)
+
+
+def _planned(
+    problem: BoundedProblem, seen: Seen, edges: Array, points: Points, *, room: float
+) -> Plan:
+    """Return a plan that holds the arcs well inside their ends."""
+    interiors, junctions, t_f = [], list[Array](), float(edges[-1])
+    for one in seen.cells.plan.interiors:
+        # What is not held any more needs cells.
+        count = int((one.start - one.end) * problem.vibration_rate / RADIANS_PER_CELL)
+        junctions.append(np.linspace(one.end, one.start, max(count, JUNCTIONS[1]) + 1))
+        points = points.joined(junctions[-1], np.full(junctions[-1].size, one.limit))
+    for arc in _parted(problem, seen) if len(problem.tails) < SEVERAL else ():
+        limit, length = problem.limits[arc.limit], arc.start - arc.end
+        is_high = limit.order > 2
+        early, late = (
+            room * MARGINS[is_high] * local_cell(seen.mesh, end) for end in (arc.start, arc.end)
+        )
+        if is_high:
+            early, late = min(early, 0.25 * length), min(late, 0.25 * length)
+        # Motion that grows on the arc leaves an interior no digits: points must do there. Points
+        # that touch in a row may look like a short arc where the order is above 2.
+        is_steady = limit.growth * length < MOST_GROWTH
+        is_long = early + late < SHORT * length and length > LEAST_ARCS[is_high] * t_f
+        if is_steady and is_long:
+            interiors.append(replace(arc, start=arc.start - early, end=arc.end + late))
+            steps = np.linspace(-BEYOND, 1.0, JUNCTIONS[is_high] + 1)
+            junctions += [arc.start - steps * early, arc.end + steps * late]
+    for new in junctions:
+        inside = new[(new > 0.0) & (new < t_f)]
+        apart = np.abs(edges[np.searchsorted(edges, inside) - [[1], [0]]] - inside).min(axis=0)
+        edges = np.union1d(edges, inside[apart > APART * abs(new[1] - new[0])])
+    ends = [end for one in interiors for end in (one.start, one.end)]
+    for one in interiors:
+        outside = np.sort(np.concatenate([edges[edges < one.end], edges[edges > one.start]]))
+        close = APART * np.gradient(outside)
+        edges = outside[(outside < one.end - close) | (outside > one.start + close)]
+        points = points.joined(np.array([one.start, one.end]), np.full(2, one.limit))
+    edges = np.unique(np.concatenate([edges, ends]))
+    return Plan(edges=edges, points=points, interiors=tuple(interiors))
+
+
+def _parted(problem: BoundedProblem, seen: Seen) -> list[ArcInterior]:
+    """Return the arcs between the places of other bounds that no interior may hold."""
+    cells, parts = seen.cells, list[ArcInterior]()
+    peaks = find_peaks(problem, cells)
+    over = excess(problem, cells, peaks) > PARTING
+    acting = cells.acting
+    for arc in seen.structure.arcs:
+        order = problem.limits[arc.limit].order
+        cuts = [
+            at
+            for limits, places in (
+                (peaks.limit[over], peaks.remaining[over]),
+                (acting.limit, acting.remaining),
+            )
+            for k, at in zip(limits.tolist(), places.tolist(), strict=True)
+            if arc.end < at < arc.start and k != arc.limit and problem.limits[k].order <= order
+        ]
+        stops = [arc.start, *sorted(cuts, reverse=True), arc.end]
+        parts += [replace(arc, start=start, end=end) for start, end in pairwise(stops)]
+    return parts
+
+
+def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:
+    """Yield controls on cells with as much time as it takes to keep the bounds everywhere.
+
+    What exceeds a bound is paid for by reach to spare: all forces are divided by the reach.
+    """
+    plan, start, slope = cells.plan, None, cells.slope
+    before: Cells | None = None
+    slower: Cells | None = None
+    for attempt in range(FINISHES):
+        found = solve_cells(problem, plan, start=start, relaxed=False)
+        if found is None:
+            break
+        # Other points change the reach as well, yet what the first cells say of it may be nothing.
+        if before is not None and found.t_f != before.t_f:
+            secant = (found.reach - before.reach) / (found.t_f - before.t_f)
+            slope = secant if secant > 0.0 else slope
+        before = found
+        peaks = find_peaks(problem, found)
+        over = excess(problem, found, peaks)
+        worst = max(float(over.max(initial=0.0)), 0.0)
+        wanted = 1.0 + worst + SPARE
+        most = wanted + 10.0 * SPARE + worst * (1.0 if attempt < FINISHES // 2 else 10.0)
+        if wanted - 0.5 * SPARE <= found.reach <= most:
+            yield found
+        elif found.reach > most and (slower is None or found.t_f < slower.t_f):
+            slower = found
+        bad = over > (POINT_EXCESS if attempt < FINISHES // 2 else inf)
+        more = found.plan.points.joined(peaks.remaining[bad], peaks.limit[bad])
+        share = later(replace(found, slope=slope), wanted=wanted + SPARE + 0.5 * worst)
+        share = 1.0 if bad.any() and abs(found.reach - 1.0) < worst else share
+        plan, start = replace(found.plan, points=more).scaled(share), found.basis
+    if slower is not None:
+        yield slower
+
+
+def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
+    """Return cells and interiors as arcs, scaled so that they reach the target once."""
+    force, t_f, arcs = cells.force, cells.t_f, list[Arc]()
+    begin, end, off = t_f - cells.start, t_f - cells.end, cells.interior < 0
+    same = (np.abs(np.diff(force)) < 1.0 - FULL) & off[1:] & off[:-1]
+    starts = [0, *(np.flatnonzero(~same) + 1).tolist(), force.size]
+    for i, j in pairwise(starts):
+        if not off[i]:
+            index = cells.plan.interiors[cells.interior[i]].limit
+            state = cells.states[i] / cells.reach
+            arcs.append(
+                boundary_arc(problem, index, float(begin[i]), float(end[j - 1]), state=state)
+            )
+            continue
+        if end[j - 1] <= begin[i]:
+            continue  # a cell that is shorter than the rounding of its time
+        share = float(force[i:j] @ (end - begin)[i:j] / (end[j - 1] - begin[i]))
+        control = Bang(1 if share > 0.0 else -1) if abs(share) > FULL else Interior()
+        force_now = share * problem.force_limit / cells.reach
+        arcs.append(
+            constant_arc(float(begin[i]), float(end[j - 1]), control=control, force=force_now)
+        )
+    return tuple(arcs)
