@@ -22,6 +22,8 @@ from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.shipped import read_shipped
+from mtcommission.record.identified import read_evidence
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import compare_shapers
 from tests.test_wizard import from_answers
@@ -265,3 +267,16 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     # Ramps of one cycle take a per cent off a step.
     assert first.residual_deviation == pytest.approx(alone, rel=0.02)
     assert first.settling_time >= float(times[0, -1]) + item.duration
+
+
+def test_the_points_beside_a_profile_of_a_servo_are_its_own(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Shares of a held motor's modes are left out there, and the checksum was that of others."""
+    profile, before = tmp_path / "m.toml", tmp_path / "before.toml"
+    before.write_text(read_shipped("modal-two-modes").text)
+    file = str(write(tmp_path, "a.csv", ONE))
+    assert _run(monkeypatch, capsys, file, "--profile", before, "-o", profile)[0] == 0
+    part = read_evidence(parse_profile(profile.read_text(), where="m.toml"), tmp_path)
+    assert part is not None
+    assert part.states

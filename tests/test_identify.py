@@ -19,9 +19,11 @@ from mtcommission.identify.gather import gather
 from mtcommission.identify.identified import identify
 from mtcommission.identify.measurement import Given
 from mtcommission.identify.profile import Writing, merge_profile, write_profile
+from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.identified import read_evidence
+from mtcommission.record.machine import list_data
 from mtcommission.wizard.files import gather as known_before
 from mtcommission.wizard.script import list_questions
 from tests import identify_files as made
@@ -87,23 +89,59 @@ def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> 
     assert tool == pytest.approx(-1.5 * own, rel=1e-3)
 
 
+REAL = read_shipped("modal-two-modes").text.replace("illustrative = true\n", "")
+"""A profile whose numbers somebody stands for."""
+
+
 def test_merging_touches_no_other_line_and_keeps_names_and_unmeasured_gains(encoder) -> None:
-    before = read_shipped("modal-two-modes").text
-    after = merge_profile(before, encoder, _how())
-    parse_profile(after, where="merged.toml")
+    found = merge_profile(REAL, encoder, _how())
+    machine = parse_profile(found.profile, where="merged.toml")
     changed = ("moving_mass", "frequency", "damping_ratio", "measured_gain", "damping_spread")
     kept = [
         line
-        for line in before.splitlines()
+        for line in REAL.splitlines()
         if not line.startswith((*changed, "frequency_spread"))
         and not any(word in line for word in ('name = "ram"', "-2.4e-3", "[[plant.modes]]"))
     ]
-    lines = after.splitlines()
+    lines = found.profile.splitlines()
     assert [line for line in kept if line not in lines] == []
-    data = tomllib.loads(after)
+    data = tomllib.loads(found.profile)
     assert data["plant"]["modes"][0]["name"] == "beam"
     assert data["plant"]["modes"][0]["tcp_gain"] == "1.9e-3 1/kg"
     assert len(data["plant"]["modes"]) == 2  # 81 Hz is in the band and does not show: it goes
+    # What no sensor showed is said to be an assumption, on the terminal as in the profile.
+    assert machine.is_assumed("plant.modes[1].tcp_gain")
+    assert not machine.is_assumed("drive.max_force")
+    (warning,) = (one for one in found.part.warnings if one.kind == "identify-gains-stay")
+    assert warning.values["gains"] == ("plant.modes[1].tcp_gain = 1.9e-3 1/kg",)
+
+
+def test_an_example_whose_mass_and_modes_were_measured_is_one_no_more(encoder) -> None:
+    """The gain at the tool is no knowledge of this machine, and its drive is assumed."""
+    text = merge_profile(read_shipped("modal-two-modes").text, encoder, _how()).profile
+    machine = parse_profile(text, where="merged.toml")
+    assert not machine.illustrative
+    assert machine.source == "identified from e.csv on 2026-11-22"
+    gain = tomllib.loads(text)["plant"]["modes"][0]["tcp_gain"]
+    assert float(gain.split()[0]) == pytest.approx(-1.0 / made.MASS, rel=0.01)
+    sources = {
+        one.key: one.source if isinstance(one.source, str) else one.source.kind
+        for one in list_data(machine, build_plant(machine), text)
+    }
+    wanted = {
+        "plant.moving_mass": "source-measured",
+        "plant.modes.beam.frequency": "source-measured",
+        "plant.modes.beam.measured_gain": "source-measured",
+        "plant.modes.beam.tcp_gain": "source-accepted-default",
+        "drive.max_force": "source-accepted-default",
+        "moves[1].distance": "source-stated",
+    }
+    assert {key: sources[key] for key in wanted} == wanted
+    changed = text.replace('frequency = "38.', 'frequency = "39.', 1)
+    by_hand = parse_profile(changed, where="changed.toml")
+    data = list_data(by_hand, build_plant(by_hand), changed)
+    (now,) = (one for one in data if one.key == "plant.modes.beam.frequency")
+    assert now.source == machine.source
 
 
 def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:

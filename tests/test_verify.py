@@ -377,6 +377,19 @@ def there_and_back(name: str, how: Spoilt, count: int) -> dict[str, np.ndarray]:
     return {key: np.concatenate(parts) for key, parts in pieces.items()}
 
 
+def test_nobody_entered_the_velocity_of_a_move_that_the_record_does_not_hold(
+    tmp_path: Path,
+) -> None:
+    """The trace of another axis: what it shows was called "entered"."""
+    found = shown(GANTRY, tmp_path / "other.csv", there_and_back(GANTRY, Spoilt(), 1))
+    assert found.warnings[0].kind == "verify-moves-unknown"
+    assert found.warnings[0].values["size"] == pytest.approx(0.1, rel=1e-3)
+    said = [words_of(found).say(check.reason) for check in found.checks[:2]]
+    f, limits = words_of(found).format, limits_of(found.record)
+    assert f"in the trace: {f.quantity(0.2, 'm/s')}" in said[0]
+    assert f"with {f.quantity(limits.acceleration, 'm/s^2')} entered" in said[1]
+
+
 def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_path: Path) -> None:
     how = Spoilt(coulomb=80.0, viscous=400.0, payload=30.0, noise=3e-7, step=5e-4, dwell=0.6)
     found = shown(GANTRY, tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
@@ -434,6 +447,8 @@ def test_the_command_and_the_sheet_say_the_same(tmp_path: Path, capsys, monkeypa
     assert "Nicht eingehalten" in said
     assert max(map(len, said.splitlines())) <= 80
     assert "does not hold" in (tmp_path / "out" / "verdict.json").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "verification.html").read_text(encoding="utf-8")
+    assert page.count("Band des Werkzeugs") == 2  # its ends, at the tool and not at the encoder
     run("sheet", "record.json", "--verified", "out/verdict.json", "-o", "sheet", "--no-pdf")
     sheet = (tmp_path / "sheet" / "sheet.html").read_text(encoding="utf-8")
     beam = next(one for one in entry["checks"] if one["name"] == "beam: frequency")

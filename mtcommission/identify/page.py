@@ -56,7 +56,7 @@ def _headline(part: IdentifiedPart, words: Catalogue) -> Headline:
             BigValue(
                 label=mode.name,
                 value=words.format.quantity(mode.frequency_hz.value, "Hz"),
-                aside=f"ζ = {words.format.number(mode.damping_ratio.value, digits=3)}",
+                aside=f"– ζ = {words.format.number(mode.damping_ratio.value, digits=3)}",
             )
             for mode in part.modes[:4]
         ),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import log
+from math import inf, log
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -53,6 +53,10 @@ TO_ASK = (
     "requirements.tcp_deviation",
 )
 """What no response tells, and no profile can do without."""
+OF_EXAMPLE = (
+    *("drive.", "control.", "requirements.frequency_spread", "requirements.damping_spread"),
+)
+"""How keys begin with which an example describes a machine; moves and tolerances are a wish."""
 Stated = dict[str, tuple[Estimate, str, int]]
 """Estimates of a mode by their keys in a profile, with their unit there and digits."""
 
@@ -86,14 +90,11 @@ def identify_files(
     read, or leaves open what its columns are; or the profile is not valid.
     """
     found = identify(gather(files, given), created=created, band_hz=band_hz, count=count)
-    kind = tomlkit.parse(before).get("plant", {}).get("kind", "modal")
-    if kind != "modal":  # measured modes take the place of another kind of plant
-        warnings = [*found.part.warnings, Message("identify-kind-replaced", kind=str(kind))]
-        found = replace(found, part=replace(found.part, warnings=warnings))
     if found.doubt and not forced:
         return found
-    text = merge_profile(before, found, how) if before else write_profile(found, how)
-    return replace(found, profile=text)
+    if before:
+        return merge_profile(before, found, how)
+    return replace(found, profile=write_profile(found, how))
 
 
 def name_from(profile: str, evidence: str) -> str:
@@ -115,12 +116,10 @@ def write_profile(found: Identified, how: Writing) -> str:
     text = how.words(part.rotary).text
     document: Any = tomlkit.document()
     document["schema"] = 1
-    files = ", ".join(dict.fromkeys(name.rpartition("/")[2] for name in found.files))
-    shown = files if len(files) <= 300 else f"{files[:297]}..."
     machine = {
         "name": text("identify-document-name"),
         "axis": how.axis,
-        "source": text("identify-document-source", files=shown, date=part.created[:10]),
+        "source": _source(found, how),
     }
     document["machine"] = machine | ({"motion": "rotary"} if part.rotary else {})
     document["plant"] = {"kind": "modal"}
@@ -156,33 +155,81 @@ def write_profile(found: Identified, how: Writing) -> str:
     return _heading(found, how) + "\n" + whole
 
 
-def merge_profile(text: str, found: Identified, how: Writing) -> str:
-    """Return a profile with measured modes, mass and spreads; all other lines stay.
+def _source(found: Identified, how: Writing) -> str:
+    files = ", ".join(dict.fromkeys(name.rpartition("/")[2] for name in found.files))
+    shown = files if len(files) <= 300 else f"{files[:297]}..."
+    words, date = how.words(found.part.rotary), found.part.created[:10]
+    return words.text("identify-document-source", files=shown, date=date)
 
-    A mode that is near a measured one keeps its name, and its share at the tool where none was
-    measured; one outside the measured band stays, one within it that does not show goes.
+
+def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
+    """Return what was found with its profile: one that exists, and in it what was measured.
+
+    A mode that is near a measured one keeps its name; one outside the measured band stays, one
+    within it that does not show goes. What is stated of a measured mode and no sensor showed stays
+    as an assumption. The numbers of an example are no knowledge of the machine: where its mass and
+    modes were measured it is an example no more, its other modes and shares at the tool go, and
+    what it says of drive and control is an assumption.
     """
     document: Any = tomlkit.parse(text)
-    if document.get("drive", {}).get("kind") != "position_source" and found.part.base_excited:
+    machine = document.setdefault("machine", tomlkit.table())
+    follows = document.get("drive", {}).get("kind") == "position_source"
+    if found.part.base_excited and not follows:
         # Shares of a held motor's modes are none of those with the motor free.
         modes = [replace(one, tcp_gain=None) for one in found.part.modes]
         found = replace(found, part=replace(found.part, modes=modes))
-    if document.get("plant", {}).get("kind") != "modal":
+    kind = document.get("plant", {}).get("kind", "modal")
+    if kind != "modal":
+        found = _warned(found, Message("identify-kind-replaced", kind=str(kind)))
+    if "plant" not in document or kind != "modal":
         document["plant"] = tomlkit.table()
         document["plant"]["kind"] = "modal"
     measured = ("plant.moving_mass", "plant.modes", "requirements.frequency_spread")
-    before = [str(key) for key in document.get("machine", {}).get("assumed", [])]
-    _merge(document, found, how, [key for key in before if not key.startswith(measured)])
-    return _heading(found, how) + tomlkit.dumps(document)
+    assumed = [key for key in map(str, machine.get("assumed", [])) if not key.startswith(measured)]
+    if machine.get("illustrative") and found.part.modes and (found.part.moving_mass or follows):
+        del machine["illustrative"]
+        machine["source"] = _source(found, how)
+        low, high = found.part.band_hz or (0.0, inf)
+        modes = document["plant"].get("modes", [])
+        for place in reversed(range(len(modes))):
+            modes[place].pop("tcp_gain", None)
+            if not low <= _frequency(modes[place]) <= high:
+                del modes[place]
+        stated = [key for key in _keys(document, "") if key.startswith(OF_EXAMPLE)]
+        assumed = list(dict.fromkeys([*assumed, *stated]))
+    found = _merge(document, found, how, assumed)
+    merged = how.words(found.part.rotary).text("identify-document-merged")
+    whole = f"{_heading(found, how)}# {merged}\n{tomlkit.dumps(document)}"
+    return replace(found, profile=whole)
 
 
-def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -> None:
+def _keys(value: Any, key: str) -> Iterator[str]:
+    """The keys of a part of a profile, as messages spell them."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _keys(inner, f"{key}.{name}" if key else name)
+    elif isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
+        for number, inner in enumerate(value, start=1):
+            yield from _keys(inner, f"{key}[{number}]")
+    else:
+        yield key
+
+
+def _warned(found: Identified, warning: Message) -> Identified:
+    part = found.part
+    return replace(found, part=replace(part, warnings=[*part.warnings, warning]))
+
+
+def _merge(document: Any, found: Identified, how: Writing, assumed: Sequence[str]) -> Identified:
     """Put what was measured into a profile; ``assumed``: its other keys that are assumptions."""
-    part, unit = found.part, _units(found.part)
-    if part.moving_mass:
-        _set_estimate(document["plant"], "moving_mass", part.moving_mass, unit.mass.si, 6)
+    unit = _units(found.part)
+    if found.part.moving_mass:
+        _set_estimate(document["plant"], "moving_mass", found.part.moving_mass, unit.mass.si, 6)
     names: dict[str, str] = {}
-    assumed = [*assumed, *_merge_modes(document["plant"], part, how, names)]
+    gains = _merge_modes(document["plant"], found.part, how, names)
+    if stay := tuple(f"{key} = {value}" for key, value in gains.items() if value):
+        found = _warned(found, Message("identify-gains-stay", gains=stay))
+    part, keys = found.part, [*assumed, *gains]
     if states_differ(part.states, part.modes):
         document["machine_states"] = _state_tables(part, names)
     document["identified"] = _statement(part, how.evidence, names)
@@ -194,21 +241,26 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: list[str]) -
         # Who stated a wider one knows more states of the machine than were measured.
         if share < spread:
             _set(requirements, key, f"{100 * spread:.4g} %", how.words(part.rotary).say(why))
+            keys = [one for one in keys if one != f"requirements.{key}"]
     machine = document.setdefault("machine", tomlkit.table())
     machine.pop("assumed", None)
-    if assumed:
-        machine["assumed"] = assumed
+    if keys:
+        machine["assumed"] = keys
+    return found
 
 
 def _merge_modes(
     plant: Any, part: IdentifiedPart, how: Writing, names: dict[str, str]
-) -> list[str]:
-    """Put the measured modes among those of a profile; return the keys that are assumptions."""
+) -> dict[str, str]:
+    """Put the measured modes among those of a profile; return the keys that are assumptions.
+
+    With each what the profile stated already; "" where it is chosen here.
+    """
     tables = list(plant.get("modes", []))
     free = [table for table in tables if _frequency(table)]
     taken = {str(table.get("name")) for table in tables}
     merged: list[Any] = []
-    assumed: list[str] = []
+    assumed: dict[str, str] = {}
     for mode in _kept(part):
         f = mode.frequency_hz.value
         near = min(free, key=lambda table: abs(log(_frequency(table) / f)), default=None)
@@ -220,8 +272,12 @@ def _merge_modes(
             while name in taken:
                 name += "_measured"
             near["name"] = name
-        if _set_mode(near, mode, part, how):
-            assumed.append(f"plant.modes[{len(merged) + 1}].tcp_gain")
+        stated = {key: str(near[key]) for key in ("tcp_gain", "measured_gain") if key in near}
+        for key in _set_mode(near, mode, part, how):
+            value = str(near[key])
+            assumed[f"plant.modes[{len(merged) + 1}].{key}"] = (
+                value if stated.get(key) == value else ""
+            )
         names[mode.name] = str(near["name"])
         merged.append(near)
     low, high = part.band_hz or (0.0, 0.0)
@@ -277,17 +333,17 @@ def _in_plant(mode: MeasuredMode, part: IdentifiedPart) -> Stated:
     return _stated(mode, part, "tcp_gain", "measured_gain")
 
 
-def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing) -> bool:
-    """Write a measured mode; return whether its share at the tool is an assumption.
+def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing) -> list[str]:
+    """Write a measured mode; return which of its gains no sensor showed.
 
-    It is measured, by the user's word, as before, or the worst case; left out: to be asked.
+    At the tool it is by the user's word, as before, or the worst case; left out: to be asked.
     """
     words, mass, own = how.words(part.rotary), part.moving_mass, mode.measured_gain
     stated = _in_plant(mode, part)
     has_none = mass and not part.base_excited and "tcp_gain" not in stated
     by_ratio = has_none and how.tool_ratio is not None and own and own.value
     is_worst = has_none and not by_ratio and "tcp_gain" not in table
-    last = stated.pop("measured_gain", None)
+    shown, last = set(stated), stated.pop("measured_gain", None)
     for key, (one, unit, digits) in stated.items():
         _set_estimate(table, key, one, unit, digits)
     gain, share = _units(part).gain.si, own.value if own else 0.0
@@ -300,7 +356,7 @@ def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing
         _set(table, "tcp_gain", f"{-worst if share >= 0.0 else worst:.5g} {gain}", note)
     if last:
         _set_estimate(table, "measured_gain", *last)
-    return bool(by_ratio or is_worst)
+    return [key for key in ("tcp_gain", "measured_gain") if key in table and key not in shown]
 
 
 def _state_tables(part: IdentifiedPart, names: Mapping[str, str]) -> Any:

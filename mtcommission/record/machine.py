@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import isfinite
+from math import isclose, isfinite
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, printable
 from mtcommission.machine.drive import PositionSource
+from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, kalman_rank
@@ -19,6 +20,9 @@ from mtcommission.record.shape import Matrix, Words, of
 ILLUSTRATIVE = Message("source-illustrative")
 ACCEPTED_DEFAULT = Message("source-accepted-default")
 """Sources of values that nobody measured."""
+
+SAME = 1e-3
+"""Relative difference up to which a value is the one that was measured: profiles round."""
 
 NOT_STATED = {"source-default", ILLUSTRATIVE.kind, ACCEPTED_DEFAULT.kind}
 """Sources of values that nobody stated for this machine."""
@@ -113,16 +117,36 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     """Return every machine datum with its key, SI unit and source.
 
     What the text of the profile does not state is a default. Data of plant and drive have the
-    machine's source, moves and requirements the profile itself, but for ``machine.assumed``.
+    machine's source, moves and requirements the profile itself, but for ``machine.assumed`` and
+    what still has the value that [identified] holds.
     """
     stated = find_key_lines(profile_text)
     given = {_spelt(machine, path) for path in stated}
     assumed = {_spelt(machine, path) for path in stated if machine.is_assumed(show_key(path))}
+    said = machine.identified
+    measured = dict(_measured(said)) if said else {}
+
+    def source(key: str, value: float | str) -> Message | str:
+        known = measured.get(key) if key not in assumed else None
+        if known is not None and isclose(float(value), known, rel_tol=SAME):
+            return Message("source-measured", date=said.date if said else "")
+        return _source(machine, key, given, assumed)
+
     return [
-        Datum(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
+        Datum(key=key, value=value, unit=unit, source=source(key, value))
         for key, value, unit in _rows(machine, plant, given)
         if isinstance(value, str) or isfinite(value)
     ]
+
+
+def _measured(said: Identification) -> Iterator[tuple[str, float]]:
+    """Key and value of what was measured of the plant."""
+    if said.moving_mass:
+        yield "plant.moving_mass", said.moving_mass.value
+    for mode in said.modes:
+        for name in ("frequency_hz", "damping_ratio", "measured_gain", "tcp_gain"):
+            if one := getattr(mode, name):
+                yield f"plant.modes.{mode.name}.{name.removesuffix('_hz')}", one.value
 
 
 def _rows(

@@ -46,7 +46,8 @@ def check_recorded(
     is_cut = recorded.motion.is_cut
     # Of a move that goes on nobody knows the plan: it reaches less than the whole one.
     plan = None if is_cut else recorded.setpoint
-    planner = check_planner(recorded.motion, plan, entered, units)
+    is_known = recorded.number > 0
+    planner = check_planner(recorded.motion, plan, entered, units, is_known=is_known)
     if is_cut:
         planner = [one if one.fails else one.unknown(cut) for one in planner]
     kept = [*promise.positions(), *promise.forces(), *promise.states()]

@@ -333,7 +333,7 @@ def verdict_blocks(
         BigValue(
             label=say_check(check, words),
             value=words.format.quantity(check.measured, check.unit),
-            aside=say_verdict(check.verdict, words),
+            aside=f"– {say_verdict(check.verdict, words)}",
         )
         for check in large
     )
@@ -379,6 +379,7 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
     setpoint = Curve(say("setpoint"), t - motion.begin, motion.sample(t)[:, 2], OTHER)
     panels = [Signals(say("verify-plot-acceleration"), "m/s^2", [setpoint])]
     band = found.rebuilt.machine.requirements.tcp_deviation
+    judged = one.find(Role.TOOL) or one.find(Role.ENCODER)
     for signal in one.beside:
         x, measured, rows = signal.t - motion.begin, signal.deviation, signal.predicted
         curves = [
@@ -387,10 +388,11 @@ def _plot(key: str, one: Recorded, found: Verification, words: Catalogue) -> Lin
             Curve(say("verify-line-high"), x, rows.max(axis=0), THIRD),
         ]
         name, unit = PANELS.get(signal.role, (signal.role.value, "m"))
-        limits = (band, -band) if signal.is_position else ()
+        # The band is one of the tool, which the encoder stands for where it alone was recorded.
+        limits = (band, -band) if signal is judged else ()
         missed = Curve(say("verify-line-difference"), x, measured - rows[0], FOURTH)
         panels += [
-            Signals(say(f"verify-plot-{name}"), unit, curves, limits, say("verify-line-band")),
+            Signals(say(f"verify-plot-{name}"), unit, curves, limits, say("verify-line-tool-band")),
             Signals(say("verify-plot-difference"), unit, [missed]),
         ]
     return line_plot(

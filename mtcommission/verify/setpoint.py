@@ -349,9 +349,17 @@ def _peaks(setpoint: Setpoint, order: int, reached: Reached) -> Array:
 
 
 def check_planner(
-    motion: Motion, setpoint: Setpoint | None, entered: MotionLimits, units: AxisUnits
+    motion: Motion,
+    setpoint: Setpoint | None,
+    entered: MotionLimits,
+    units: AxisUnits,
+    *,
+    is_known: bool,
 ) -> list[Check]:
-    """Return velocity, acceleration and jerk of a recorded move against what was entered."""
+    """Return velocity, acceleration and jerk of a recorded move against what was entered.
+
+    ``is_known``: whether it is one of the record's; else nobody entered its velocity.
+    """
     top = inf
     if setpoint is not None:
         move = setpoint.move
@@ -361,13 +369,17 @@ def check_planner(
         ("acceleration", motion.acceleration, entered.acceleration, units.acceleration.si),
         ("jerk", motion.jerk, entered.jerk, units.jerk.si),
     )
-    return [
-        _check(key, reached, limit, unit, _peaks(setpoint, order, reached) if setpoint else None)
-        for order, (key, reached, limit, unit) in enumerate(rows, start=1)
-    ]
+    found = []
+    for order, (key, reached, limit, unit) in enumerate(rows, start=1):
+        plan = _peaks(setpoint, order, reached) if setpoint else None
+        by = "entry" if is_known or key != "velocity" else "trace"
+        found.append(_check(key, reached, limit, unit, plan, by=by))
+    return found
 
 
-def _check(key: str, reached: Reached, limit: float, unit: str, plan: Array | None) -> Check:
+def _check(
+    key: str, reached: Reached, limit: float, unit: str, plan: Array | None, *, by: str
+) -> Check:
     """What was measured against the plan's means over the same width; without one, the limit."""
     value, error = reached.value, reached.uncertainty
     predicted = low = high = None
@@ -391,6 +403,8 @@ def _check(key: str, reached: Reached, limit: float, unit: str, plan: Array | No
         measured=value,
         uncertainty=error,
         verdict=verdict,
-        reason=Message(f"verify-setpoint-{kind}", width=reached.width, entered=limit, unit=unit),
+        reason=Message(
+            f"verify-setpoint-{kind}", width=reached.width, entered=limit, unit=unit, by=by
+        ),
         decides=key != "jerk",
     )

@@ -47,7 +47,9 @@ class Verification:
     checks: tuple[Check, ...]  # the worst of each promise over all repetitions, setpoint's first
     missing: tuple[int, ...]  # numbers of the record's moves that were not recorded, from 1
     verdict: Verdict  # over all checks; where a move is missing, no more than "cannot tell"
-    warnings: tuple[Message, ...]  # the first one speaks of the planner if it did not obey
+    warnings: tuple[
+        Message, ...
+    ]  # what explains the others first: the setpoint, other moves, the planner
 
     @property
     def obeyed(self) -> bool | None:
@@ -128,7 +130,8 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         warnings.append(Message("verify-moves-missing", moves=missing))
         if verdict is Verdict.HOLDS:
             verdict = Verdict.UNKNOWN
-    behind = [one for one in warnings if one.kind == "verify-behind-delay"]
+    first = [one for one in warnings if one.kind == "verify-behind-delay"]
+    first += [one for trace in traces for one in _unknown_moves(trace, recorded, rebuilt)]
     remarks = [remark for trace in traces for remark in trace.remarks]
     return Verification(
         record=record,
@@ -138,8 +141,22 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         checks=checks,
         missing=missing,
         verdict=verdict,
-        warnings=tuple(dict.fromkeys([*behind, *_planner_says(checks), *warnings, *remarks])),
+        warnings=tuple(dict.fromkeys([*first, *_planner_says(checks), *warnings, *remarks])),
     )
+
+
+def _unknown_moves(
+    trace: Trace, recorded: Sequence[Recorded], rebuilt: Rebuilt
+) -> Iterable[Message]:
+    """That a trace holds moves which are none of the record's: it may be of another axis."""
+    units = rebuilt.machine.axis_units
+    if own := [one.motion for one in recorded if not one.number and one.trace.file == trace.file]:
+        size, unit = own[0].travel, units.length.si
+        if own[0].coasts:
+            size, unit = own[0].final_velocity, units.velocity.si
+        yield Message(
+            "verify-moves-unknown", file=trace.file, moves=len(own), size=abs(size), unit=unit
+        )
 
 
 def _planner_says(checks: Iterable[Check]) -> Iterable[Message]:

@@ -70,6 +70,7 @@ identify-friction-shifts = { $file }: Die Achse fuhr im Mittel { VELOCITY($offse
 identify-friction-may-shift = { $file }: Unten zeigt sich Reibung. Falls die Achse zeitweise rückwärts lief (ein Frequenzgang verrät das nicht), kann das die Eigenform bei { FREQUENCY($frequency) } um ± { SHARE($shift) } verschieben; ihr Intervall von ± { SHARE($interval) } enthält das nicht. Um eine Offsetgeschwindigkeit von mindestens dem Dreifachen der Effektivgeschwindigkeit der Anregung messen, oder die Aufzeichnung über der Zeit angeben.
 # $bound [1/kg]
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Lagegeber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
+identify-gains-stay = Angenommen, weil kein Sensor es zeigte, wie das Profil es angibt: { $gains }. Wer den Wert kennt, nimmt ihn aus machine.assumed.
 identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.
 identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
 identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }; das Profil enthält jeden als Zustand und in [plant] die Mitte. Ist das nur die Zuladung, genügen auch die kleinste als moving_mass und der Unterschied als payload.
@@ -95,7 +96,7 @@ identify-document-states = Zustände der Maschine: die Grenzen müssen in jedem 
 identify-document-source = identifiziert aus { $files } am { $date }
 identify-document-tool-worst = kein Sensor am Werkzeug: ungünstigster Fall
 identify-document-tool-ratio = Anteil am Lagegeber × { NUMBER($ratio) } (--tool-ratio)
-identify-document-tool-stays = am Werkzeug nicht gemessen: wie bisher
+identify-document-merged = In ein Profil eingefügt: dessen übrige Zeilen und Kommentare sind, wie sie waren.
 identify-document-too-many = Nur die { $most } Eigenformen mit den größten Verstärkungen stehen im Profil; { $left } wurden weggelassen.
 
 # Seite und Terminal

@@ -35,6 +35,7 @@ source-default = Vorgabewert
 source-stated = im Profil angegeben
 source-illustrative = Beispielwert
 source-accepted-default = Vorgabe übernommen, nicht gemessen
+source-measured = gemessen, { $date }
 
 path-position-setpoint = Lagesollwert
 path-position-controller = Lageregler

@@ -32,16 +32,20 @@ verify-max-force = { $axis ->
    *[linear] größte { word-force }
 }
 verify-reference-delay = Verzug gegen den Sollwert
-verify-frequency = Frequenz
-verify-damping-ratio = Dämpfungsgrad
+verify-frequency = Frequenz (geregelt)
+verify-damping-ratio = Dämpfungsgrad (geregelt)
 
 # Warum
 verify-kept = eingehalten, die Unsicherheit eingeschlossen
 verify-missed = um mehr als die Unsicherheit verfehlt
 verify-within-noise = die Unsicherheit reicht über die Grenze; mit feinerer Auflösung oder weniger Rauschen wiederholen
-verify-setpoint-obeyed = wie mit der Eingabe { QUANTITY($entered, $unit) } geplant (Mittelwerte über { TIME($width) })
-verify-setpoint-above = über dem, was mit der Eingabe { QUANTITY($entered, $unit) } geplant ist (Mittelwerte über { TIME($width) })
-verify-setpoint-below = erreicht nie, was mit der Eingabe { QUANTITY($entered, $unit) } geplant ist (Mittelwerte über { TIME($width) })
+verify-planned = { $by ->
+    [trace] was die eingegebenen Werte von Beschleunigung und Ruck bei einer Bewegung dieser Größe erreichen (in der Aufzeichnung: { QUANTITY($entered, $unit) })
+   *[entry] was mit der Eingabe { QUANTITY($entered, $unit) } geplant ist
+}
+verify-setpoint-obeyed = hält ein, { verify-planned } (Mittelwerte über { TIME($width) })
+verify-setpoint-above = über dem, { verify-planned } (Mittelwerte über { TIME($width) })
+verify-setpoint-below = erreicht nie, { verify-planned } (Mittelwerte über { TIME($width) })
 verify-setpoint-coarse = der Sollwert ist zu grob aufgezeichnet (Mittel über { TIME($width) }); mehr Stellen oder kürzeren Takt aufzeichnen
 verify-setpoint-no-plan = für diese Bewegung gibt es keinen Plan (Mittel über { TIME($width) })
 verify-cut = die Aufzeichnung endet vor dem Sollwert
@@ -62,6 +66,10 @@ verify-behind-delay = { $file }: das Gemessene kommt um { TIME($delay) } früher
 verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
 verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
 verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } der Ergebnisdatei. Was sie dafür zusagt, ist nicht zu entscheiden.
+verify-moves-unknown = { $file }: { $moves ->
+    [one] eine Bewegung von { QUANTITY($size, $unit) } ist
+   *[other] { $moves } Bewegungen, die erste von { QUANTITY($size, $unit) }, sind
+} keine der Ergebnisdatei. Gehört die Aufzeichnung zu dieser Achse?
 verify-begins-moving = { $file } beginnt mitten in einer Bewegung, die ausgelassen wurde; im Stillstand beginnen.
 verify-moves-with-gaps = { $file }: Bewegungen mit verlorenen Werten wurden ausgelassen ({ $count }).
 verify-many-moves = { $used } von { $found } Bewegungen wurden verglichen.
@@ -109,6 +117,7 @@ verify-line-measured = gemessen
 verify-line-low = vorhergesagt, tiefster Eckfall
 verify-line-high = vorhergesagt, höchster Eckfall
 verify-line-band = Band
+verify-line-tool-band = Band des Werkzeugs
 verify-line-difference = gemessen weniger nominell
 
 # Parameter, wie sie die Aufzeichnungen zeigen
@@ -117,7 +126,10 @@ verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
 verify-caption-feedforwards = Vorsteuerung, wie sie nach dem Schleppfehler sein sollte
 verify-head-feedforward = Vorsteuerung
 verify-parameter-reference-delay = Verzögerung des Sollwertpfads
-verify-parameter-feedforward-mass = { word-mass } der Beschleunigungsvorsteuerung
+verify-parameter-feedforward-mass = { $axis ->
+    [rotary] vorgesteuertes Trägheitsmoment
+   *[linear] vorgesteuerte Masse
+}
 verify-parameter-jerk-feedforward = Vorsteuerung des Rucks
 verify-parameter-friction-feedforward = Vorsteuerung gegen Coulombsche Reibung
 verify-feedforward-brings = { $moves ->
@@ -134,8 +146,8 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulombsche Reibung
 verify-parameter-viscous-friction = viskose Reibung
-verify-parameter-frequency = Frequenz
-verify-parameter-damping-ratio = Dämpfungsgrad
+verify-parameter-frequency = Frequenz (ungeregelt)
+verify-parameter-damping-ratio = Dämpfungsgrad (ungeregelt)
 verify-parameter-is-changed = geändert
 verify-parameter-is-same = wie bisher, innerhalb zweier Standardfehler
 verify-tested = { $moves ->

@@ -67,6 +67,7 @@ identify-friction-shifts = { $file }: the axis moved at { VELOCITY($offset) } on
 identify-friction-may-shift = { $file }: friction shows at the low end. If the axis ran backwards at times (a response does not tell), that can shift the mode at { FREQUENCY($frequency) } by ± { SHARE($shift) }, and its interval of ± { SHARE($interval) } does not hold it. Measure about an offset speed of at least three times the rms velocity of the excitation, or give the record over time.
 # $bound [1/kg]
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
+identify-gains-stay = Assumed, since no sensor showed it, as the profile states it: { $gains }. Take it out of machine.assumed if you know it.
 identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.
 identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
 identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }; the profile holds each as a state, and in [plant] the middle. If that is the payload alone, the least one as moving_mass and the difference as payload do as well.
@@ -92,7 +93,7 @@ identify-document-states = States of the machine: limits are to serve each of th
 identify-document-source = identified from { $files } on { $date }
 identify-document-tool-worst = no sensor at the tool: worst case
 identify-document-tool-ratio = encoder's share × { NUMBER($ratio) } (--tool-ratio)
-identify-document-tool-stays = not measured at the tool: as before
+identify-document-merged = Merged into a profile: its other lines and comments are as they were.
 identify-document-too-many = Only the { $most } modes with the largest gains are in the profile; { $left } were left out.
 
 # Page and terminal

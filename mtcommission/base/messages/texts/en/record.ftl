@@ -36,6 +36,7 @@ source-default = default
 source-stated = stated in the profile
 source-illustrative = illustrative
 source-accepted-default = default accepted, not measured
+source-measured = measured, { $date }
 
 # Paths of the loop, each with what delays it.
 

@@ -29,16 +29,20 @@ verify-setpoint-jerk = jerk of the setpoint
 verify-peak-deviation = peak deviation
 verify-max-force = largest { word-force }
 verify-reference-delay = delay to the setpoint
-verify-frequency = frequency
-verify-damping-ratio = damping ratio
+verify-frequency = closed-loop frequency
+verify-damping-ratio = closed-loop damping ratio
 
 # Why
 verify-kept = kept, uncertainty included
 verify-missed = missed by more than the uncertainty
 verify-within-noise = the uncertainty reaches across the bound; repeat it with finer resolution or less noise
-verify-setpoint-obeyed = as planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
-verify-setpoint-above = above what was planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
-verify-setpoint-below = never reaches what was planned with { QUANTITY($entered, $unit) } entered (means over { TIME($width) })
+verify-planned = { $by ->
+    [trace] what acceleration and jerk, as entered, reach in a move of this size (in the trace: { QUANTITY($entered, $unit) })
+   *[entry] what was planned with { QUANTITY($entered, $unit) } entered
+}
+verify-setpoint-obeyed = keeps to { verify-planned } (means over { TIME($width) })
+verify-setpoint-above = above { verify-planned } (means over { TIME($width) })
+verify-setpoint-below = never reaches { verify-planned } (means over { TIME($width) })
 verify-setpoint-coarse = the setpoint is recorded too coarsely (mean over { TIME($width) }); record more digits or a shorter cycle
 verify-setpoint-no-plan = no plan for this move (mean over { TIME($width) })
 verify-cut = the record ends before the setpoint does
@@ -59,6 +63,10 @@ verify-behind-delay = { $file }: what was measured comes earlier than predicted 
 verify-planner-exceeds = The control exceeds what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look there before at the mechanics: axis or dynamic mode, jerk limit switched off, another parameter set.
 verify-planner-below = The control never reaches what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look for another limit: override, path acceleration, dynamic mode, setpoint filter.
 verify-moves-missing = Not recorded: move { $moves } of the record. What it promises there cannot be told.
+verify-moves-unknown = { $file }: { $moves ->
+    [one] one move of { QUANTITY($size, $unit) } is
+   *[other] { $moves } moves, the first of { QUANTITY($size, $unit) }, are
+} none of the record's. Is the trace of this axis?
 verify-begins-moving = { $file } begins in the middle of a move, which was left out; begin at rest.
 verify-moves-with-gaps = { $file }: moves with lost samples were left out ({ $count }).
 verify-many-moves = { $used } of { $found } moves were compared.
@@ -106,6 +114,7 @@ verify-line-measured = measured
 verify-line-low = predicted, lowest corner
 verify-line-high = predicted, highest corner
 verify-line-band = band
+verify-line-tool-band = band of the tool
 verify-line-difference = measured less nominal
 
 # Parameters as the traces show them
@@ -134,8 +143,8 @@ verify-parameter-mass = { $axis ->
 }
 verify-parameter-coulomb-friction = Coulomb friction
 verify-parameter-viscous-friction = viscous friction
-verify-parameter-frequency = frequency
-verify-parameter-damping-ratio = damping ratio
+verify-parameter-frequency = open-loop frequency
+verify-parameter-damping-ratio = open-loop damping ratio
 verify-parameter-is-changed = changed
 verify-parameter-is-same = as before, within two standard errors
 verify-tested = { $moves ->
