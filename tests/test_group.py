@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from mtcommission.base.errors import InputError
+from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.cli.group_view import say_next
 from mtcommission.controls.control import Corner, CornerRule
 from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.contours import (
@@ -199,6 +201,10 @@ def test_friction_binds_the_feed_where_reversals_reach_the_tolerance(joined: Gro
             peaks = draw_circle(narrow, one.radius, one.feed).quadrant_peak
             assert peaks["Y"] == pytest.approx(within, rel=0.03)
             assert peaks["X"] < within
+            # Compensated they would bind no longer.
+            assert one.without_peaks is not None
+            assert one.without_peaks.feed > one.feed
+            assert one.without_peaks.bound_by.kind != "group-bound-friction"
     hopeless = replace(joined, task=replace(joined.task, tolerance=0.1e-6))
     assert {one.feed for one in feeds_over_radius(hopeless, circle_test(hopeless))} == {0.0}
 
@@ -352,6 +358,38 @@ position_gain = """
     assert [axis.follower.tuned.controller.position_gain for axis in found.axes] == [30.0, 30.0]
     circle = draw_circle(found, 50e-3, 0.02)
     assert circle.radius_deviation == pytest.approx(-(0.02**2) / (0.1 * 30.0**2), rel=0.1)
+
+
+def test_another_tolerance_than_the_profiles_is_named_and_what_helps_is_next(
+    joined: Group,
+) -> None:
+    """It was judged beside the profiles' own without a remark, and ended with `export`."""
+    words, profiles = Catalogue("en"), [X, Y]
+    narrow = replace(joined, task=replace(joined.task, tolerance=10e-6))
+    record = build_group_record(narrow, created="today")
+    (remark,) = (one for one in record.warnings if one.kind == "group-other-contours")
+    assert "judged within 10 µm" in words.say(remark).replace("\N{NARROW NO-BREAK SPACE}", " ")
+    # Their own is 20 µm, and stands in the profiles.
+    assert words.say(remark).endswith(
+        "X 20\N{NARROW NO-BREAK SPACE}µm, Y 20\N{NARROW NO-BREAK SPACE}µm."
+    )
+    assert not any(
+        one.kind == "group-other-contours"
+        for one in build_group_record(joined, created="today").warnings
+    )
+    # The path's limits are those of the wider tolerance.
+    circle, line, *others = record.assessment.checks
+    assert circle.value == pytest.approx(0.8 * 20e-6, rel=0.02)
+    assert "--tolerance 20um" in say_next(record, profiles, words)
+    # A peak of 16.75 µm at the reversal of Y.
+    thrown = replace(record, assessment=replace(record.assessment, checks=others))
+    step = say_next(thrown, profiles, words)
+    assert "friction of Y" in step
+    assert "--tolerance 17um" in step
+    assert line.met
+    own = replace(record.axes[1].assessment, met=False)
+    alone = replace(record, axes=[record.axes[0], replace(record.axes[1], assessment=own)])
+    assert f"mtcommission run {Y}" in say_next(alone, profiles, words)
 
 
 def test_planes_that_were_not_judged_are_named(joined: Group) -> None:

@@ -68,6 +68,12 @@ def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(
         assert data["32900"] == "1"
         assert float(data["32910"]) == pytest.approx(axis.wait, abs=1e-9)
     path = lines(found["Path of all axes"], r"^N(\d+) \$\w+(?:\[\d\])?=(\S+)")
+    # The path jerk for each mode that gets the axes' jerk: DYNNORM and DYNPOS.
+    modes = [
+        re.findall(rf"^{name}\[(\d)\]", text, re.MULTILINE)
+        for name in (r"N20600 \$MC_MAX_PATH_JERK", r"N32431 \$MA_MAX_AX_JERK")
+    ]
+    assert modes == [["0", "1"], ["0", "1"] * 2]
     assert path["42502"] == "1"
     assert lies_below(path["42500"], 1.0, record.path.acceleration)
     assert float(path["20600"]) > max(axis.limits.recommended.jerk for axis in record.axes)
@@ -159,7 +165,7 @@ def test_a_printer_keeps_its_circles_and_asks_for_no_jerk(tmp_path: Path) -> Non
 def test_what_was_not_read_is_marked(exports: dict[str, GroupExport]) -> None:
     path = parts(exports["sinumerik"].text)["Path of all axes"]
     marked = [line.endswith("(?)") for line in path.splitlines() if line.startswith("N")]
-    assert marked == [False, True, True]
+    assert marked == [False, True, True, True]
 
 
 def renamed(axis: AxisEntry, name: str) -> AxisEntry:

@@ -18,6 +18,7 @@ import numpy as np
 import pypdfium2
 import pytest
 
+from mtcommission.cli.group_view import describe_group
 from mtcommission.group.contours import Pair, find_entries, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.follow import filter_response
@@ -91,6 +92,23 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
     for phrase in SAID[language]:
         assert phrase in html
         assert phrase in " ".join(pages)
+
+
+def test_deviations_have_one_unit_and_what_peaks_forbid_is_said() -> None:
+    """4.2 nm beside 10.6 µm is read as 4.2 µm; a table of dashes says nothing."""
+    narrow = replace(mill(), task=replace(mill().task, tolerance=10e-6))
+    found = build_group_record(narrow, created="today")
+    words = words_of(found, "en")
+    for said in (" ".join(map(str, describe_group(found, words))), text_of(html_of(found))):
+        circles = said.split("Circle, radius")[-1] if "Warning" in said else said
+        assert not re.search(r"\d\s?nm\b", circles)
+        plain = " ".join(said.replace("\N{NARROW NO-BREAK SPACE}", " ").split())
+        assert "Even at 1 m/min a reversal of Y throws the tool off by 10.65 µm" in plain
+        assert "Without peaks" in plain
+    for one in found.feed_over_radius:
+        assert one.feed == 0.0
+        assert one.without_peaks is not None
+        assert words.format.feed(one.without_peaks.feed) in html_of(found)
 
 
 def test_todays_values_stand_beside_the_new_ones_and_three_axes_have_their_columns() -> None:

@@ -360,7 +360,7 @@ def group(
     require_writable(json_file, inputs=profiles_of_axes)
     read = [read_machine(profile) for profile in profiles_of_axes]
 
-    from mtcommission.cli.group_view import describe_group
+    from mtcommission.cli.group_view import describe_group, say_next
     from mtcommission.group.group import join
     from mtcommission.group.record import build_group_record
     from mtcommission.group.sheet import print_group
@@ -392,7 +392,10 @@ def group(
     if output:
         show([say("cli-written-into", folder=str(output), files=tuple(files))])
         file = shlex.quote(str(output / "group.json"))
-        print_said("cli-next-export", record=file, control=record.axes[0].loop.kind)
+        if record.assessment.met:
+            print_said("cli-next-export", record=file, control=record.axes[0].loop.kind)
+    if json_file != "-" and not record.assessment.met:
+        show([say_next(record, profiles_of_axes, words())])
     raise typer.Exit(0 if record.assessment.met else 1)
 
 

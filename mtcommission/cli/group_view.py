@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import shlex
+from collections.abc import Iterator, Sequence
+from decimal import ROUND_CEILING
+from pathlib import Path
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli import terminal
 from mtcommission.cli.terminal import Line, heading, warn
 from mtcommission.cli.verified_view import STYLES, describe_table
+from mtcommission.controls.row import round_number
 from mtcommission.group.record import AxisEntry, GroupRecord
-from mtcommission.group.sheet import corners_table, feeds_table
-from mtcommission.group.verify import CircleVerification, say_found
+from mtcommission.group.sheet import corners_table, feeds_table, in_micrometres, say_peaks
+from mtcommission.group.verify import PEAK, CircleVerification, say_found
 from mtcommission.machine.checks import say_filter
 from mtcommission.sheet.tables import Quantity, member, show, table
 from mtcommission.verify.report import check_row, say_reasons
@@ -41,6 +45,7 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         text("group-tolerance", tolerance=record.tolerance, feed=record.feed),
         *_circles(record, spoken),
         *describe_table(feeds_table(record, spoken)),
+        *filter(None, [say_peaks(record, spoken)]),
         *describe_table(corners_table(record, spoken)),
         text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
         if told.value and told.name
@@ -68,6 +73,25 @@ def describe_circles(found: CircleVerification, spoken: Catalogue) -> list[Line]
         *say_reasons(found.checks, spoken),
         *map(spoken.say, say_found(found)),
     ]
+
+
+def say_next(record: GroupRecord, profiles: Sequence[Path], spoken: Catalogue) -> str:
+    """Return the step that helps where a requirement is not met, the first that is in the way."""
+    for axis, profile in zip(record.axes, profiles, strict=True):
+        if not axis.assessment.met:
+            return spoken.text("group-next-axis", name=axis.name, profile=shlex.quote(str(profile)))
+    missed = [check for check in record.assessment.checks if not check.met]
+    contours = [check for check in missed if check.name in ("circle", "line")]
+    peaks = [check for check in missed if check.name.startswith(PEAK)]
+    if not (contours or peaks):
+        return spoken.text("group-next-path")
+    # With which what was found keeps its reserve, in micrometres of two digits.
+    enough = max((check.value or 0.0) / check.reserve for check in (*contours, *peaks))
+    tolerance = f"{round_number(1e6 * enough, ROUND_CEILING, digits=2):f}um"
+    if contours:
+        return spoken.text("group-next-contour", tolerance=tolerance)
+    names = tuple(check.name.removeprefix(PEAK).strip() for check in peaks)
+    return spoken.text("group-next-peak", names=names, tolerance=tolerance)
 
 
 def _missed(record: GroupRecord, spoken: Catalogue) -> Iterator[Line]:
@@ -103,10 +127,10 @@ def _circles(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             Message("group-circle-of", radius=first.radius),
             lambda one: spoken.format.feed(one.feed),
         ),
-        Quantity("group-radius-deviation", "radius_deviation", "m"),
-        Quantity("group-form-deviation", "form_deviation", "m"),
+        in_micrometres("group-radius-deviation", "radius_deviation", spoken),
+        in_micrometres("group-form-deviation", "form_deviation", spoken),
         *(
-            Quantity(Message("group-peak", name=name), member(name, "quadrant_peak"), "m")
+            in_micrometres(Message("group-peak", name=name), member(name, "quadrant_peak"), spoken)
             for name in first.quadrant_peak
         ),
     )

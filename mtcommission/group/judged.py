@@ -21,7 +21,7 @@ from mtcommission.group.contours import (
 from mtcommission.group.follow import Follower, filter_response
 from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
-from mtcommission.limits.requirements import SETTLING_TIME
+from mtcommission.limits.requirements import CONTOUR_DEVIATION, SETTLING_TIME
 from mtcommission.machine.moves import largest_velocity
 from mtcommission.record.moves import Check
 from mtcommission.record.shape import finite_or_none
@@ -53,13 +53,21 @@ class Circle:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FeedOverRadius:
-    """The largest feed of circles of some radius, and what forbids more."""
+class LargestFeed:
+    """The largest feed of a circle, and what forbids more."""
 
-    radius: float
     feed: float
     bound_by: Message
     axis: str  # "" where no single one does
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedOverRadius(LargestFeed):
+    """That of circles of some radius."""
+
+    radius: float
+    without_peaks: LargestFeed | None
+    """What would hold without peaks at reversal; None where these do not bind."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +106,20 @@ def feeds_over_radius(group: Group, circles: Sequence[Circle]) -> list[FeedOverR
     """Return the largest feed of circles over their radius; ``circles``: of the circle test."""
     radii = {*RADII, group.task.radius or TESTED_RADIUS}
     peaks = {axis.name: _without_peak(group, axis.follower, circles) for axis in group.drawn}
-    return [_largest_feed(group, radius, peaks) for radius in sorted(radii)]
+    found = []
+    for radius in sorted(radii):
+        best = _largest_feed(group, radius, peaks)
+        binds = best.bound_by == Message("group-bound-friction")
+        found.append(
+            FeedOverRadius(
+                radius=radius,
+                feed=best.feed,
+                bound_by=best.bound_by,
+                axis=best.axis,
+                without_peaks=_largest_feed(group, radius, {}) if binds else None,
+            )
+        )
+    return found
 
 
 def _without_peak(group: Group, axis: Follower, circles: Sequence[Circle]) -> float:
@@ -118,7 +139,7 @@ def _without_peak(group: Group, axis: Follower, circles: Sequence[Circle]) -> fl
     return float(np.exp(np.interp(group.task.tolerance, peaks[k - 1 : k + 1], between)))
 
 
-def _largest_feed(group: Group, radius: float, peaks: Mapping[str, float]) -> FeedOverRadius:
+def _largest_feed(group: Group, radius: float, peaks: Mapping[str, float]) -> LargestFeed:
     """The largest feed of circles of some radius [m]; ``peaks``: what friction allows [m/s²]."""
     names = [axis.name for axis in group.drawn]
     a, j = group.path.on_circles
@@ -152,9 +173,7 @@ def _largest_feed(group: Group, radius: float, peaks: Mapping[str, float]) -> Fe
             kind, axis = _largest_effect(group, float(feeds[k]) / radius)
         # The deviation grows with the square of the feed.
         feed = float(feeds[k - 1] * sqrt(group.allowed / off[k - 1])) if k else 0.0
-    return FeedOverRadius(
-        radius=radius, feed=feed, bound_by=Message(f"group-bound-{kind}"), axis=axis
-    )
+    return LargestFeed(feed=feed, bound_by=Message(f"group-bound-{kind}"), axis=axis)
 
 
 def _largest_effect(group: Group, omega: float) -> tuple[str, str]:
@@ -262,7 +281,9 @@ def _own(axis: GroupAxis) -> Iterator[GroupCheck]:
         late = axis.follower.wait if check.requirement is SETTLING_TIME else 0.0
         yield _check(
             f"{check.name} {axis.name}",
-            Message("group-check-of", name=axis.name, requirement=check.requirement.message),
+            Message("group-check-along", name=axis.name)
+            if check.requirement is CONTOUR_DEVIATION
+            else Message("group-check-of", name=axis.name, requirement=check.requirement.message),
             check.value + late,
             check.limit,
             check.reserve,

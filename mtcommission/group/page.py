@@ -109,6 +109,13 @@ def find_division(tolerance: float, traces: Sequence[Trace]) -> float:
     return next(part * size for part in (1, 2, 5, 10) if part * size >= 0.999 * seen / DIVISIONS)
 
 
+def micrometres(value: Any, words: Catalogue) -> str:
+    """Return a deviation [m] to a nanometre, always in µm: a column of several has one unit."""
+    shown = 1e6 * value
+    shown = shown if abs(shown) >= 1.0 else round(shown, 3)
+    return words.format.with_unit(words.format.number(shown), "µm")
+
+
 def _place(angle: Array, divisions: Array | float) -> Array:
     """Places of deviations in divisions, (n, 2) [pt]."""
     r = np.maximum(NOMINAL + BAND / SHOWN * np.asarray(divisions), 0.0)
@@ -191,7 +198,8 @@ def _write(
 
 def _figures(words: Catalogue, feed: str, trace: Trace) -> str:
     figures = {"largest": trace.largest, "least": trace.least, "circular": trace.circular}
-    return words.text("group-circle-figures", feed=feed, **figures)
+    said = {key: micrometres(value, words) for key, value in figures.items()}
+    return words.text("group-circle-figures", feed=feed, **said)
 
 
 FOLDER = Path(__file__).parent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 
 from mtcommission.base.messages.message import Message
@@ -21,6 +21,7 @@ from mtcommission.group.judged import (
     feeds_over_radius,
     judge_group,
 )
+from mtcommission.group.task import Task
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.record.limits import (
     ModeLimitsEntry,
@@ -44,7 +45,7 @@ from mtcommission.record.record import Tool, load_sealed, this_tool
 from mtcommission.record.shape import Words, entry_of, find_checksum, finite_or_none, to_plain
 from mtcommission.study.loops import disturb
 
-SCHEMA = 3
+SCHEMA = 4
 
 APART = 1e-6
 """Difference of delays that is named [s]: 0.1 µm at 6 m/min."""
@@ -246,6 +247,10 @@ def _assumptions(group: Group) -> list[Words]:
         found.append(Message("group-wait-in-parts"))
     if any(axis.slowed for axis in group.axes):
         found.append(Message("group-path-slows"))
+    drives = [axis.machine.drive for axis in group.axes]
+    if any(drive.has_friction for drive in drives):
+        is_viscous = any(drive.viscous_friction for drive in drives)
+        found.append(Message("group-path-friction", viscous="yes" if is_viscous else "no"))
     return [item for item in dict.fromkeys(found) if item.kind not in NOT_OF_A_GROUP]
 
 
@@ -253,6 +258,7 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
     """What the verdict does not show, and what to do where it is not met."""
     delays, control = _delays(group), group.control
     apart = max(delays.values()) - min(delays.values())
+    yield from _other_contours(group.task)
     if group.task.radius is not None:
         yield Message("group-one-circle", radius=group.task.radius)
     if len(group.axes) > len(group.drawn):
@@ -274,6 +280,22 @@ def _warn(group: Group, checks: list[GroupCheck]) -> Iterator[Words]:
     item = group.setpoint_filter
     if item is not None and item.kind in SHAPERS:
         yield Message("group-one-shaper")
+
+
+def _other_contours(task: Task) -> Iterator[Message]:
+    """What axes keep along their own moves where it is not what contours are judged by."""
+    others = tuple(
+        Message(
+            "group-contour-of",
+            name=machine.axis,
+            tolerance=machine.requirements.contour_deviation,
+        )
+        for machine in task.machines
+        if isfinite(machine.requirements.contour_deviation)
+        and machine.requirements.contour_deviation != task.tolerance
+    )
+    if others:
+        yield Message("group-other-contours", tolerance=task.tolerance, of=others)
 
 
 def read_pair(record: GroupRecord) -> Pair:

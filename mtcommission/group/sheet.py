@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import inf, isclose
 from typing import Any
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
+from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.row import (
     AT_CORNERS,
@@ -22,7 +23,7 @@ from mtcommission.group.contours import Pair
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
-from mtcommission.group.page import Trace, contour_panel, draw_ballbar, trace_circle
+from mtcommission.group.page import Trace, contour_panel, draw_ballbar, micrometres, trace_circle
 from mtcommission.group.record import GroupRecord
 from mtcommission.machine.checks import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed
@@ -203,7 +204,7 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
     otherwise: dict[tuple[Key, ...], str] = {
         (AT_CORNERS,): told.name if told.value and told.name else DASH
     }
-    heads = {"quantity": 1.7, "value": 1.6, "bound-by-column": 1.9, "group-typed": 3.6}
+    heads = {"quantity": 1.7, "value": 1.5, "bound-by-column": 1.85, "group-typed": 3.75}
     return Table(
         caption=text("group-together-caption"),
         columns=tuple(
@@ -218,15 +219,18 @@ def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> T
 
 
 def _type(parts: Sequence[Part], keys: Sequence[Key], words: Catalogue) -> str:
-    """What is typed in for some settings, each name once; "" where the control has no place."""
-    found = {}
+    """What is typed in for some settings, each name once; "" where the control has no place.
+
+    Of one that the control has by modes, as for each axis, the first.
+    """
+    found: dict[str, str] = {}
     for entry in (entry for part in parts for entry in part.entries):
         if entry.row.key in keys:
-            name = _parameter(entry, words)
-            found[name] = f"{name} = {show_typed(entry.value, entry, words)}"
+            said = f"{_parameter(entry, words)} = {show_typed(entry.value, entry, words)}"
             if entry.old:
                 old = words.text("group-old", value=show_typed(entry.old, entry, words))
-                found[name] += f" ({old})"
+                said += f" ({old})"
+            found.setdefault(entry.row.name.partition("[")[0], said)
     return "; ".join(found.values())
 
 
@@ -332,9 +336,9 @@ def _checks(record: GroupRecord, words: Catalogue) -> Table:
     columns = (
         Quantity("check", "label", width=2.9),
         Quantity("found", "value", unit_of, "not-settled", width=1.35),
-        Quantity("permitted", "limit", unit_of, width=1.4),
+        Quantity("permitted", "limit", unit_of, width=1.35),
         Quantity("share-used", _share_used, "%", width=1.05),
-        Quantity("where", "where", width=9.2),
+        Quantity("where", "where", width=9.4),
     )
     return table(words, "group-checks-caption", columns, shown, strong=lambda check: not check.met)
 
@@ -365,6 +369,8 @@ def second_page(record: GroupRecord, pair: Pair, words: Catalogue) -> Iterator[B
         traces={words.format.feed(feed): trace for feed, trace in traces.items()},
     )
     yield feeds_table(record, words)
+    if said := say_peaks(record, words):
+        yield note(said)
     yield corners_table(record, words)
     yield _measurements(record, traces, words)
     first, second = record.plane
@@ -375,7 +381,7 @@ def second_page(record: GroupRecord, pair: Pair, words: Catalogue) -> Iterator[B
 
 def feeds_table(record: GroupRecord, words: Catalogue) -> Table:
     """Return the largest feed of circles over their radius, and what forbids more."""
-    columns = (
+    columns: tuple[Quantity, ...] = (
         Quantity("group-radius", "radius", "m"),
         Quantity(
             "group-feed-of-circle",
@@ -385,7 +391,31 @@ def feeds_table(record: GroupRecord, words: Catalogue) -> Table:
         Quantity("bound-by-column", lambda one: _forbids(one, words), width=2.0),
     )
     every, tolerance = record.feed_over_radius, record.tolerance
+    if any(one.without_peaks for one in every):
+        columns += (
+            Quantity(
+                "group-feed-without-peaks",
+                lambda one: words.format.feed((one.without_peaks or one).feed),
+                "",
+                width=1.5,
+            ),
+            Quantity(
+                "bound-by-column",
+                lambda one: _forbids(one.without_peaks or one, words),
+                width=2.0,
+            ),
+        )
     return table(words, "group-feeds-caption", columns, every, tolerance=tolerance)
+
+
+def say_peaks(record: GroupRecord, words: Catalogue) -> str:
+    """Return why no feed keeps the tolerance where reversals do not even on the slowest circle."""
+    slowest = record.circle[0]
+    name, peak = max(slowest.quadrant_peak.items(), key=lambda one: one[1], default=("", 0.0))
+    if peak <= record.tolerance:
+        return ""
+    feed, tolerance = slowest.feed, record.tolerance
+    return words.text("group-peaks-forbid", name=name, peak=peak, feed=feed, tolerance=tolerance)
 
 
 def corners_table(record: GroupRecord, words: Catalogue) -> Table:
@@ -393,10 +423,18 @@ def corners_table(record: GroupRecord, words: Catalogue) -> Table:
     columns = (
         Quantity("group-angle", "angle_deg", "°"),
         Quantity("group-corner-speed", lambda one: words.format.feed(one.speed), ""),
-        Quantity("group-not-slowed", "deviation_without_slowing", "m"),
+        in_micrometres("group-not-slowed", "deviation_without_slowing", words),
     )
     every, feed = record.speed_over_angle, record.feed
     return table(words, "group-corners-caption", columns, every, feed=feed)
+
+
+def in_micrometres(
+    name: str | Message, value: str | Callable[[Any], object], words: Catalogue
+) -> Quantity:
+    """Return a column of deviations that has one unit."""
+    plain = Quantity(name, value)
+    return replace(plain, value=lambda item: micrometres(plain.of(item), words), unit="")
 
 
 def _traces(record: GroupRecord, pair: Pair) -> dict[float, Trace]:
@@ -429,7 +467,7 @@ def _measurements(record: GroupRecord, traces: dict[float, Trace], words: Catalo
         (text("group-worst-form"), [one.form_deviation for one in circles]),
     ]
     cells = [
-        (label, *(cell for value in values for cell in (show(value, words, "m"), blank)))
+        (label, *(cell for value in values for cell in (micrometres(value, words), blank)))
         for group, blank in ((rows, ""), (worst, DASH))
         for label, values in group
     ]

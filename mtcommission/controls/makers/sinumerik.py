@@ -152,7 +152,11 @@ CONTROL = Control(
     group=(
         fixed("N42502 $SC_IS_SD_MAX_PATH_ACCEL", "1", "group-row-acceleration-on"),
         on_path("acceleration", "N42500 $SC_SD_MAX_PATH_ACCEL", "m/s^2", is_verified=False),
-        on_path("jerk", "N20600 $MC_MAX_PATH_JERK[0]", "m/s^3", is_verified=False),
+        *(
+            on_path("jerk", f"N20600 $MC_MAX_PATH_JERK[{index}]", "m/s^3", is_verified=False)
+            for index, mode in enumerate(DYNAMIC_MODES.values())
+            if not mode  # those that get the recommendation
+        ),
     ),
     # SINUMERIK Basic Functions 01/2015, B1 4.3 p. 193; that it is an arc (?)
     corner=CornerRule(kind=Corner.ARC, is_verified=False),

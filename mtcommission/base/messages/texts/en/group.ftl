@@ -20,14 +20,27 @@ group-bound-entry = tolerance: entry
 group-bound-filter = tolerance: setpoint filter
 group-bound-delay = tolerance: unequal delays
 group-bound-loop = tolerance: loop
-group-bound-friction = tolerance: peak at reversal
+group-bound-friction = peak at reversal
 group-where-circle = radius { LENGTH($radius) } at { FEED($feed) }
 group-check-circle = contour on circles
 group-where-line = line at { NUMBER($slope, digits: 2) }° up to { FEED($feed) }
 group-check-line = contour on lines
 group-check-peak = peak at reversal, { $name }
+group-check-along = deviation along, { $name }
 group-check-of = { $requirement }, { $name }
 group-delays-apart = The delays of the axes differ by { TIME($apart) }, and no place for a wait is known in this control: at { FEED($feed) } that alone makes circles oval. Give the other axes the control.force_filters of { $slowest } and compute again.
+group-other-contours = Circles, corners and lines are judged within { LENGTH($tolerance) }; along the own moves of an axis the contour_deviation of its profile: { $of }.
+group-contour-of = { $name } { LENGTH($tolerance) }
+group-path-friction = Path limits exceed those of the axes in no direction, friction included{ $viscous ->
+    [yes] {" "}but for the viscous one.
+   *[no] .
+}
+group-next-contour = next: the same command with --tolerance { $tolerance }, which these axes keep, or with a lower --feed
+group-next-peak = next: let the control compensate the friction of { $names }, then measure a circle; uncompensated, the same command with --tolerance { $tolerance }
+group-next-path = next: the same command with a larger --tolerance or a lower --feed: limits of the path slow the axes
+group-next-axis = next: mtcommission run { $profile }, which says what hinders axis { $name } alone
+group-peaks-forbid = Even at { FEED($feed) } a reversal of { $name } throws the tool off by { LENGTH($peak) }, more than { LENGTH($tolerance) }: no feed is given with these peaks. Let the control compensate friction, or raise the tolerance; the last columns hold without them.
+group-feed-without-peaks = Without peaks
 group-one-circle = Only circles of { LENGTH($radius) } were judged, as --radius asks: others may leave the tolerance.
 group-one-plane = Only circles, corners and lines of { $first } and { $second } were judged, as --plane says: compute the other planes, too, and type in the least of their path limits.
 group-no-friction = No friction is stated: peaks where an axis reverses are left out. Write drive.coulomb_friction, or let identify find it.
@@ -164,7 +177,7 @@ group-circle-band = Tolerance ± { LENGTH($tolerance) }
 group-circle-nominal = Nominal circle
 group-circle-division = One division: { $division }
 group-circle-turn = Counterclockwise (G3)
-group-circle-figures = { $feed }: F { LENGTH($least, digits: 3) } to { LENGTH($largest, digits: 3) }, G { LENGTH($circular, digits: 3) }
+group-circle-figures = { $feed }: F { $least } to { $largest }, G { $circular }
 group-feeds-caption = Largest feed of circles within { LENGTH($tolerance) }
 group-feed-of-circle = Feed
 group-corners-caption = Speed at corners (unslowed: at { FEED($feed) })
