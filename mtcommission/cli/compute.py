@@ -265,9 +265,18 @@ def simulate(
     acceleration: str = option("--acceleration", "A", "E.g. 2m/s^2.", ...),
     jerk: str = option("--jerk", "J", "E.g. 100m/s^3; needed where the control limits it."),
     setpoint_filter: str = option(
-        "--filter", "KIND:...", "E.g. moving_average:20ms, zvd:40Hz:0.05, none."
+        "--filter",
+        "TIME|KIND:...",
+        "Length of a moving average, e.g. 20ms; a shaper's frequency and damping ratio, "
+        "e.g. zvd:40Hz:0.05; none.",
     ),
-    move: int = option("--move", "N", "Only this one of the profile's moves.", 0),
+    move: int = option(
+        "--move",
+        "N",
+        "Only this one of the profile's moves, counted from 1; otherwise all.",
+        0,
+        show_default=False,
+    ),
     size: str = option("--size", "S", "Its distance or velocity step."),
     payload: str = option("--payload", "M", "Of one machine more, e.g. 50kg."),
     frequency_error: str = option("--frequency-error", "E", "Of that machine, e.g. 7%."),
@@ -335,7 +344,7 @@ def simulate(
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         assumed = list_assumed(tried.machine, plant, source.text, words())
-        show(describe_simulation(tried.machine, part, assumed, words()))
+        show(describe_simulation(tried.machine, chosen, part, assumed, words()))
     raise typer.Exit(0 if part.assessment.met else 1)
 
 

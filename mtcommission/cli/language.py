@@ -194,7 +194,8 @@ def _explain_parameter(command: str, item: Any, words: dict[str, str]) -> str:
     if item.required:
         return f"{text} {words['required']}"
     is_shown = isinstance(item.default, str | int | Path) and not _is_flag(item)
-    return f"{text} {words['default']}{item.default}]" if is_shown and item.default != "" else text
+    is_shown = is_shown and item.show_default and item.default != ""
+    return f"{text} {words['default']}{item.default}]" if is_shown else text
 
 
 def _first_sentence(group: str, name: str, command: Any) -> str:

@@ -12,6 +12,7 @@ from mtcommission.machine.checks import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.record.limits import Alternative, LimitsAnswer, RecommendedEntry, TodayEntry
 from mtcommission.record.moves import AssessmentPart, SimulationPart
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.sheet.tables import (
     CORNER,
     PEAK,
@@ -21,7 +22,7 @@ from mtcommission.sheet.tables import (
     say_requirement,
     show,
 )
-from mtcommission.sheet.verdict import share_used, verdict_on
+from mtcommission.sheet.verdict import move_title, share_used, verdict_on
 
 ROWS = 23
 """Of a screen of 24 lines, below which the shell asks for the next command."""
@@ -185,9 +186,13 @@ def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> lis
 
 
 def describe_simulation(
-    machine: Machine, part: SimulationPart, assumed: Sequence[str], spoken: Catalogue
+    machine: Machine,
+    limits: MotionLimits,
+    part: SimulationPart,
+    assumed: Sequence[str],
+    spoken: Catalogue,
 ) -> list[Line]:
-    """Return the response of each move in each corner, and the verdict."""
+    """Return what was simulated, the response of each move in each corner, and the verdict."""
     states = (
         ["machine-state"] if any(one.state for move in part.moves for one in move.corners) else []
     )
@@ -207,8 +212,19 @@ def describe_simulation(
         f"{say_requirement(check.name, spoken)}: {spoken.say(check.where)}"
         for check in part.assessment.checks
     ]
+    shortest = machine.control.shortest_ramp
+    simulated = spoken.text(
+        "terminal-simulated",
+        acceleration=show(limits.acceleration, spoken, "m/s^2"),
+        jerk=say_jerk(limits.acceleration, limits.jerk, shortest, spoken),
+        filter=say_filter(machine.control.setpoint_filter, spoken),
+        moves="; ".join(
+            move_title(one.move, number, spoken) for number, one in enumerate(part.moves, start=1)
+        ),
+    )
     return [
         *_verdict(machine, part.assessment, spoken),
+        simulated,
         heading(spoken.text("terminal-response")),
         *table(names, rows),
         *_checks(machine, part.assessment, spoken),

@@ -50,6 +50,9 @@ LARGEST_FREQUENCY_ERROR = 0.5
 LARGEST_PAYLOAD = 1e6
 """[kg]; more than any machine moves."""
 
+FILTER_FORMS = {MOVING_AVERAGE: "8ms", TWO_AVERAGES: f"{TWO_AVERAGES}:8ms:4ms"}
+"""How ``--filter`` takes averages; a shaper takes a frequency and a damping ratio."""
+
 SIZES = {"every": True, "listed": False}
 """Words of ``--for``, and whether they ask for every smaller move."""
 
@@ -381,20 +384,18 @@ def _read_filter(machine: Machine, text: str, options: Options) -> SetpointFilte
     where, control, (name, *numbers) = "--filter", machine.control, text.strip().split(":")
     if name == "none" and not numbers:
         return None
-    item: SetpointFilter | None = SetpointFilter(kind=name)
-    if control.kind.find_filter(name):
-        keys = KEYS[name]
-        if len(numbers) != len(keys) or name == FIR:
-            form = {MOVING_AVERAGE: "time", TWO_AVERAGES: "times", FIR: FIR}.get(name, "mode")
-            said = Message("option-filter-form", got=text.strip(), kind=name, numbers=form)
-            options.refuse(where, said)
-            return None
-        axis, follows = machine.axis_units, machine.drive.follows
-        reading = Reading(axis=axis, states={}, outputs={}, follows=follows)
-        stated = {"kind": name, **dict(zip(keys, numbers, strict=True))}
-        item = HELD_FILTER.read(stated, (where,), reading)
-        for _, message in reading.faults:
-            options.refuse(where, message)
+    if name[:1].isdigit() and not numbers:
+        name, numbers = MOVING_AVERAGE, [name]
+    if not control.kind.find_filter(name) or len(numbers) != len(KEYS[name]) or name == FIR:
+        kinds = [choice.kind for choice in control.kind.setpoint_filters if choice.kind != FIR]
+        forms = ("none", *(FILTER_FORMS.get(kind, f"{kind}:45Hz:0.02") for kind in kinds))
+        options.refuse(where, Message("option-filter-form", got=text.strip(), forms=forms))
+        return None
+    reading = Reading(axis=machine.axis_units, states={}, outputs={}, follows=machine.drive.follows)
+    stated = {"kind": name, **dict(zip(KEYS[name], numbers, strict=True))}
+    item: SetpointFilter | None = HELD_FILTER.read(stated, (where,), reading)
+    for _, message in reading.faults:
+        options.refuse(where, message)
     for _, message in list_misfits(item, control.kind, position_cycle=control.position_cycle):
         options.refuse(where, message)
     return item

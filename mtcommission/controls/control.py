@@ -212,6 +212,8 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
 
 def is_neutral(row: Row) -> bool:
     """Return whether a row is named by what it is, not as a control spells it."""
+    if row.setting is Setting.STATE_GAIN:  # no product feeds states back
+        return True
     neutral = neutral_rows(LINEAR).get(row.setting)
     return neutral is not None and row.name == neutral.name.format(row.index)
 

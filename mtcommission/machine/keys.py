@@ -189,7 +189,7 @@ def read_values(
             missing.remove(meant)
             reading.refuse((*place, name), Message("key-misspelt", meant=meant))
         else:
-            reading.refuse((*place, name), _unknown(kind, name, known))
+            reading.refuse((*place, name), _unknown(kind, (*place, name), known))
     for key in missing:
         example = keys[key][1].example_toml if key in keys else ""
         reading.refuse((*place, key), Message("key-missing", remedy=_add(key, example)))
@@ -212,11 +212,12 @@ def _add(key: str, example: str) -> Message:
     return Message("add-table", header="[[moves]]" if key == "moves" else f"[{key}]")
 
 
-def _unknown(kind: type[Any], name: str, known: Iterable[str]) -> Message:
+def _unknown(kind: type[Any], key: KeyPath, known: Iterable[str]) -> Message:
+    *place, name = key
     other, drive = ELSEWHERE.get(kind, (None, ""))
     if other and name in {key for key, _, _ in list_keys(other)}:
         return Message("key-of-other-drive", drive=drive)
-    return Message("key-unknown", hint=propose(name, known))
+    return Message("key-unknown", hint=propose(str(name), known, below=tuple(place)))
 
 
 def table_schema(

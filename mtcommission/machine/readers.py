@@ -328,6 +328,12 @@ def read_path(key: str) -> KeyPath:
     return tuple(int(part) if part.isdigit() else part for part in key.split(".") if part)
 
 
+def show_key(path: KeyPath) -> str:
+    """Return a key as messages and sheets spell it, ``moves[1].distance``: elements from 1 on."""
+    shown = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path)
+    return shown.removeprefix(".")
+
+
 def one_of(words: Sequence[str]) -> Message | str:
     """Return words in quotes as alternatives: "a", "b" or "c"."""
     *first, last = (f'"{word}"' for word in words)
@@ -355,12 +361,12 @@ def must_be(value: object, words: Message | str, hint: Message | None = None) ->
     return Message("got-other-word", got=describe(value), words=words, hint=hint)
 
 
-def propose(name: str, known: Iterable[str]) -> Message:
-    """Return a hint: what was meant, or the list of what there is."""
+def propose(name: str, known: Iterable[str], *, below: KeyPath = ()) -> Message:
+    """Return a hint: what was meant, with the key of its table, or the list of what there is."""
     known = list(known)
     close = find_close(name, known)
     if close:
-        return Message("hint-did-you-mean", name=close)
+        return Message("hint-did-you-mean", name=show_key((*below, close)))
     return Message("hint-there-are", names=", ".join(known))
 
 

@@ -13,8 +13,8 @@ from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, kalman_rank
-from mtcommission.machine.profile.read import find_key_lines, show_key
-from mtcommission.machine.readers import KeyPath
+from mtcommission.machine.profile.read import find_key_lines
+from mtcommission.machine.readers import KeyPath, show_key
 from mtcommission.record.shape import Matrix, Words, of
 
 ILLUSTRATIVE = Message("source-illustrative")

@@ -22,6 +22,7 @@ from mtcommission.machine.checks import (
     say_filter,
     say_loop,
 )
+from mtcommission.machine.setpoint_filter import name_shaper
 from mtcommission.record.machine import datum_name, say_assumed
 from mtcommission.record.moves import Check, RangeEntry
 from mtcommission.sheet.document import (
@@ -334,7 +335,9 @@ def entry_name(entry: Entry, words: Catalogue) -> str:
 def show_typed(value: str, entry: Entry, words: Catalogue) -> str:
     """Return a number with the language's decimal mark and its unit; else what is typed."""
     if not NUMBER.fullmatch(value):
-        return value
+        # A control's own word is typed as it stands.
+        kind = f"choice-{value.replace('_', '-')}"
+        return words.known(kind, name_shaper(value)) if is_neutral(entry.row) else value
     unit = pretty_unit({"us": "µs"}.get(entry.row.unit, entry.row.unit))
     if MULTIPLE.match(unit):
         unit = f"[{unit}]"

@@ -300,7 +300,7 @@ const whatIf = (() => {
       const a = grid(least, most, Math.floor(n / CELLS)), ramp = grid(low, high, n % CELLS);
       const found = engine.evaluate(model, all, move(), {...limits, acceleration: a, jerk: a / ramp});
       land.cells.push(found.met ? found.settling : null);
-      if (n % CELLS === CELLS - 1) drawLandscape();
+      if (n % CELLS === CELLS - 1 && n + 1 < CELLS * CELLS) drawLandscape();
       yield;
     }
     drawLandscape();
@@ -323,7 +323,8 @@ const whatIf = (() => {
     const mark = (limits, className, r) => add(inside, "circle", {class: className, r, cx: x.at(Math.max(limits.acceleration / limits.jerk, low) / t), cy: y.at(limits.acceleration / a)});
     known.forEach((one, k) => mark(one.limits, `known k${k === recommended ? 2 : 1}`, 7));
     mark({acceleration: state.acceleration, jerk: state.tried.setpoint.jerk}, "chosen", 5);
-    id("landscape-range").textContent = met.length ? say("landscape_range", {least: withUnit(Math.exp(fastest), "time"), most: withUnit(Math.exp(slowest), "time")}) : words.landscape_none;
+    const isWhole = land.cells.length === CELLS * CELLS;
+    id("landscape-range").textContent = !isWhole ? words.landscape_running : met.length ? say("landscape_range", {least: withUnit(Math.exp(fastest), "time"), most: withUnit(Math.exp(slowest), "time")}) : words.landscape_none;
     svg.pick = (px, py) => {
       const acceleration = y.of(py) * a, jerk = acceleration / (x.of(px) * t);
       put("acceleration", Math.min(Math.max(acceleration, least), most));

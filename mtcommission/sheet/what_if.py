@@ -43,13 +43,12 @@ NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
 """Width of a notch [-] and its depth [dB]."""
 
 WORDS = (
-    "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size", "frequencies",
-    "frequency-hz", "in-unit", "jerk-time", "landscape-none", "landscape-range", "met",
-    "missed-check", "move", "moving-average", "no-setpoint-filter", "no-notch", "nominal", "none",
-    "not-met",
-    "not-settled", "open-loop-db", "open-loop-deg", "out-of-range", "ramp", "residual", "saturated",
-    "saturated-short", "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited",
-    "unstable", "worst-so-far",
+    "acceleration", "all-corners", "all-met", "damping", "deviation", "field-size",
+    "frequencies", "frequency-hz", "in-unit", "jerk-time", "landscape-none", "landscape-range",
+    "landscape-running", "met", "missed-check", "move", "moving-average", "no-setpoint-filter",
+    "no-notch", "nominal", "none", "not-met", "not-settled", "open-loop-db", "open-loop-deg",
+    "out-of-range", "ramp", "residual", "saturated", "saturated-short", "sizes-met",
+    "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unstable", "worst-so-far",
 )  # fmt: skip
 """That the script says, with the places that it fills in."""
 

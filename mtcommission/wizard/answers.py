@@ -19,8 +19,8 @@ from mtcommission.base.units.quantities import (
 )
 from mtcommission.machine.mechanics import KINDS, SOURCE
 from mtcommission.machine.profile.describe import KeyQuestion, questions
-from mtcommission.machine.profile.read import read_key, show_key
-from mtcommission.machine.readers import read_path
+from mtcommission.machine.profile.read import read_key
+from mtcommission.machine.readers import read_path, show_key
 
 Answers = Mapping[str, str]
 """What was typed, by dotted key: the profile's own keys, or the wizard's beside them; "": left

@@ -23,8 +23,7 @@ from mtcommission.base.units.quantities import (
 )
 from mtcommission.controls.kinds import KINDS
 from mtcommission.machine.checks import name_control
-from mtcommission.machine.profile.read import show_key
-from mtcommission.machine.readers import Range, read_path
+from mtcommission.machine.readers import Range, read_path, show_key
 from mtcommission.wizard.answers import profile_key
 
 LONGEST_TEXT = 400

@@ -17,8 +17,8 @@ from mtcommission.base.units.quantities import MASS, wrap_whole
 from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import PLANTS, Mechanics
-from mtcommission.machine.profile.read import parse_profile, read_key, show_key
-from mtcommission.machine.readers import Reading, read_path
+from mtcommission.machine.profile.read import parse_profile, read_key
+from mtcommission.machine.readers import Reading, read_path, show_key
 from mtcommission.wizard.answers import (
     FILES,
     MEASURED,

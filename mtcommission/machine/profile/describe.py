@@ -80,7 +80,7 @@ def find_unknown(path: Sequence[str]) -> Message | None:
     for depth, name in enumerate(path):
         known = [key for table in tables_at(path[:depth]) for key in table["properties"]]
         if known and not name.isdigit() and name not in known:
-            return propose(name, dict.fromkeys(known))
+            return propose(name, dict.fromkeys(known), below=tuple(path[:depth]))
     return None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -19,7 +19,7 @@ from mtcommission.machine.keys import build_table, read_values
 from mtcommission.machine.machine import ABOUT, MOST_ASSUMED, Machine
 from mtcommission.machine.mechanics import HELD, SOURCE, kind_of
 from mtcommission.machine.plant.plant import OUTPUTS
-from mtcommission.machine.readers import KeyPath, Reading, find_close, must_be
+from mtcommission.machine.readers import KeyPath, Reading, find_close, must_be, show_key
 
 LARGEST_FILE = 200_000
 """Bytes; a profile has a few thousand."""
@@ -107,7 +107,7 @@ def parse_profile(text: str, *, where: str) -> Machine:
     data = load_toml(text, where=where)
     reading = _begin(data)
     machine = _read_machine(data, reading)
-    for path, message in _misspelt(data):
+    for path, message in _misspelt(data, tuple(reading.faults)):
         reading.refuse(path, message)
     if machine is None or reading.faults:
         lines = find_key_lines(text)
@@ -152,14 +152,21 @@ def _read_machine(data: dict[str, Any], reading: Reading) -> Machine | None:
     return machine
 
 
-def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
+def _misspelt(
+    data: dict[str, Any], faults: Sequence[tuple[KeyPath, Message]]
+) -> Iterator[tuple[KeyPath, Message]]:
     """Keys in machine.assumed that the profile does not state, and what is wrong with each."""
     about = data.get(ABOUT)
     named = about.get("assumed") if isinstance(about, dict) else None
     stated = [show_key(path) for path in _paths(data) if path[:2] != (ABOUT, "assumed")]
+    unknown = {
+        show_key(path) for path, said in faults if said.kind in ("key-unknown", "key-misspelt")
+    }
     for place, key in enumerate(named[:MOST_ASSUMED] if isinstance(named, list) else ()):
         if isinstance(key, str) and key not in stated:
             close = find_close(key, stated)
+            if close in unknown:
+                continue  # it is misspelt where it is stated, which is said there
             hint = Message("hint-did-you-mean", name=close) if close else Message("hint-key")
             yield (ABOUT, "assumed", place), Message("key-not-stated", got=key, hint=hint)
 
@@ -226,12 +233,6 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int:
     """Return the line of a key, or of the nearest key or table that holds it; else 1."""
     above = (path[:size] for size in range(len(path), 0, -1))
     return next((lines[place] for place in above if place in lines), 1)
-
-
-def show_key(path: KeyPath) -> str:
-    """Return a key as messages and sheets spell it, ``moves[1].distance``: elements from 1 on."""
-    shown = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path)
-    return shown.removeprefix(".")
 
 
 def read_key(shown: str) -> str:

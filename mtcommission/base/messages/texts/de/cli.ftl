@@ -2,12 +2,7 @@ either = { $first } oder { $last }
 
 option-between = { $got } angegeben, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
 option-not-positive = { $got } angegeben, muss > 0 { $unit } sein
-option-filter-form = { $got } angegeben; { $numbers ->
-    [time] erlaubt ist { $kind }:ZEIT, z. B. { $kind }:8ms
-    [times] erlaubt ist { $kind }:ZEIT:ZEIT, z. B. { $kind }:8ms:4ms
-    [fir] seine Koeffizienten passen nicht in eine Zeile; im Profil angeben
-   *[mode] erlaubt ist { $kind }:FREQUENZ:DÄMPFUNG, z. B. { $kind }:45Hz:0.02
-}
+option-filter-form = { $got } angegeben, muss eine davon sein: { $forms }
 option-no-such-move = { $got } angegeben, das Profil hat die Bewegungen 1 bis { $count }
 option-force-below-static-load = { PLAIN($force, digits: 6) } { $unit } angegeben, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben

@@ -439,6 +439,7 @@ neutral-name = { $setting ->
     [shaper-damping] Dämpfungsgrad des Filters
     [tap] Gewicht { $number }
     [tap-spacing] Abstand der Gewichte
+    [state-gain] Zustandsrückführung { $number }
     [position-loop] Ort der Lageregelung
     [position-cycle] Lagereglertakt
     [velocity-cycle] Geschwindigkeitsreglertakt

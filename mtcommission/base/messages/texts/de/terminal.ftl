@@ -59,6 +59,7 @@ terminal-worst = Ungünstigste Fälle: { $places }.
 terminal-more-rules = Nicht gezeigte Faustregeln: { $count }; { $missed } davon verfehlen eine Anforderung.
 terminal-more-notes = Weitere Hinweise: { $count }, siehe Blatt.
 terminal-response = Antwort des Regelkreises
+terminal-simulated = Simuliert: a { $acceleration }, j { $jerk }, Sollwertfilter { $filter }; { $moves }.
 terminal-saturated = { $force } in der Begrenzung
 
 switching-law = Schaltgesetz { word-f-set } = -sign({ word-lambda }) { word-f-max }

@@ -66,5 +66,6 @@ what-if-tried-machine = Die Maschine mit { $place } wird zusätzlich betrachtet;
 what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der Bewegung gehalten (ab 1 %; der Befehl simulate begrenzt auch die dazwischen).
 what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.
 what-if-landscape-range = Einschwingzeiten von { $least } bis { $most }.
-what-if-landscape-none = Bisher erfüllen keine Werte dieser Karte alle Anforderungen.
+what-if-landscape-none = Keine Werte dieser Karte erfüllen alle Anforderungen.
+what-if-landscape-running = Die Karte wird berechnet …
 what-if-out-of-range = { $name }: eine Zahl von { $low } bis { $high }; gerechnet wird mit { $value }

@@ -4,12 +4,7 @@ either = { $first } or { $last }
 
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
-option-filter-form = got { $got }, { $numbers ->
-    [time] must be { $kind }:TIME, e.g. { $kind }:8ms
-    [times] must be { $kind }:TIME:TIME, e.g. { $kind }:8ms:4ms
-    [fir] its coefficients do not fit on a line; state it in the profile
-   *[mode] must be { $kind }:FREQUENCY:DAMPING, e.g. { $kind }:45Hz:0.02
-}
+option-filter-form = got { $got }, must be one of: { $forms }
 option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 # $force, $load: SI, printed as typed
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }

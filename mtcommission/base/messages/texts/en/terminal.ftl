@@ -63,6 +63,7 @@ terminal-worst = Worst corners: { $places }.
 terminal-more-rules = Rules of thumb not shown: { $count }; { $missed } of them miss a requirement.
 terminal-more-notes = More notes: { $count }, see the sheet.
 terminal-response = Response of the loop
+terminal-simulated = Simulated: a { $acceleration }, j { $jerk }, setpoint filter { $filter }; { $moves }.
 terminal-saturated = { $force } saturated
 
 switching-law = Switching law { word-f-set } = -sign({ word-lambda }) { word-f-max }

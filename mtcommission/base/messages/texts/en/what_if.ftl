@@ -66,5 +66,6 @@ what-if-tried-machine = The machine with { $place } is looked at besides; its re
 what-if-sizes-met = Requirements kept at all { $count } sizes of move that were looked at (from 1 % up; the command simulate bounds those between, too).
 what-if-sizes-missed = At { $missed } of { $count } sizes of move a requirement is missed; the worst is { $size } with { $value }.
 what-if-landscape-range = Settling times from { $least } to { $most }.
-what-if-landscape-none = No values on this map meet all requirements so far.
+what-if-landscape-none = No values on this map meet all requirements.
+what-if-landscape-running = The map is being computed …
 what-if-out-of-range = { $name }: a number from { $low } to { $high }; computed with { $value }
