@@ -252,6 +252,16 @@ def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
     ]
 
 
+def test_a_misspelt_key_is_not_proposed_as_what_is_assumed() -> None:
+    text = changed(MODAL, 'source = "s"', 'source = "s"\nassumed = ["drive.max_force"]')
+    with pytest.raises(InputError) as caught:
+        parse_profile(changed(text, "max_force =", "maxforce ="), where="p.toml")
+    (fault,) = caught.value.faults
+    assert str(fault).endswith(
+        'drive.maxforce: unknown key; did you mean "max_force", which is missing?'
+    )
+
+
 def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
     """None of them must be silently nothing: limits without spread break with 1 % of frequency."""
     machine = parse_profile(MANIPULATOR, where="p.toml")

@@ -24,31 +24,10 @@ from tests.measured_example import PAYLOAD, SOFTER
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
 
-LEFT_OUT = "…"
-"""A line of README that stands for printed lines."""
-
 
 def blocks() -> list[str]:
     """Code blocks of README, in their order."""
     return re.findall(r"^```\n(.*?)^```", README.read_text("utf-8"), re.DOTALL | re.MULTILINE)
-
-
-def as_printed(shown: str, printed: str) -> str:
-    """Return a block of README with its lines as they are printed.
-
-    Each part between lines left out begins where a printed line begins with the same word.
-    """
-    lines = [line.rstrip() for line in re.sub("[\u00a0\u202f]", " ", printed).splitlines()]
-    found, place = [], 0
-    parts = shown.removesuffix(f"{LEFT_OUT}\n").split(f"{LEFT_OUT}\n")
-    for part in parts:
-        own = part.splitlines()
-        first = own[0].split()[0]
-        rest = range(place, len(lines))
-        place = next((k for k in rest if lines[k].split()[:1] == [first]), place)
-        found.append("\n".join(lines[place : place + len(own)]) + "\n")
-        place += len(own)
-    return f"{LEFT_OUT}\n".join([*found, ""] if shown.endswith(f"{LEFT_OUT}\n") else found)
 
 
 def call(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -73,7 +52,8 @@ def test_the_first_command_prints_what_readme_shows(
     shutil.copy(ROOT / profile, tmp_path / profile)
     assert call(line, tmp_path, monkeypatch) == 0
     printed = capsys.readouterr().out
-    renewed = as_printed(shown, printed)
+    lines = re.sub("[\u00a0\u202f]", " ", printed).splitlines()
+    renewed = "".join(f"{line.rstrip()}\n" for line in lines)
     if request.config.option.update_snapshots:
         README.write_text(README.read_text("utf-8").replace(shown, renewed), "utf-8")
         shown = renewed

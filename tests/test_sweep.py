@@ -509,7 +509,10 @@ def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--vary", "plant.slider_mas=600:900:3"], 'unknown key; did you mean "slider_mass"?'),
+        (
+            ["--vary", "plant.slider_mas=600:900:3"],
+            'unknown key; did you mean "plant.slider_mass"?',
+        ),
         (["--vary", "plant.slider_mass=600kgg:900kgg:3"], 'did you mean "kg"?'),
         (["--vary", "plant.slider_mass=700,-7"], "must be > 0 kg"),
         (["--vary", "control.state_feedback=auto,of"], 'must be "auto" or "off"'),

@@ -463,10 +463,10 @@ def test_what_is_tried_can_be_simulated() -> None:
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"setpoint_filter": "hum:4"}, '--filter: got "hum"'),
+        ({"setpoint_filter": "hum:4"}, "--filter: got hum:4, must be one of: none, 8ms"),
         (
             {"setpoint_filter": "moving_average"},
-            "--filter: got moving_average, must be moving_average:TIME",
+            "--filter: got moving_average, must be one of: none, 8ms",
         ),
         ({"setpoint_filter": "moving_average:99s"}, "--filter: "),
         ({"move": 7}, "--move: got 7, the profile has moves 1 to"),

@@ -424,7 +424,10 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
     ("answers", "words"),
     [
         (PAIR_TOML.replace("100 N", "100 m"), "which is a length"),
-        (PAIR_TOML + '[control]\nposition_gian = "60 1/s"\n', 'did you mean "position_gain"'),
+        (
+            PAIR_TOML + '[control]\nposition_gian = "60 1/s"\n',
+            'did you mean "control.position_gain"',
+        ),
         (PAIR_TOML.replace('"30 Hz"', '"30 Hz'), "m.in:8: TOML syntax: .* stand in quotes"),
         (PAIR_TOML.replace("motor_mass", "motor"), 'did you mean "pair.motor_mass"'),
         ('wizard.measured = ["none.csv"]', r"none\.csv"),
