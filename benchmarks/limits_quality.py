@@ -108,7 +108,7 @@ def score_machine(seed: int) -> list[Score]:
         note(name, evaluate(machine, tuned, rule.limits), 0.0)
     start = process_time()
     free = replace(machine, control=replace(machine.control, kind=STATE_SPACE))  # has all shapers
-    shaped = compare_shapers(free, tuned, near=searched)
+    shaped = compare_shapers(free, tuned)
     taken = (process_time() - start) / len(shaped)
     for candidate in shaped:
         note(Catalogue().say(candidate.name or "").split(" (")[0], candidate, taken)

@@ -24,7 +24,6 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.identified import read_evidence
-from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.rules import compare_shapers
 from tests.test_wizard import from_answers
 
@@ -241,8 +240,7 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     part = found.part
     how = Writing(file="x.toml", words=lambda _: Catalogue())
     machine = parse_profile(write_profile(found, how), where="x.toml")
-    near = MotionLimits(acceleration=1.0, jerk=100.0)
-    first, *others = compare_shapers(machine, tune_loop(machine), near=near)
+    first, *others = compare_shapers(machine, tune_loop(machine))
     assert first.name is not None
     assert first.name.kind == "shaper-of-calibration"
     assert "shaper-of-calibration" not in {one.name.kind for one in others if one.name}

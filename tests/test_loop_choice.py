@@ -14,6 +14,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.study.loops import (
     LoopChoice,
     say_settling,
@@ -60,7 +61,7 @@ def test_the_choice_is_as_its_sentence_says() -> None:
 
 
 def test_state_feedback_is_shown_beside_and_not_used() -> None:
-    """A control without it must not get its numbers."""
+    """A control without it must not get its numbers; that the tool would be stiffer is said."""
     machine, choice = cascade(), chosen_cascade()
     shown = show_state_feedback(machine, choice)
     assert shown.tuned is choice.tuned
@@ -68,6 +69,15 @@ def test_state_feedback_is_shown_beside_and_not_used() -> None:
     assert shown.variants[1].tuned.controller.state_gains.any()
     assert shown.remarks[-1].kind == "state-feedback-would"
     assert not shown.tuned.controller.state_gains.any()
+
+
+def test_state_feedback_that_brings_nothing_is_no_reason() -> None:
+    """Page 3 told of a controller that nobody has and that saves a tenth of a millisecond."""
+    machine = read_shipped("ball-screw").machine
+    choice = settle_on_loop(machine)
+    shown = show_state_feedback(machine, choice)
+    assert shown.remarks == choice.remarks
+    assert shown.tuned.remarks[-1].kind == "state-feedback-would"
 
 
 def test_the_choice_changes_gradually_with_the_spread() -> None:

@@ -12,7 +12,6 @@ import pytest
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.kind import SHAPERS
 from mtcommission.controls.kinds import KINDS
-from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.moves import Positioning, VelocityStep
@@ -132,8 +131,7 @@ def test_comparison_on_the_papers_machine() -> None:
     control = Control(kind=KINDS["state-space"], state_feedback=StateFeedback.OFF)
     machine = replace(machine, requirements=needs, control=control)
     tuned = tune_loop(machine)
-    near = choose_limits(machine, tuned).limits
-    trials = compare_shapers(machine, tuned, near=near)
+    trials = compare_shapers(machine, tuned)
     assert [Catalogue().say(trial.name).split()[0] for trial in trials] == [
         "ZV",
         "MZV",

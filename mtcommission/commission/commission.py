@@ -155,7 +155,7 @@ def commission(
         judge(Row(label=name, machine=machine, tuned=tuned, limits=limits))
         for name, limits in condense_optima(machine, plant, optima)
     ]
-    shapers = compare_shapers(machine, tuned, near=choice.limits)
+    shapers = compare_shapers(machine, tuned)
     attainable: tuple[Attainable, ...] = ()
     if not choice.meets_requirements:
         progress(Message("stage-attainable"))

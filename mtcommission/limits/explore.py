@@ -66,6 +66,9 @@ CLOSE, NEARLY = 0.002, 0.01
 REFINED, REACHES = 4, (0.35, 0.16, 0.1, 0.06, 0.02, 0.01)
 """Best places, of different filters, that are refined, and how far about them [-] (empirical)."""
 
+NEAR_REACHES = (0.25, 0.1, 0.03)
+"""The same where one begins at what is known of a loop much like this one [-] (empirical)."""
+
 NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)
 """How far a filter, and by what factors the jerk time, may lie from what is known of a loop much
 like this one [-] (empirical)."""
@@ -111,16 +114,18 @@ def explore(
         if is_free:
             jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
     else:
-        own = near.setpoint_filter
-        items = list(dict.fromkeys([own, *neighbours(control, own, NEARBY), *beside]))
+        # A first look goes no further: it looks at other filters and far ramps at once.
+        own, factors = near.setpoint_filter, NEAR_TIMES[1:-1] if refined else NEAR_TIMES
+        about = [] if refined else neighbours(control, own, NEARBY)
+        items = list(dict.fromkeys([own, *about, *beside]))
         if is_free:
-            times = [max(near.jerk_time * factor, SHORTEST) for factor in NEAR_TIMES]
+            times = [max(near.jerk_time * factor, SHORTEST) for factor in factors]
             jerk_times = list(dict.fromkeys(times))
     begins = explorer.first_look([(item, t) for item in items for t in jerk_times], latest)
     # One after the other: what was refined before decides what is worth it.
     looks = (explorer.look_at([p], latest=WORTHWHILE * explorer.soonest()) for p in begins)
     for begin in islice((found for found in looks if found is not None), refined):
-        explorer.refine(begin, is_free=is_free)
+        explorer.refine(begin, REACHES if near is None else NEAR_REACHES, is_free=is_free)
     return explorer.ranked()
 
 
@@ -208,10 +213,10 @@ class _Explorer:
                 best, latest = found, found.duration
         return best
 
-    def refine(self, begin: Found, *, is_free: bool) -> None:
+    def refine(self, begin: Found, reaches: Sequence[float], *, is_free: bool) -> None:
         """Look about a place, ever nearer, in the direction of either time."""
         here, control = begin, self.bench.machine.control
-        for reach in REACHES:
+        for reach in reaches:
             while True:
                 t = here.jerk_time
                 around = [t * (1.0 - reach), t * (1.0 + reach)] if is_free else []

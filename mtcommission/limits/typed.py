@@ -89,8 +89,15 @@ def find_typed(
             stricter = check.requirement.with_bound(stricter, bound)
         found = ()
     best_typed = min(typed, key=lambda item: item.duration, default=None)
-    if best_typed is None or near is not None:
+    if near is not None:
+        # What is known may serve as it is, and sooner than what was found about it.
+        latest = best_typed.duration if best_typed else inf
+        if near.jerk <= largest_jerk and _duration(machine, near) < latest:
+            known, share = _judged(machine, tuned, near)
+            return known if share <= 1.0 else best_typed
         return best_typed
+    if best_typed is None:
+        return None
     # Rounding, or what the search saw too large, may leave room for a little more.
     limits = best_typed.limits
     share = max(check.share(machine) for check in best_typed.sizes)

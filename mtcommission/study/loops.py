@@ -280,10 +280,7 @@ def _weigh_state_feedback(
     without, with_it = plain.used, fed_back.used
     assert without
     assert with_it
-    before, after = without.candidate.settling_time, with_it.candidate.settling_time
-    ratio = with_it.tuned.least_stiffness / without.tuned.least_stiffness
-    is_stiffer = STUDY.sooner * after <= before and ratio > STUDY.stiffer
-    helps = after < STUDY.sooner * before or is_stiffer
+    helps, ratio = _pays(without, with_it)
     without = replace(without, name=WITHOUT, is_used=not helps)
     with_it = replace(with_it, name=WITH, is_used=helps)
     chosen = fed_back if helps else plain
@@ -304,6 +301,14 @@ def _weigh_state_feedback(
     )
 
 
+def _pays(without: LoopTrial, with_it: LoopTrial) -> tuple[bool, float]:
+    """Whether state feedback is worth its effort, and how much stiffer the tool is with it [-]."""
+    before, after = without.candidate.settling_time, with_it.candidate.settling_time
+    ratio = with_it.tuned.least_stiffness / without.tuned.least_stiffness
+    is_stiffer = STUDY.sooner * after <= before and ratio > STUDY.stiffer
+    return after < STUDY.sooner * before or is_stiffer, ratio
+
+
 def with_filters(machine: Machine, tuned: TunedLoop) -> Machine:
     """Return a machine whose profile names the filters of the set force that a loop has."""
     filters = tuned.controller.force_filters
@@ -314,30 +319,35 @@ def show_state_feedback(machine: Machine, choice: LoopChoice) -> LoopChoice:
     """Return the same choice with what state feedback would add where it is not used.
 
     The loop that is used stays; variants are added unless the sensors see no mode or nothing keeps
-    the margins.
+    the margins. Where it would pay, that is a reason to think of another control; else a remark.
     """
-    given = choice.tuned.controller.state_gains
+    given, tuned = choice.tuned.controller.state_gains, choice.tuned
     if machine.drive.follows or choice.variants or given.any():
         return choice
-    machine = with_filters(machine, choice.tuned)
-    used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=choice.tuned))
+    machine = with_filters(machine, tuned)
+    used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=tuned))
     classic = used.tuned if used.is_classic else None
     found = propose_feedback(cascade_family(machine), classic, [used.shape])
     if found.remark is not None:
-        return replace(choice, remarks=(*choice.remarks, found.remark))
+        remarks = (*tuned.remarks, found.remark)
+        return replace(choice, tuned=replace(tuned, remarks=remarks))
     near = used.candidate.limits
     tried = [LoopTrial(shape=item.shape, tuned=item.tuned, name=WITH) for item in found.loops]
-    explored = [_explore(machine, item, near=near, refined=1) for item in tried]
-    best = _judge(machine, min(explored, key=lambda item: item.expected_time), near=near)
-    remark = Message(
+    looks = [_explore(machine, item, near=near, refined=0) for item in tried]
+    soonest = min(looks, key=lambda item: item.expected_time)
+    best = _judge(machine, replace(soonest, found=()), near=near)
+    without = replace(used, tuned=tuned, name=WITHOUT, is_used=True)
+    helps, ratio = _pays(without, best)
+    would = Message(
         "state-feedback-would",
         with_it=say_settling(best.candidate),
         without=say_settling(used.candidate),
-        change=best.tuned.least_stiffness / choice.tuned.least_stiffness - 1.0,
+        change=ratio - 1.0,
     )
-    without = replace(used, tuned=choice.tuned, name=WITHOUT, is_used=True)
-    remarks = (*choice.remarks, remark)
-    return replace(choice, variants=(without, best), remarks=remarks)
+    choice = replace(choice, variants=(without, best))
+    if helps:
+        return replace(choice, remarks=(*choice.remarks, would))
+    return replace(choice, tuned=replace(tuned, remarks=(*tuned.remarks, would)))
 
 
 def describe_loop(controller: Controller) -> list[Message]:

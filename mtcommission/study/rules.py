@@ -58,18 +58,15 @@ def evaluate_rules(machine: Machine, tuned: TunedLoop, rule: RuleResult) -> tupl
     return (judge(own), *others)
 
 
-def compare_shapers(
-    machine: Machine, tuned: TunedLoop, *, near: MotionLimits
-) -> tuple[Candidate, ...]:
+def compare_shapers(machine: Machine, tuned: TunedLoop) -> tuple[Candidate, ...]:
     """Return the shapers that the control has, set to the dominant mode, with the best limits each.
 
     What Klipper's calibrate_shaper would choose comes first, where the machine was measured so.
-    ``near``: the recommendation; limits of a shaper lie about it.
     """
-    return tuple(map(judge, (*_of_klipper(machine, tuned), *_of_control(machine, tuned, near))))
+    return tuple(map(judge, (*_of_klipper(machine, tuned), *_of_control(machine, tuned))))
 
 
-def _of_control(machine: Machine, tuned: TunedLoop, near: MotionLimits) -> Iterator[Row]:
+def _of_control(machine: Machine, tuned: TunedLoop) -> Iterator[Row]:
     mode = dominant_mode(build_plant(machine))
     f, zeta = mode.frequency_hz, mode.damping_ratio
     for kind, source in SOURCES.items():
@@ -82,7 +79,6 @@ def _of_control(machine: Machine, tuned: TunedLoop, near: MotionLimits) -> Itera
             source=Message(source),
             machine=replace(machine, control=control),
             tuned=tuned,
-            near=replace(near, setpoint_filter=item),
         )
 
 
