@@ -24,15 +24,12 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile.read import parse_profile, read_profile
 from mtcommission.wizard.answers import (
-    FILES,
     MODAL,
-    MOST_SHARE,
     PAIR_BY_FREQUENCY,
     PAIR_BY_STIFFNESS,
     PAIRS,
     TOWER,
     flatten,
-    share_out,
     to_answers,
     to_profile,
 )
@@ -44,7 +41,7 @@ from tests import identify_files as made
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 ENGLISH = Catalogue("en")
-WAYS = (*PAIRS, MODAL, TOWER, FILES)
+WAYS = (*PAIRS, MODAL, TOWER)
 
 
 def mechanical(machine: Machine) -> Machine:
@@ -99,8 +96,6 @@ X
 3000 kg
 900 kg
 41.5 Hz
-110 Hz
-
 300 mm
 30 m/min
 
@@ -203,11 +198,12 @@ def test_a_servo_axis_takes_twenty_questions_and_an_identified_one_ten(tmp_path:
     assert ending is Ending.WRITTEN
     assert SERVO.count("\n") <= 20
     machine = read_profile(path)
-    assert [round(mode.frequency_hz, 1) for mode in machine.mechanics.modes] == [47.3, 110.0]
-    for key in ("drive.force_lag", "plant.modes[1].damping_ratio", "plant.modes[2].tcp_gain",
+    assert [round(mode.frequency_hz, 1) for mode in machine.mechanics.modes] == [47.3]
+    for key in ("drive.force_lag", "plant.modes[1].damping_ratio",
                 "requirements.frequency_spread", "drive.static_load"):  # fmt: skip
         assert machine.is_assumed(key), key
-    assert not machine.is_assumed("plant.modes[2].frequency")
+    for key in ("frequency", "tcp_gain"):
+        assert not machine.is_assumed(f"plant.modes[1].{key}")
     assert "Damping ratio of the load against the held motor: 0.03 (assumed)" in said
 
     identified, response = tmp_path / "q.toml", _response(tmp_path / "e.csv")
@@ -225,8 +221,8 @@ def test_a_servo_axis_takes_twenty_questions_and_an_identified_one_ten(tmp_path:
 def test_what_is_settled_can_be_changed_by_number_and_by_any_key(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     begin = SERVO.removesuffix("\n")
-    _, said = talk(path, f"{begin}no such key\n4\n3 ms\ncontrol.minimum_bandwidth\n15\n<\n\n\n")
-    assert "  4  Time constant of the force loop T: 2 ms (assumed)" in said
+    _, said = talk(path, f"{begin}no such key\n3\n3 ms\ncontrol.minimum_bandwidth\n15\n<\n\n\n")
+    assert "  3  Time constant of the force loop T: 2 ms (assumed)" in said
     assert 'got "no such key"' in said
     machine = read_profile(path)
     assert machine.control.minimum_bandwidth_hz == 15.0
@@ -263,34 +259,10 @@ def test_two_masses_have_the_frequency_response_of_their_modal_form(
 OF_MODE = ("frequency", "damping_ratio", "tcp_gain", "measured_gain")
 
 
-@given(
-    parts=st.lists(st.floats(0.05, 10.0), min_size=3, max_size=5),
-    springs=st.lists(st.floats(0.05, 10.0), min_size=4, max_size=4),
-)
-def test_no_chain_of_masses_does_more_at_the_tool_than_its_frequencies_tell(
-    parts: list[float], springs: list[float]
-) -> None:
-    """From the eigenvalue problem of any chain, motor at one end, tool at the other."""
-    count, total = len(parts), sum(parts)
-    K = np.zeros((count, count))
-    for i, k in enumerate(springs[: count - 1]):
-        K[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    root = np.sqrt(parts)
-    squares, vectors = np.linalg.eigh(K / np.outer(root, root))
-    shapes = vectors / root[:, None]
-    frequencies = np.sqrt(squares[1:])
-    shares = share_out(frequencies.tolist(), motor_mass=parts[0], moving_mass=total)
-    assert sum(seen for _, seen in shares) == pytest.approx(1.0 / parts[0] - 1.0 / total)
-    assert all(seen > 0.0 for _, seen in shares)
-    for (share, _), own in zip(shares, shapes[0, 1:] * shapes[-1, 1:], strict=True):
-        assert np.sign(share) == np.sign(own)
-        assert abs(share) >= min(abs(own), MOST_SHARE / total) * (1.0 - 1e-6)
-
-
 def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
-        "Table\nC\nrotary\n\n800 N m\n420 N m\n2\n1.9\n6.4 kg m^2\n0.971e6\n\n"
+        "Table\nC\nrotary\n\n800 N m\n420 N m\n2\n1.9\n6.4 kg m^2\n0.971e6\n"
         "90°\n60 rpm\n\n10 arcsec\n\nrequirements.payload.1\n0.2\nmoves.0.dwell\n0.5\n\n",
     )
     machine = read_profile(tmp_path / "table.toml")
@@ -305,7 +277,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
 
 def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path: Path) -> None:
     """F = M r, m = J r^2 with r = 2 pi / lead: nobody has to turn them by hand."""
-    mechanics = "1\n0.0076 kg m^2\n900 kg\n41.5 Hz\n\n"
+    mechanics = "1\n0.0076 kg m^2\n900 kg\n41.5 Hz\n"
     typed = f"Table\nX\n\n\n10 mm\n22,5 N m\n4 kN\n{mechanics}20 mm\n\n\n5um\n\n\n"
     _, said = talk(tmp_path / "p.toml", typed)
     machine, r = read_profile(tmp_path / "p.toml"), 2.0 * pi / 0.01
@@ -313,7 +285,6 @@ def test_values_at_the_motor_shaft_are_taken_for_those_at_the_axis(tmp_path: Pat
     assert machine.drive.continuous_force == 4000.0
     assert machine.mechanics.moving_mass == pytest.approx(900.0 + 0.0076 * r**2, rel=1e-5)
     assert "taken as 3000.36 kg" in said
-    assert "are 76 kg cm^2 at its shaft" in said
     # Without a lead, and on a rotary axis, an inertia is no mass and a torque no force.
     for answers in ({}, {"drive.lead": "10 mm", "machine.motion": "rotary"}):
         assert not any(question.motor_turn for question in list_questions(answers))
@@ -369,14 +340,10 @@ def test_an_open_loop_axis_is_asked_for_no_mass_and_no_loop(tmp_path: Path) -> N
 
 
 def test_what_would_mislead_is_said_at_once() -> None:
-    """A load that takes all of the force, a resonance given twice, a mass that lacks its rotor."""
+    """A load that takes all of the force, a mass that lacks its rotor."""
     told = said_of(PAIR_ON_SCREW | {"drive.max_force": "2 kN", "drive.static_load": "5 kN"})
     assert any("leave -3000 N of the drive's force: the axis cannot move" in one for one in told)
     assert not any("at most" in one for one in told)
-    answers = PAIR_ON_SCREW | {"pair.modes.0.frequency": "47 Hz"}
-    assert any("47.32 Hz and 47 Hz are less than 10 % apart" in one for one in said_of(answers))
-    answers["pair.modes.0.frequency"] = "110 Hz"
-    assert not any("apart" in one for one in said_of(answers))
     # 900 kg on a screw whose rotor alone is 2467 kg: 15.6 m/s^2 would be shown in place of 4.2.
     answers = {"wizard.way": MODAL, "drive.lead": "10 mm", "plant.moving_mass": "900 kg",
                "plant.modes.0.frequency": "40 Hz"}  # fmt: skip
@@ -389,27 +356,13 @@ def test_what_would_mislead_is_said_at_once() -> None:
 # Answers from files, and what is assumed
 
 
-def test_further_resonances_need_no_more_than_their_frequency(tmp_path: Path) -> None:
-    """Motor and load are exact; with two frequencies shares are derived, and all are assumed."""
+def test_motor_and_load_have_the_modes_of_two_masses(tmp_path: Path) -> None:
     from_answers(tmp_path / "pair.toml", PAIR_TOML)
     machine = read_profile(tmp_path / "pair.toml")
     (mode,) = machine.mechanics.modes
     assert mode.frequency_hz == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
     assert machine.is_assumed("plant.modes[1].damping_ratio")
     assert not machine.is_assumed("plant.modes[1].tcp_gain")
-    from_answers(tmp_path / "p.toml", PAIR_TOML + "[[pair.modes]]\nfrequency = '110 Hz'\n")
-    machine = read_profile(tmp_path / "p.toml")
-    first, second = machine.mechanics.modes
-    assert (first.frequency_hz, second.frequency_hz) == pytest.approx((60.0, 110.0))
-    assert second.damping_ratio == 0.03
-    # The motor of 2 kg alone moves at first; at the tool no mode does less than 1/M.
-    assert first.measured_gain + second.measured_gain == pytest.approx(1.0 / 2.0 - 1.0 / 8.0)
-    assert first.tcp_gain == pytest.approx(-(110.0**2) / (110.0**2 - 60.0**2) / 8.0)
-    assert second.tcp_gain == pytest.approx(1.0 / 8.0)
-    for number in (1, 2):
-        for key in ("tcp_gain", "measured_gain", "damping_ratio"):
-            assert machine.is_assumed(f"plant.modes[{number}].{key}")
-    assert not machine.is_assumed("plant.modes[2].frequency")
 
 
 def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
@@ -430,7 +383,6 @@ def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
         ),
         (PAIR_TOML.replace('"30 Hz"', '"30 Hz'), "m.in:8: TOML syntax: .* stand in quotes"),
         (PAIR_TOML.replace("motor_mass", "motor"), 'did you mean "pair.motor_mass"'),
-        ('wizard.measured = ["none.csv"]', r"none\.csv"),
     ],
 )
 def test_wrong_answers_write_nothing(answers: str, words: str, tmp_path: Path) -> None:
@@ -601,12 +553,12 @@ def _all_questions() -> list[tuple[Question, bool]]:
     """Every question, and whether it is asked of a rotary axis."""
     found = {}
     for motion in ("linear", "rotary"):
-        for way in WAYS if motion == "linear" else (*PAIRS, MODAL, FILES):
+        for way in WAYS if motion == "linear" else (*PAIRS, MODAL):
             for kind in ("", "position_source"):
                 answers = {"machine.motion": motion, "wizard.way": way, "drive.kind": kind,
                            "plant.modes.0.frequency": "40 Hz", "moves.0.distance": "1 mm",
                            "moves.1.velocity_step": "1", "drive.lead": "10 mm",
-                           "pair.modes.0.frequency": "90 Hz", "plant.moving_mass": "8",
+                           "plant.moving_mass": "8",
                            "drive.continuous_force": "1", "control.kind": "sinumerik"}  # fmt: skip
                 for question in (*list_questions(answers), *list_settled(answers)):
                     found[motion, question.key, kind] = (question, motion == "rotary")
@@ -680,42 +632,3 @@ def _response(path: Path) -> str:
     heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]"]
     path.write_bytes(made.table(heads, [made.LINES, values.real, values.imag]))
     return str(path)
-
-
-def test_a_measured_response_answers_for_the_mechanics(tmp_path: Path) -> None:
-    """Only the rest is asked, the share at the tool with its worst case; intervals stay."""
-    file, path = _response(tmp_path / "e.csv"), tmp_path / "p.toml"
-    typed = (
-        f"Mill\nX\n\n\n\n2 kN\n\nfiles\nnothing.csv\n{file}@encoder\n20 mm\n\n\n5 um\n\n"
-        "plant.modes.0.tcp_gain\n0.002\n\nno\n"
-    )
-    ending, said = talk(path, typed, is_interactive=True)
-    assert ending is Ending.WRITTEN
-    assert "nothing.csv" in said
-    assert "2 modes" in said
-    machine, text = read_profile(path), path.read_text("utf-8")
-    modes = machine.mechanics.modes
-    assert [mode.frequency_hz for mode in modes] == pytest.approx([38.0, 117.0], rel=1e-3)
-    assert (machine.name, modes[0].tcp_gain) == ("Mill", 0.002)
-    assert machine.is_assumed("plant.modes[2].tcp_gain")
-    assert not machine.is_assumed("plant.modes[1].tcp_gain")
-    assert "# ± " in text
-    assert "#   drive.max_force" not in text
-
-
-def test_answers_may_name_a_measured_response(tmp_path: Path) -> None:
-    file = _response(tmp_path / "e.csv")
-    answers = f"""
-wizard.measured = ["{file}"]
-drive.max_force = "2 kN"
-moves = [{{ distance = "20 mm" }}]
-requirements.tcp_deviation = "5 um"
-"""
-    path = tmp_path / "p.toml"
-    said = from_answers(path, answers)
-    assert "2 modes" in said
-    machine = read_profile(path)
-    assert len(machine.mechanics.modes) == 2
-    assert machine.drive.max_force == 2000.0
-    assert machine.is_assumed("plant.modes[1].tcp_gain")
-    assert machine.is_assumed("drive.force_lag")

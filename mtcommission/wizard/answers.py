@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from math import copysign, pi, prod, sqrt
+from math import pi, sqrt
 
 from mtcommission.base.errors import Refused
 from mtcommission.base.units.quantities import (
@@ -33,20 +33,15 @@ TOWER = "tower: masses and stiffness"
 PAIR_BY_STIFFNESS = "motor and load: masses and stiffness"
 PAIR_BY_FREQUENCY = "motor and load: masses and measured eigenfrequency"
 MODAL = "modes from a Bode plot"
-FILES = "files with a measured response"
 PAIRS = (PAIR_BY_FREQUENCY, PAIR_BY_STIFFNESS)
 """Ways into the mechanics; the wizard converts all to one of the profile's kinds of plant."""
 
 KIND_OF_WAY = {
     MODAL: "modal",
     TOWER: "manipulator",
-    FILES: "modal",
     **dict.fromkeys(PAIRS, "modal"),
 }
 """Of other ways, the kind is the way."""
-
-MEASURED = "wizard.measured"
-"""Key of files with measured responses, with ; or , between them."""
 
 ACCEPTED = "wizard.accepted"
 """Key under which those keys stand, with blanks between, whose values a profile calls assumed."""
@@ -58,9 +53,6 @@ SERVO = "servo"
 """Kind of drive that a profile means without the key."""
 
 SECTIONS = ("machine", "plant", "drive", "moves", "requirements", "control", "today")
-
-MOST_SHARE = 3.0
-"""Largest share at the tool that is taken without a measurement there, in 1/M (empirical)."""
 
 
 def is_rotary(answers: Answers) -> bool:
@@ -120,40 +112,12 @@ def _schema(kind: str, open_loop: bool, rotary: bool) -> dict[str, KeyQuestion]:
 # Motor and load
 
 
-def share_out(
-    frequencies: Sequence[float], *, motor_mass: float, moving_mass: float
-) -> tuple[tuple[float, float], ...]:
-    """Return the shares of modes at tool and encoder [1/kg] where only frequencies were measured.
-
-    The tool ends a chain of masses that begins at the motor. Then the response from force to tool
-    has no zeros, 1/(M s²) Π ω_j²/(s² + ω_j²), so the share of mode k at the tool is
-    -1/M Π_{j≠k} ω_j²/(ω_j² - ω_k²), whatever the masses between. A mode of the frame may stand
-    beside the chain instead: no share is taken for less than 1/M, the worst case of a tool on the
-    far side of one spring. Close frequencies would ask for a tool of hardly any mass: no share is
-    taken for more than ``MOST_SHARE``/M. At the encoder the shares add up to 1/m_motor - 1/M, since
-    the motor alone moves at first; they are divided like those at the tool, which is what the chain
-    with the heaviest tool does. Of one mode both are exact: motor, spring and load.
-
-    Examples
-    --------
-    >>> share_out([40.0, 80.0], motor_mass=1.0, moving_mass=4.0)
-    ((-0.333..., 0.428...), (0.25, 0.321...))
-    """
-    m = moving_mass
-    tool = []
-    for k, own in enumerate(frequencies):
-        others = [f for j, f in enumerate(frequencies) if j != k]
-        chain = prod(f**2 / (f**2 - own**2) for f in others if f != own)
-        tool.append(-copysign(min(max(abs(chain), 1.0), MOST_SHARE), chain) / m)
-    seen = (1.0 / motor_mass - 1.0 / m) / sum(map(abs, tool))
-    return tuple((gain, seen * abs(gain)) for gain in tool)
-
-
 def _pair_plant(known: Answers) -> dict[str, str]:
-    """The keys of [plant] for motor, load and what was measured besides; none while unknown.
+    """The keys of [plant] for motor and load; none while unknown.
 
     With M = m_1 + m_2 the load that swings by ω = √(k/m_2) against the held motor swings by
-    ω √(M/m_1) where the motor is free, and its damping ratio grows likewise.
+    ω √(M/m_1) where the motor is free, and its damping ratio grows likewise. Its share is -1/M at
+    the load, and 1/m_1 - 1/M at the motor.
     """
     unit = axis_units(known)
     m_1, m_2 = (si_value(known, f"pair.{one}_mass", unit.mass) for one in ("motor", "load"))
@@ -167,36 +131,19 @@ def _pair_plant(known: Answers) -> dict[str, str]:
     zeta, freed = si_value(known, "pair.damping_ratio", RATIO), sqrt(mass / m_1)
     if not f or f < 0.0 or zeta is None:
         return {}
-    found = [(f * freed, zeta * freed)]
-    for i in range(count_of("pair.modes", known)):
-        further = si_value(known, f"pair.modes.{i}.frequency", FREQUENCY)
-        ratio = si_value(known, f"pair.modes.{i}.damping_ratio", RATIO)
-        if further and ratio is not None:
-            found.append((further, ratio))
-    shares = share_out([f for f, _ in found], motor_mass=m_1, moving_mass=mass)
-    plant = {"moving_mass": f"{mass:.10g} {unit.mass.si}"}
-    for i, ((frequency, ratio), (tool, seen)) in enumerate(zip(found, shares, strict=True)):
-        plant |= {
-            f"modes.{i}.name": f"mode{i + 1}" if i else "drive",
-            f"modes.{i}.frequency": f"{frequency:.10g} Hz",
-            f"modes.{i}.damping_ratio": f"{ratio:.10g}",
-            f"modes.{i}.tcp_gain": f"{tool:.10g} {unit.gain.si}",
-            f"modes.{i}.measured_gain": f"{seen:.10g} {unit.gain.si}",
-        }
-    return plant
+    return {
+        "moving_mass": f"{mass:.10g} {unit.mass.si}",
+        "modes.0.name": "drive",
+        "modes.0.frequency": f"{f * freed:.10g} Hz",
+        "modes.0.damping_ratio": f"{zeta * freed:.10g}",
+        "modes.0.tcp_gain": f"{-1.0 / mass:.10g} {unit.gain.si}",
+        "modes.0.measured_gain": f"{1.0 / m_1 - 1.0 / mass:.10g} {unit.gain.si}",
+    }
 
 
 def profile_key(key: str) -> str:
-    """Return the key of the profile that one of motor and load gets to.
-
-    Examples
-    --------
-    >>> profile_key("pair.modes.0.frequency"), profile_key("drive.lead")
-    ('plant.modes.1.frequency', 'drive.lead')
-    """
-    if key == "pair.damping_ratio":
-        return "plant.modes.0.damping_ratio"
-    return re.sub(r"^pair\.modes\.(\d+)", lambda one: f"plant.modes.{int(one[1]) + 1}", key)
+    """Return the key of the profile that one of motor and load gets to."""
+    return "plant.modes.0.damping_ratio" if key == "pair.damping_ratio" else key
 
 
 # To the profile
@@ -217,7 +164,7 @@ def to_profile(answers: Answers, defaults: Answers) -> Data:
     flat |= {f"plant.{key}": text for key, text in _plant(known).items()}
     accepted = answers.get(ACCEPTED, "").split()
     numbers = (key for key in defaults if not key.endswith((".name", ".source")))
-    assumed = _assumed([*accepted, *numbers], answers, flat)
+    assumed = _assumed([*accepted, *numbers], flat)
     flat |= {f"machine.assumed.{i}": key for i, key in enumerate(assumed)}
     nested = nest(flat)
     machine = nested.get("machine")
@@ -241,15 +188,11 @@ def _plant(known: Answers) -> dict[str, str]:
     return {"kind": KIND_OF_WAY.get(way, way), **plant} if way else {}
 
 
-def _assumed(keys: Sequence[str], answers: Answers, flat: Answers) -> list[str]:
+def _assumed(keys: Sequence[str], flat: Answers) -> list[str]:
     """The profile's keys of defaults, as messages spell them."""
-    found = [profile_key(key) for key in keys]
-    further = count_of("pair.modes", answers)
-    if answers.get("wizard.way") in PAIRS and further:
-        places = [f"plant.modes.{i}" for i in range(1 + further)]
-        found += [f"{place}.{gain}" for place in places for gain in ("tcp_gain", "measured_gain")]
+    found = dict.fromkeys(map(profile_key, keys))
     there = [one for one in found if any(f"{key}.".startswith(f"{one}.") for key in flat)]
-    return [show_key(read_path(key)) for key in dict.fromkeys(there)]
+    return [show_key(read_path(key)) for key in there]
 
 
 # From a profile, or a file of answers
@@ -259,16 +202,11 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     """Return answers from a profile's tables, or from a file of answers."""
     answers = flatten(data)
     answers.pop("schema", None)
-    files = [answers.pop(key) for key in list(answers) if key.startswith(f"{MEASURED}.")]
-    if files:
-        answers[MEASURED] = "; ".join(files)
     assumed = [key for key in answers if key.startswith("machine.assumed.")]
     if accepted := [read_key(answers.pop(key)) for key in assumed]:
         answers[ACCEPTED] = " ".join(accepted)
     kind = answers.pop("plant.kind", "")
-    if MEASURED in answers:
-        answers.setdefault("wizard.way", FILES)
-    elif kind and not follows(answers):
+    if kind and not follows(answers):
         way = next((way for way, own in KIND_OF_WAY.items() if own == kind), kind)
         answers.setdefault("wizard.way", way)
     return answers
@@ -276,12 +214,9 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
 
 def close_arrays(answers: Answers) -> dict[str, str]:
     """Return the answers with no further mode and no further move: there are those that are."""
-    counts = {f"{table}.{{}}.frequency": count_of(table, answers) for table in ARRAYS}
+    counts = {"plant.modes.{}.frequency": count_of("plant.modes", answers)}
     counts["moves.{}.distance"] = move_count(answers)
     return {**answers, **{key.format(count): "" for key, count in counts.items() if count}}
-
-
-ARRAYS = ("plant.modes", "pair.modes")
 
 
 def note_accepted(answers: Answers, key: str) -> dict[str, str]:

@@ -6,11 +6,10 @@ A profile is TOML that reads well in an editor; one that was there keeps the use
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tomlkit
 
@@ -23,7 +22,6 @@ from mtcommission.machine.profile.describe import find_unknown
 from mtcommission.machine.profile.read import (
     find_key_lines,
     load_toml,
-    parse_profile,
     read_key,
     read_profile_text,
 )
@@ -31,23 +29,18 @@ from mtcommission.machine.readers import propose
 from mtcommission.wizard import answers as own_keys
 from mtcommission.wizard.answers import (
     ACCEPTED,
-    MEASURED,
     Answers,
     Data,
     as_text,
     close_arrays,
     flatten,
-    is_rotary,
     note_accepted,
     schema_key,
     si_value,
     to_answers,
 )
 from mtcommission.wizard.question import title
-from mtcommission.wizard.script import OWN, list_questions, motor_turn
-
-if TYPE_CHECKING:
-    from mtcommission.identify.identified import Identified
+from mtcommission.wizard.script import OWN, list_questions
 
 KEPT = ".answers"
 """Ending of the file beside the profile that keeps answers of an unfinished session."""
@@ -80,10 +73,8 @@ class Source:
         return replace(fault, where=self.where or "answers", line=self.lines.get(key, 0))
 
 
-def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> Source:
+def gather(output: Path, answers_file: Path | None) -> Source:
     """Return what is known: existing profile, then kept answers, then the file of answers.
-
-    ``identified``: profile from a measurement that takes the place of the existing one.
 
     Raises
     ------
@@ -91,8 +82,8 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
         If a file cannot be read, or the file of answers has a key that nobody knows.
     """
     text, answers = "", dict[str, str]()
-    if identified or output.exists():
-        text = OPEN.sub("\n", identified or read_profile_text(output))
+    if output.exists():
+        text = OPEN.sub("\n", read_profile_text(output))
         answers = _of_profile(to_answers(load_toml(text, where=str(output))))
     kept = Path(f"{output}{KEPT}")
     if kept.exists():
@@ -128,7 +119,7 @@ def keep(output: Path, answers: Answers) -> None:
 
 def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> dict[str, str]:
     """The answers, if each has a key of the profile or of the wizard."""
-    own = (*OWN, "wizard.way", MEASURED, ACCEPTED)
+    own = (*OWN, "wizard.way", ACCEPTED)
     faults = []
     for key in answers:
         if schema_key(key) in own:
@@ -141,49 +132,6 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
     if faults:
         raise InputError(sorted(faults, key=lambda fault: fault.line))
     return answers
-
-
-def measure(
-    answers: Answers, *, before: str, output: Path, words: Callable[[bool], Catalogue]
-) -> Identified:
-    """Identify an axis from the files that the answers name, as ``mtcommission identify`` does.
-
-    ``before``: profile that takes the modes in; ``output``: where the profile will stand. Points
-    and advice are written beside it.
-    """
-    from mtcommission.identify.gather import by_axis
-    from mtcommission.identify.measurement import Given
-    from mtcommission.identify.profile import Writing, evidence_file, identify_files
-
-    typed = answers[MEASURED]
-    if before:
-        parse_profile(before, where=str(output))
-    names = [name.strip().strip("'\"") for name in re.split("[;,]", typed) if name.strip()]
-    axes = list(by_axis([name.partition("@")[0] for name in names]))
-    if len(axes) > 1:
-        message = Message("wizard-several-axes", axes=", ".join(axes))
-        raise InputError([Fault(where=typed, message=message)])
-    given = Given(
-        rotary=is_rotary(answers) if before or answers.get("machine.motion") else None,
-        motor_turn=motor_turn(answers),
-    )
-    evidence = evidence_file(str(output))
-    axis = identify_files(
-        names,
-        given,
-        Writing(
-            file=str(output),
-            words=words,
-            evidence=Path(evidence).name,
-            axis=(axes and axes[0]) or "X",
-        ),
-        created=datetime.now(UTC).date().isoformat(),
-        before=before,
-    )
-    if axis.doubt:
-        raise InputError([Fault(where=typed, message=axis.doubt)])
-    write_text(evidence, axis.json)
-    return axis
 
 
 # The profile

@@ -20,9 +20,7 @@ from mtcommission.machine.plant.modal import MOST_MODES
 from mtcommission.machine.profile.describe import KeyQuestion
 from mtcommission.machine.readers import FREQUENCIES, LOADS, MASSES, RATIOS, STIFFNESSES
 from mtcommission.wizard.answers import (
-    FILES,
     KIND_OF_WAY,
-    MEASURED,
     MODAL,
     PAIR_BY_FREQUENCY,
     PAIRS,
@@ -53,8 +51,6 @@ OWN = {
     "pair.stiffness": (STIFFNESSES, "16 N/um", "1 MN m/rad"),
     "pair.frequency": (FREQUENCIES, "40 Hz", "40 Hz"),
     "pair.damping_ratio": (RATIOS, DAMPING, DAMPING),
-    "pair.modes.0.frequency": (FREQUENCIES, "110 Hz", "110 Hz"),
-    "pair.modes.0.damping_ratio": (RATIOS, DAMPING, DAMPING),
     "requirements.payload.1": (LOADS, "100 kg", "1 kg m^2"),
 }
 """What no key of a profile holds: its range, and an example on a linear and on a rotary axis."""
@@ -144,7 +140,7 @@ def list_defaults(answers: Answers) -> dict[str, str]:
 def _defaults(answers: Answers) -> dict[str, str]:
     """What is taken for the keys that a profile must have; "" where that cannot be told yet."""
     way, found = answers.get("wizard.way", ""), dict[str, str]()
-    if way in (MODAL, FILES) or follows(answers):
+    if way == MODAL or follows(answers):
         # The worst case of a tool on the far side of the mode, as identify takes it.
         unit = axis_units(answers)
         mass = si_value(answers, "plant.moving_mass", unit.mass)
@@ -154,9 +150,7 @@ def _defaults(answers: Answers) -> dict[str, str]:
             values = {"name": f"mode{i + 1}", "damping_ratio": DAMPING, "tcp_gain": gain}
             found |= {f"plant.modes.{i}.{key}": text for key, text in values.items()}
     elif way in PAIRS:
-        further = range(count_of("pair.modes", answers))
-        keys = ("pair.damping_ratio", *(f"pair.modes.{i}.damping_ratio" for i in further))
-        found |= dict.fromkeys(keys, DAMPING)
+        found["pair.damping_ratio"] = DAMPING
     found["machine.source"] = BY_HAND
     return found if follows(answers) else {**found, "drive.force_lag": LAG}
 
@@ -171,7 +165,7 @@ def _ask(key: str, answers: Answers, *, default: str = "") -> Question:
             allowed=allowed.on(axis_units(answers)),
             example=rotary if turns else linear,
             default=None,
-            is_required=not generic.endswith(("modes.0.frequency", "payload.1")),
+            is_required=not generic.endswith("payload.1"),
             words=(),
         )
     else:
@@ -216,32 +210,29 @@ def _mechanics(answers: Answers) -> Iterator[Question]:
         # What engineers have most often first.
         tower = () if is_rotary(answers) else (TOWER,)
         others = (kind for kind in KINDS if kind not in KIND_OF_WAY.values())
-        ways = (*PAIRS, MODAL, *tower, *others, FILES)
+        ways = (*PAIRS, MODAL, *tower, *others)
         yield Question(key="wizard.way", choices=ways, default=ways[0])
-    if way == FILES:
-        yield Question(key=MEASURED)
     if follows(answers):
-        yield from _frequencies("plant.modes", MOST_MODES, answers)
+        yield from _frequencies(answers)
     elif way in PAIRS:
         spring = "frequency" if way == PAIR_BY_FREQUENCY else "stiffness"
         for name in ("motor_mass", "load_mass", spring):
             yield _ask(f"pair.{name}", answers)
-        yield from _frequencies("pair.modes", MOST_MODES - 1, answers, least=0)
     elif way == MODAL:
         yield _ask("plant.moving_mass", answers)
-        yield from _frequencies("plant.modes", MOST_MODES, answers)
-    elif way and way != FILES:
+        yield from _frequencies(answers)
+    elif way:
         for key, one in known_keys(answers).items():
             if key.startswith("plant.") and one.is_required:
                 yield _ask(key, answers)
 
 
-def _frequencies(table: str, most: int, answers: Answers, *, least: int = 1) -> Iterator[Question]:
+def _frequencies(answers: Answers) -> Iterator[Question]:
     """The frequency of each mode until one is left empty; all else of a mode has a default."""
-    for i in range(most):
-        question = _ask(f"{table}.{i}.frequency", answers)
+    for i in range(MOST_MODES):
+        question = _ask(f"plant.modes.{i}.frequency", answers)
         variant = "held" if follows(answers) else ""
-        yield replace(question, is_optional=i >= least, variant=variant)
+        yield replace(question, is_optional=i > 0, variant=variant)
         if not answers.get(question.key):
             return
 

@@ -6,24 +6,20 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from enum import Enum
-from itertools import combinations
 from pathlib import Path
 
 from mtcommission.base.errors import INTERRUPTED, Fault, InputError, Refused
 from mtcommission.base.files import write_text
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.base.units.quantities import MASS, wrap_whole
+from mtcommission.base.units.quantities import wrap_whole
 from mtcommission.machine.checks import check_plausibility
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import PLANTS, Mechanics
 from mtcommission.machine.profile.read import parse_profile, read_key
 from mtcommission.machine.readers import Reading, read_path, show_key
 from mtcommission.wizard.answers import (
-    FILES,
-    MEASURED,
     MODAL,
-    PAIRS,
     SERVO,
     Answers,
     axis_units,
@@ -39,7 +35,6 @@ from mtcommission.wizard.files import (
     Source,
     gather,
     keep,
-    measure,
     update_document,
     write_document,
 )
@@ -64,9 +59,6 @@ CHANGE = Question(key="wizard.change", is_optional=True)
 """Asked below what is settled: the number or key of what is to be changed."""
 
 RUN = Question(key="wizard.run", choices=("yes", "no"), default="yes")
-
-ALIKE = 0.1
-"""Relative difference of two measured frequencies below which they may be one resonance."""
 
 
 class Ending(Enum):
@@ -161,8 +153,6 @@ def run_wizard(
     """
     talk = _Interview(console, language, output, gather(output, answers_file))
     try:
-        if talk.answers.get(MEASURED):
-            talk.take_measured()
         text, machine = talk.take_defaults() if take_defaults else talk.hold()
     except _Left as left:
         keep(output, talk.answers)
@@ -299,8 +289,6 @@ class _Interview:
             if reply.taken_as:
                 taken = question.as_shown(reply.taken_as, self.words)
                 self.tell(Message("wizard-taken-as", what=taken))
-        if question.key == MEASURED:
-            return self._measure()
         self._tell_insights()
         return True
 
@@ -347,45 +335,6 @@ class _Interview:
             if insight not in self.said:
                 self.said.add(insight)
                 self.tell(Message("wizard-follows", what=insight))
-
-    # Measured responses
-
-    def take_measured(self) -> None:
-        """Identify the axis from the files that were named."""
-        from mtcommission.sheet.identified import doubts_and_notes  # its libraries load slowly
-
-        axis = measure(
-            self.answers,
-            before=self.source.text,
-            output=self.output,
-            words=lambda rotary: Catalogue(self.language, rotary=rotary),
-        )
-        found = gather(self.output, None, identified=axis.profile)
-        replaced = (MEASURED, "plant.", "pair.")
-        kept = {key: text for key, text in self.answers.items() if not key.startswith(replaced)}
-        motion = "rotary" if axis.part.rotary else "linear"
-        self.source = replace(found, where=self.source.where, lines=self.source.lines)
-        self.answers = {**found.answers, **kept, "machine.motion": motion}
-        if self.answers.get("wizard.way") == FILES:
-            self.answers["wizard.way"] = MODAL
-        self.tell(Message("wizard-identified", count=len(axis.part.modes)))
-        for doubt in doubts_and_notes(axis.part)[0]:
-            self.tell(Message("warning", warning=doubt))
-
-    def _measure(self) -> bool:
-        """Identify the files that were just named; where that fails, they are asked for again."""
-        try:
-            self.take_measured()
-        except InputError as error:
-            self.answers.pop(MEASURED, None)
-            if not self.console.is_interactive:
-                keep(self.output, self.answers)
-                raise
-            self.console.tell(error.text(self.words))
-            self.tell(Message("wizard-not-identified", file=str(self.output)))
-            return False
-        write_text(str(self.output), self.source.text)  # who leaves now keeps it with its intervals
-        return True
 
     # What becomes of it
 
@@ -447,7 +396,7 @@ def _exists(key: str, answers: Answers) -> bool:
 def find_insights(answers: Answers) -> Iterator[Message]:
     """Yield what is known of the machine, in words, as soon as the mechanics can be read.
 
-    Modes, deflections, accelerations, and what counts twice.
+    Modes, deflections and accelerations.
     """
     mechanics, axis = _read_mechanics(answers), axis_units(answers)
     if mechanics is None:
@@ -477,16 +426,9 @@ def find_insights(answers: Answers) -> Iterator[Message]:
             mass=mass,
             mass_unit=axis.mass.si,
         )
-    if turn := motor_turn(answers):
-        motor = si_value(answers, "pair.motor_mass", MASS)
-        if answers.get("wizard.way") in PAIRS and motor:
-            yield Message("insight-shaft", mass=motor, inertia=1e4 * motor / turn**2)
-        elif answers.get("wizard.way") == MODAL:
-            yield Message("insight-rotor-unknown", mass=mass, each=1e-4 * turn**2)
-    for one, other in combinations(mechanics.modes, 2):
-        first, second = one.frequency_hz, other.frequency_hz
-        if abs(first - second) < ALIKE * max(first, second):
-            yield Message("insight-twice-measured", first=first, second=second)
+    turn = motor_turn(answers)
+    if turn and answers.get("wizard.way") == MODAL:
+        yield Message("insight-rotor-unknown", mass=mass, each=1e-4 * turn**2)
 
 
 def _read_mechanics(answers: Answers) -> Mechanics | None:

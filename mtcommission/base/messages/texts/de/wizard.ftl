@@ -1,5 +1,3 @@
-ask-wizard-measured = Dateien mit gemessenem Frequenzgang der Achse
-ask-wizard-measured-where = Vom Antrieb, Analysator oder als Aufzeichnung; mehrere mit ; getrennt, DATEI@tcp für einen Sensor am Werkzeug.
 ask-machine-name = Name der Maschine
 ask-machine-name-where = Das Typenschild; steht über dem Blatt.
 ask-machine-axis = Name der Achse
@@ -29,7 +27,7 @@ ask-drive-static-load-where = { $axis ->
    *[linear] Gewicht oder Prozesskraft, die der Antrieb hält; senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9,81 m/s^2; sonst 0.
 }
 ask-wizard-way = Von der Mechanik bekannt
-ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder, dazu weitere gemessene Resonanzen. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
+ask-wizard-way-where = Motor und Last: zwei Massen, eine Feder. Bode-Diagramm: jede Eigenform mit Anteil am Werkzeug; eine Datei mit dem Frequenzgang beantwortet das alles: mit q aufhören, mtcommission identify DATEI -o PROFIL aufrufen und wiederkommen. Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (Maschine der Veröffentlichung).
 ask-mass-where = Gewichte der Stückliste oder CAD.
 ask-plant-rotary-inertia-where = CAD; oder aus gemessener Kippfrequenz und Drehsteifigkeit.
 ask-plant-lever-arm-where = Zeichnung: Linie des Motors oder der Spindel gegen die Führungen.
@@ -107,8 +105,6 @@ ask-pair-stiffness-where = { $axis ->
 ask-pair-damping-ratio = Dämpfungsgrad der Last gegen den gehaltenen Motor
 ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
 ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
-ask-pair-modes-frequency = Frequenz der weiteren gemessenen Resonanz { $number }
-ask-pair-modes-frequency-where = Eine Spitze im Bode-Diagramm außer der von Motor und Last, nicht die Antiresonanz davor. Was sie am Werkzeug tut, wird als ungünstigster Fall angenommen, ebenso dann, was Motor und Last tun: beides gilt als angenommen und kann doppelt so groß herauskommen.
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Drehmoment durch Winkelbeschleunigung bei tiefen Frequenzen.
    *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
@@ -139,7 +135,6 @@ choice-tower-masses-and-stiffness = Turm: Massen und Steifigkeit
 choice-motor-and-load-masses-and-stiffness = Motor und Last: Massen und Steifigkeit
 choice-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last: Massen und gemessene Eigenfrequenz
 choice-modes-from-a-bode-plot = Eigenformen aus einem Bode-Diagramm
-choice-files-with-a-measured-response = Dateien mit gemessenem Frequenzgang
 
 wizard-begin = Profil { $file }. Die Eingabetaste übernimmt den Wert in [Klammern].
 wizard-commands = Bei jeder Frage: ? Hilfe, < zurück, q Ende.
@@ -150,11 +145,6 @@ wizard-first-question = Das ist die erste Frage.
 wizard-settled = Nicht gefragt, da es eine brauchbare Vorgabe hat oder fehlen darf:
 wizard-assumed-mark = { " " }(angenommen)
 wizard-no-such-key = „{ $got }“ angegeben; eine Nummer der Liste oder einen Schlüssel des Profils eingeben
-wizard-identified = Aus den Dateien bestimmt: { $count ->
-        [one] eine Eigenform
-       *[other] { $count } Eigenformen
-    }. Es folgt, was noch fehlt; < geht zu den Werten zurück.
-wizard-not-identified = Andere Dateien nennen oder leer lassen; oder das Fehlende mit den Optionen von mtcommission identify -o { $file } angeben und danach wiederkommen.
 wizard-not-possible = Nicht möglich: { $key }: { $message }
 wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
 wizard-left-by-user = beendet
@@ -174,8 +164,6 @@ reply-missing = hier ist eine Antwort nötig, z. B. { $example }
 reply-no-choice = „{ $got }“ angegeben; eines wählen: { $choices }
 reply-unprintable = Steuerzeichen oder Bytes einer anderen Kodierung angegeben; einfachen Text eingeben
 
-wizard-several-axes = an mehreren Achsen gemessen ({ $axes }), von denen jede ihr eigenes Profil hat: die Dateien von einer angeben, oder alle Profile auf einmal schreiben: mtcommission identify DATEI... -o NEU.toml
-
 insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
     [rotary] urad
@@ -189,10 +177,7 @@ insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($defle
 }
 insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
 insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } an { PLAIN($mass, digits: 6) } { $mass_unit })
-# mass at the axis, $inertia [kg cm^2] at the motor's shaft
-insight-shaft = { PLAIN($mass) } kg auf der Motorseite sind { PLAIN($inertia) } kg cm^2 an seiner Welle
 insight-rotor-unknown = die { PLAIN($mass) } kg müssen den Läufer enthalten: jedes kg cm^2 an der Motorwelle ist an der Achse { PLAIN($each) } kg
-insight-twice-measured = { PLAIN($first) } Hz und { PLAIN($second) } Hz liegen keine 10 % auseinander: sind sie eine Resonanz, zählt sie jetzt doppelt; mit < zurückgehen und eine weglassen
 
 document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
 document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.

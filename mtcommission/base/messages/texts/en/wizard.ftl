@@ -1,8 +1,6 @@
 # Questions of the wizard: ask-KEY is what is asked, -where where to find it, -empty what an empty answer means.
 # $number: which element of an array, $name: the last part of the key
 
-ask-wizard-measured = Files with a measured response of this axis
-ask-wizard-measured-where = From the drive, an analyser or a record; with ; between several, FILE@tcp for a sensor at the tool.
 ask-machine-name = Name of the machine
 ask-machine-name-where = The type plate; it heads the sheet.
 ask-machine-axis = Name of the axis
@@ -32,7 +30,7 @@ ask-drive-static-load-where = { $axis ->
    *[linear] Weight or process force that the drive holds; vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.
 }
 ask-wizard-way = Known of the mechanics
-ask-wizard-way-where = Motor and load: two masses with a spring, further measured resonances where there are any. Bode plot: mode by mode, with its share at the tool. Tower: slider with a tool column on a base that gives way (the paper's machine).
+ask-wizard-way-where = Motor and load: two masses with a spring. Bode plot: mode by mode, with its share at the tool; a file with the response answers for all of it: leave with q, run mtcommission identify FILE -o PROFILE, and come back. Tower: slider with a tool column on a base that gives way (the paper's machine).
 ask-mass-where = Weights of the parts list or CAD.
 ask-plant-rotary-inertia-where = CAD; or from the measured tilting frequency and the rotary stiffness.
 ask-plant-lever-arm-where = Drawing: line of motor or ball screw against the guideways.
@@ -113,8 +111,6 @@ ask-pair-stiffness-where = { $axis ->
 ask-pair-damping-ratio = Damping ratio of the load against the held motor
 ask-pair-frequency = Eigenfrequency of the load while the motor holds
 ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
-ask-pair-modes-frequency = Frequency of measured resonance { $number } besides
-ask-pair-modes-frequency-where = A peak in the Bode plot besides that of motor and load, not the antiresonance before it. What it does at the tool is taken for the worst case, and so is what motor and load then do: both are marked as assumed, and may come out twice as large.
 ask-plant-moving-mass-where = { $axis ->
     [rotary] Torque over angular acceleration at low frequencies.
    *[linear] Force over acceleration at low frequencies.
@@ -147,7 +143,6 @@ choice-tower-masses-and-stiffness = tower: masses and stiffness
 choice-motor-and-load-masses-and-stiffness = motor and load: masses and stiffness
 choice-motor-and-load-masses-and-measured-eigenfrequency = motor and load: masses and measured eigenfrequency
 choice-modes-from-a-bode-plot = modes from a Bode plot
-choice-files-with-a-measured-response = files with a measured response
 
 # At every question.
 wizard-begin = Profile { $file }. Enter takes the value in [brackets].
@@ -159,12 +154,6 @@ wizard-first-question = This is the first question.
 wizard-settled = Not asked, since it has a sound default or can be left out:
 wizard-assumed-mark = { " " }(assumed)
 wizard-no-such-key = got "{ $got }"; type a number of the list or a key of a profile
-# $count: modes
-wizard-identified = Identified from the files: { $count ->
-        [one] one mode
-       *[other] { $count } modes
-    }. What is still missing follows; < goes back to what was found.
-wizard-not-identified = Name other files or leave it empty; or say what is missing with the options of mtcommission identify -o { $file }, and come back.
 # $key, $message: of a fault
 wizard-not-possible = Not possible: { $key }: { $message }
 # $how: wizard-left-by-user, wizard-input-ended or wizard-interrupted; $where: key of a question
@@ -188,8 +177,6 @@ reply-no-choice = got "{ $got }"; choose one of: { $choices }
 reply-unprintable = got control characters or bytes of another encoding; type plain text
 # $unit: with a blank before it, or empty
 
-wizard-several-axes = measured on several axes ({ $axes }), each of which has a profile of its own: give the files of one, or write all profiles at once by mtcommission identify FILE... -o NEW.toml
-
 # What follows from the answers; $frequency [Hz].
 insight-mode = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit: "us") } { $axis ->
@@ -201,10 +188,7 @@ insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit:
 }
 insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
 insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force, digits: 6) } { $unit } on { PLAIN($mass, digits: 6) } { $mass_unit })
-# mass at the axis, $inertia [kg cm^2] at the motor's shaft
-insight-shaft = { PLAIN($mass) } kg on the motor's side are { PLAIN($inertia) } kg cm^2 at its shaft
 insight-rotor-unknown = the { PLAIN($mass) } kg must contain the rotor: each kg cm^2 at the motor shaft is { PLAIN($each) } kg at the axis
-insight-twice-measured = { PLAIN($first) } Hz and { PLAIN($second) } Hz are less than 10 % apart: if they are one resonance, it counts twice now; go back with < and remove one
 
 # Comments of a profile that the wizard writes.
 document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
