@@ -1,6 +1,6 @@
 """Page 3: how far the loop is from unstable, how stiff it is, and why it is this one.
 
-The appendix has its structure, the loops beside it, corners and delays.
+The appendix has its gains, the loops beside it, corners and delays.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import pi
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,6 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import symbol
-from mtcommission.base.web import fill_template
 from mtcommission.record.loop import (
     LoopPart,
     Margins,
@@ -27,7 +25,6 @@ from mtcommission.sheet.appendix import held_range
 from mtcommission.sheet.document import (
     Block,
     Bullets,
-    Diagram,
     LinePlot,
     Paragraph,
     Subheading,
@@ -72,12 +69,6 @@ HIGHEST_DB = 40.0
 CUT_DB = 20.0 * np.log10(np.sqrt(0.5))
 """Of the closed velocity loop at its bandwidth."""
 
-SIZE, ROOM = 9.5, 4.0
-"""Font size and room beside text in a box [drawing units]."""
-
-CHARACTER = 0.64
-"""Width of a character relative to the font size; DejaVu Sans is narrower for all but capitals."""
-
 
 def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
     """Yield the frequency response with margins, filters and measured points, and stiffness.
@@ -100,10 +91,15 @@ def third_page(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def loop_details(record: Record, words: Catalogue) -> Iterator[Block]:
-    """Yield structure, the loops beside it, corners, delays, and by which rules."""
+    """Yield gains, the loops beside it, corners, delays, and by which rules."""
     text, loop = words.text, record.loop
     if loop.worst_corner is not None:
-        yield structure(record, words)
+        values = (
+            *PATH_GAINS,
+            Quantity("reference-delay", "reference_delay", "s"),
+            Quantity("rule-symbol-m-ff", "feedforward.mass", "kg", width=1.6),
+        )
+        yield table(words, "loop-details-heading", values, [loop])
         if found := loop.cross_check:
             margins = {"gain": GAIN_MARGIN.show(found, words)}
             margins["phase"] = PHASE_MARGIN.show(found, words)
@@ -342,65 +338,3 @@ def _delays(record: Record, words: Catalogue) -> Table:
     times = (Quantity(key.replace("_", "-"), known(key), "s") for key in keys)
     path = Quantity("path", "path", width=1.6)
     return table(words, "delays-caption", (path, *times), record.loop.delays)
-
-
-def structure(record: Record, words: Catalogue) -> Diagram:
-    """Return position loop, velocity loop, feed-forward and state feedback with their values."""
-    text, part, plant, ahead = words.text, record.loop, record.plant, record.loop.feedforward
-    kv, kp, tn = (gain.show(part, words) for gain in PATH_GAINS)
-    number, cycle = words.format.number, part.position_cycle
-    totals = {entry.path.kind: entry.total for entry in part.delays}
-
-    def late(path: str) -> str:
-        """How late a path acts, drive and filters included."""
-        return text("diagram-late", time=show(totals.get(f"path-{path}"), words, "s"))
-
-    def cycle_of(time: float) -> str:
-        return text("diagram-cycle", cycle=show(time, words, "s"))
-
-    count, feedback = len(part.state_feedback), tuple[str, ...]()
-    if count:
-        gains = text("diagram-gains", count=count)
-        feedback = (text("diagram-observer"), "K (x̂_ref − x̂)", gains)
-    alt = text("diagram-alt", kv=kv, kp=kp, tn=tn, feedback=text("yes" if count else "no"))
-    svg = fill_template(
-        Path(__file__).with_name("structure.svg"),
-        alt=alt,
-        size=text_size,
-        delay=(text("diagram-delay"), f"τ = {show(part.reference_delay, words, 's')}"),
-        position=(
-            f"Kv = {kv}",
-            cycle_of(part.velocity_cycle if part.position_loop == "drive" else cycle),
-            late("position-controller"),
-        ),
-        velocity=(
-            "Kp (1 + 1/(Tn s))",
-            f"Kp = {kp}",
-            f"Tn = {tn}, {cycle_of(part.velocity_cycle)}",
-            late("velocity-controller"),
-        ),
-        drive=(
-            f"|F_set| ≤ {show(part.motion_force, words, plant.units['F'])}",
-            "1 / (1 + T s)",
-            f"T = {show(part.force_lag, words, 's')}",
-        ),
-        mechanics=(
-            text("diagram-mechanics"),
-            f"m = {show(plant.moving_mass, words, 'kg')}",
-            text("diagram-modes", count=len(plant.modes)),
-        ),
-        velocity_ahead=(f"× {number(ahead.velocity)}", late("velocity-feed-forward")),
-        force_ahead=(
-            f"m ({number(ahead.acceleration)} a_ref + {number(ahead.jerk)} T j_ref)",
-            f"m = {show(ahead.mass, words, 'kg')}",
-            late("force-feed-forward"),
-        ),
-        feedback=feedback,
-        encoder=words.name("encoder"),
-    )
-    return Diagram(key="structure", caption=text("diagram-caption"), alt=alt, svg=svg)
-
-
-def text_size(text: str, width: float) -> float:
-    """Return the font size with which a line fits into a box, the usual one at most."""
-    return round(min(SIZE, (width - 2 * ROOM) / (CHARACTER * max(len(text), 1))), 2)

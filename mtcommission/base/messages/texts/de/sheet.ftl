@@ -255,15 +255,6 @@ gain-margin-at = Amplitudenreserve { $margin }
 phase-margin-at = Phasenreserve { $margin }
 filter-at = Filter bei { $frequency }
 open-loop-measured = offener Kreis mit der gemessenen Achse ({ $file })
-diagram-caption = Struktur des Regelkreises
-diagram-alt = Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, { word-force-before }grenze und { word-force-before }regelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
-diagram-delay = Verzögerung
-diagram-cycle = Takt { $cycle }
-diagram-late = wirkt { $time } später
-diagram-mechanics = Mechanik
-diagram-modes = Eigenformen: { $count }
-diagram-observer = Beobachter
-diagram-gains = { $count } Werte, s. Tabelle
 margins-caption = { $axis ->
     [rotary] Stabilität, Kreis am Sollmoment aufgetrennt
    *[linear] Stabilität, Kreis an der Soll{ word-force-behind } aufgetrennt
