@@ -115,7 +115,7 @@ def _axes(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         Quantity("jerk", jerk, "m/s^3", "no-jerk-limit"),
         Quantity("group-wait", "wait", "s"),
         Quantity("group-delay", delay, "s"),
-        Quantity("terminal-head-settling", "settling_time", "s", "not-settled"),
+        Quantity("terminal-head-settling-time", "settling_time", "s", "not-settled"),
     )
     return describe_table(table(spoken, "group-axis", columns, record.axes))
 

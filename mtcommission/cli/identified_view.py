@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.language import words
-from mtcommission.cli.terminal import Line, heading, table, warn
+from mtcommission.cli.terminal import Line, heading, list_quantities, warn
 from mtcommission.identify.identified import NOT_DESCRIBED
 from mtcommission.record.identified import IdentifiedPart
 from mtcommission.sheet.identified import doubts_and_notes, facts, mode_columns
@@ -28,8 +28,7 @@ def describe_identified(part: IdentifiedPart, *, forced: bool) -> list[Line]:
     doubts, notes = doubts_and_notes(part)
     files = ", ".join(source.name for source in part.sources)
     columns = mode_columns(part, spoken)
-    rows = [[one.show(mode, spoken) for one in columns] for mode in part.modes]
-    modes = table([one.head(spoken) for one in columns], rows)
+    modes = list_quantities(spoken, columns, part.modes)
     return [
         *((line, "bold red") for line in refusal(part, forced=forced)),
         heading(spoken.text("identify-title-of", files=files)),

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from math import inf
+from operator import itemgetter
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.cli.terminal import Line, fold, heading, heads, table, warn
+from mtcommission.cli.terminal import Line, fold, heading, list_quantities, warn
 from mtcommission.machine.checks import say_filter, say_jerk
 from mtcommission.machine.machine import Machine
 from mtcommission.record.limits import Alternative, LimitsAnswer, RecommendedEntry, TodayEntry
-from mtcommission.record.moves import AssessmentPart, SimulationPart
+from mtcommission.record.moves import AssessmentPart, ResponseEntry, SimulationPart
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.sheet.limits import limits_columns
 from mtcommission.sheet.tables import (
-    CORNER,
+    MAX_FORCE,
     PEAK,
     RESIDUAL,
     SETTLING,
-    STATE,
+    Quantity,
+    place_columns,
     say_requirement,
     show,
 )
-from mtcommission.sheet.verdict import move_title, share_used, verdict_on
+from mtcommission.sheet.verdict import check_columns, move_title
 
 ROWS = 23
 """Of a screen of 24 lines, below which the shell asks for the next command."""
@@ -131,27 +135,21 @@ def _limits_table(machine: Machine, answer: LimitsAnswer, spoken: Catalogue) -> 
     best = sorted(kept, key=lambda one: inf if one.settling_time is None else one.settling_time)
     others = (*rules[:1], *best[:1])
     rows += [(spoken.say(one.name), one, one.meets_requirements) for one in others]
-    of_answer = heads(spoken, "settling", "residual", "peak", "met")
     every = machine.requirements.every_size
-    first = text("terminal-limits-listed" if every else "limits-name")
-    names = [first, "a", "j", *of_answer]
-    cells = (
-        [name, *_row(one, met, machine.control.shortest_ramp, spoken)] for name, one, met in rows
+    first = Quantity("terminal-limits-listed" if every else "limits-name", itemgetter(0))
+    acceleration, jerk, *reached, _ = limits_columns(machine.control.shortest_ramp, spoken)
+    given = (replace(acceleration, name="a"), replace(jerk, name="j"), *reached)
+    columns = (
+        first,
+        *(one.within(itemgetter(1)) for one in given),
+        Quantity("meets", itemgetter(2)),
     )
-    shown = table(names, cells, ["bold" if one is answer.recommended else "" for _, one, _ in rows])
+    styles = ["bold" if one is answer.recommended else "" for _, one, _ in rows]
+    shown = list_quantities(spoken, columns, rows, styles)
     if more := rules[len(others) :]:
         missed = sum(not one.meets_requirements for one in rules if one not in others)
         shown.append(text("terminal-more-rules", count=len(more), missed=missed))
     return shown
-
-
-def _row(entry: Entry, is_met: bool, shortest: float, spoken: Catalogue) -> list[str]:
-    return [
-        show(entry.acceleration, spoken, "m/s^2"),
-        say_jerk(entry.acceleration, entry.jerk, shortest, spoken),
-        *(one.show(entry, spoken) for one in (SETTLING, RESIDUAL, PEAK)),
-        spoken.text("yes" if is_met else "no"),
-    ]
 
 
 def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:
@@ -169,20 +167,10 @@ def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:
 
 def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
     """Each requirement: what was found, what is permitted, and how much of that is used."""
-    rows = [
-        [
-            say_requirement(check.name, spoken),
-            show(check.value, spoken, check.unit, "not-settled"),
-            show(check.limit, spoken, check.unit),
-            share_used(check, spoken),
-            verdict_on(check, spoken),
-        ]
-        for check in verdict.checks
-    ]
-    styles = ["green" if check.met else "red" for check in verdict.checks]
     first = "terminal-check-any-size" if machine.requirements.every_size else "check"
-    names = heads(spoken, first, "largest", "permitted", "share-used", "verdict")
-    return table(names, rows, styles)
+    name = Quantity(first, lambda check: say_requirement(check.name, spoken))
+    styles = ["green" if check.met else "red" for check in verdict.checks]
+    return list_quantities(spoken, (name, *check_columns(spoken)), verdict.checks, styles)
 
 
 def describe_simulation(
@@ -193,21 +181,18 @@ def describe_simulation(
     spoken: Catalogue,
 ) -> list[Line]:
     """Return what was simulated, the response of each move in each corner, and the verdict."""
-    states = (
-        ["machine-state"] if any(one.state for move in part.moves for one in move.corners) else []
+    corners = [(number, one) for number, move in enumerate(part.moves, 1) for one in move.corners]
+
+    def force(item: tuple[int, ResponseEntry]) -> str:
+        shown = MAX_FORCE.show(item[1], spoken)
+        return spoken.text("terminal-saturated", force=shown) if item[1].saturated else shown
+
+    places = place_columns(one for _, one in corners)
+    columns = (
+        Quantity("terminal-head-move", itemgetter(0), ""),
+        *(one.within(itemgetter(1)) for one in (*places, SETTLING, RESIDUAL, PEAK)),
+        Quantity("word-f-set", force),
     )
-    names = heads(
-        spoken, "move", *states, "payload", "frequencies", "dampings", "settling", "residual",
-        "peak", "word-f-set",
-    )  # fmt: skip
-    rows = list[list[str]]()
-    for number, move in enumerate(part.moves, start=1):
-        for response in move.corners:
-            force = show(response.max_force, spoken, "N")
-            if response.saturated:
-                force = spoken.text("terminal-saturated", force=force)
-            quantities = (*(STATE,) * len(states), *CORNER, SETTLING, RESIDUAL, PEAK)
-            rows.append([str(number), *(one.show(response, spoken) for one in quantities), force])
     worst = [
         f"{say_requirement(check.name, spoken)}: {spoken.say(check.where)}"
         for check in part.assessment.checks
@@ -218,15 +203,13 @@ def describe_simulation(
         acceleration=show(limits.acceleration, spoken, "m/s^2"),
         jerk=say_jerk(limits.acceleration, limits.jerk, shortest, spoken),
         filter=say_filter(machine.control.setpoint_filter, spoken),
-        moves="; ".join(
-            move_title(one.move, number, spoken) for number, one in enumerate(part.moves, start=1)
-        ),
+        moves="; ".join(move_title(one.move, n, spoken) for n, one in enumerate(part.moves, 1)),
     )
     return [
         *_verdict(machine, part.assessment, spoken),
         simulated,
         heading(spoken.text("terminal-response")),
-        *table(names, rows),
+        *list_quantities(spoken, columns, corners),
         *_checks(machine, part.assessment, spoken),
         spoken.text("terminal-worst", places="; ".join(worst)),
         _assumed(assumed, spoken),

@@ -77,7 +77,7 @@ def describe_optimum(
         heading(spoken.text(f"terminal-{solution.kind}-optimal")),
         *map(spoken.say, lines),
         *table(heads(spoken, "arc", "from", "to", "word-f-set"), arcs),
-        *table(heads(spoken, "signal-head", "peak", "terminal-error"), peaks),
+        *table(heads(spoken, "signal-head", "peak-deviation", "terminal-error"), peaks),
     ]
 
 

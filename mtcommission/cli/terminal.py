@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mtcommission.base.messages.catalogue import Catalogue
     from mtcommission.limits.judge import Candidate
     from mtcommission.machine.machine import Machine
+    from mtcommission.sheet.tables import Quantity
 
 WIDTH = 80
 GAP = "  "
@@ -86,6 +87,20 @@ def table(
 def heads(spoken: Catalogue, *names: str) -> list[str]:
     """Return heads of columns: the terminal's own short ones, or the sheet's words."""
     return [spoken.own("terminal-head", name) for name in names]
+
+
+def list_quantities(
+    spoken: Catalogue,
+    columns: Sequence[Quantity],
+    items: Iterable[object],
+    styles: Iterable[str] = (),
+) -> list[Line]:
+    """Return the lines of a table as the sheet has it, with the terminal's own short heads."""
+    names = [
+        spoken.known(f"terminal-head-{column.name}", column.head(spoken)) for column in columns
+    ]
+    rows = ([column.show(item, spoken) for column in columns] for item in items)
+    return table(names, rows, styles)
 
 
 def warn(spoken: Catalogue, warnings: Iterable[Message | str]) -> list[Line]:

@@ -49,21 +49,21 @@ MEETS = Quantity(
 """Whether limits meet all requirements, and whether that takes the reserve."""
 
 
-def jerk_column(record: Record, words: Catalogue, *, width: float = 1.5) -> Quantity:
-    """Return the column of jerk limits; a jerk in degrees needs the most room."""
+def jerk_column(shortest: float, words: Catalogue, *, width: float = 1.5) -> Quantity:
+    """Return the column of jerk limits; ``shortest``: ramp that limits the jerk [s].
+
+    A jerk in degrees needs the most room.
+    """
     return Quantity(
-        "jerk",
-        lambda it: say_jerk(it.acceleration, it.jerk, record.loop.shortest_ramp, words),
-        "",
-        width=width,
+        "jerk", lambda it: say_jerk(it.acceleration, it.jerk, shortest, words), "", width=width
     )
 
 
-def limits_columns(record: Record, words: Catalogue) -> tuple[Quantity, ...]:
+def limits_columns(shortest: float, words: Catalogue) -> tuple[Quantity, ...]:
     """Return what limits are, what they give, and whether that meets all requirements."""
     return (
         replace(ACCELERATION, width=1.2),
-        jerk_column(record, words),
+        jerk_column(shortest, words),
         replace(SETTLING, width=1.2),
         replace(RESIDUAL, width=1.2),
         replace(PEAK, width=1.2),
@@ -97,7 +97,7 @@ def other_limits(record: Record, words: Catalogue) -> Iterator[Block]:
     yield table(
         words,
         "alternatives-caption",
-        (name, *map(known, limits_columns(record, words))),
+        (name, *map(known, limits_columns(record.loop.shortest_ramp, words))),
         named,
         strong=lambda it: it[1] is part.recommended,
     )
@@ -142,7 +142,7 @@ def rules(record: Record, words: Catalogue) -> Iterator[Block]:
     columns = (
         Quantity("rule", "name", width=2.2),
         Quantity("source", "source", width=2.3),
-        *limits_columns(record, words),
+        *limits_columns(record.loop.shortest_ramp, words),
     )
     every = [*record.limits.alternatives, *record.limits.rules]
     if every:

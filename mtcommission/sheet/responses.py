@@ -319,7 +319,7 @@ def _sizes(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalo
     columns = (
         Quantity("limits-name", "way", width=1.4),
         ACCELERATION,
-        jerk_column(record, words, width=1.0),
+        jerk_column(record.loop.shortest_ramp, words, width=1.0),
         Quantity("filter-time", lambda it: it.setpoint_filter and it.setpoint_filter.duration, "s"),
         Quantity("full-from", "full_from", unit, "never"),
         Quantity("kept-from", lambda it: end(it, it.kept_from, it.size[0], "or-less"), ""),

@@ -254,20 +254,24 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 def _checks(record: Record, words: Catalogue) -> Table:
     """What was found of each requirement, what is permitted, and where it is worst."""
+    name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
+    columns = (name, *check_columns(words), Quantity("where", "where", width=4.7))
+    checks = record.assessment.checks
+    return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
+
+
+def check_columns(words: Catalogue) -> tuple[Quantity, ...]:
+    """Return what was found of a requirement, what is permitted, and how much of it is used."""
 
     def unit_of(check: Check) -> str:
         return check.unit
 
-    columns = (
-        Quantity("check", lambda check: capitalised(say_requirement(check.name, words)), width=1.8),
+    return (
         Quantity("found", "value", unit_of, "not-settled", width=1.1),
         Quantity("permitted", "limit", unit_of, width=1.3),
         Quantity("share-used", lambda check: share_used(check, words), "%", width=1.05),
         Quantity("verdict", lambda check: verdict_on(check, words), width=1.25),
-        Quantity("where", "where", width=4.7),
     )
-    checks = record.assessment.checks
-    return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
 
 def share_used(check: Check, words: Catalogue) -> str:
