@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, median_filter
 
 from mtcommission.base.messages.message import Message
 from mtcommission.identify.measurement import Array, ComplexArray, FrequencyResponse, Signal
+from mtcommission.identify.projection import neighbours
 
 HIGHEST_SHARE = 0.3
 """Share of the sampling frequency up to which lines are kept: above it anti-alias filters act, and
@@ -389,7 +389,7 @@ def _between_cliffs(power: Array) -> slice:
     """The lines from the last rise off a cliff to the first fall, around the loudest."""
     if power.size < 4 * NEIGHBOURS:
         return slice(0, power.size)
-    level = median_filter(power, size=NEIGHBOURS, mode="nearest")
+    level = np.median(neighbours(power, NEIGHBOURS), axis=1)
     loudest = int(np.argmax(level))
     below = _end_of_band(power[::-1], level[::-1], power.size - 1 - loudest)
     return slice(power.size - below, _end_of_band(power, level, loudest))
@@ -401,7 +401,7 @@ def _envelope(power: Array) -> Array:
     widths = np.maximum(NEIGHBOURS, lines * np.log(2.0) / PARTS)
     parts = np.cumsum(1.0 / widths).astype(np.int64)
     starts = np.flatnonzero(np.diff(parts, prepend=-1))
-    highest = maximum_filter1d(np.maximum.reduceat(power[1:], starts), 3, mode="nearest")
+    highest = neighbours(np.maximum.reduceat(power[1:], starts), 3).max(axis=1)
     places = np.cumsum(np.diff(parts, prepend=parts[0]) > 0)
     return np.concatenate(([power[0]], highest[places]))
 

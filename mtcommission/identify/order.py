@@ -101,7 +101,9 @@ def _course(lines: Lines, size: Array) -> Array:
     log_f = np.log(lines.frequency_hz)
     low = np.searchsorted(log_f, log_f - SMOOTHED_OVER)
     high = np.searchsorted(log_f, log_f + SMOOTHED_OVER, side="right")
-    median = np.array([np.median(size[a:b]) for a, b in zip(low, high, strict=True)])
+    stretches = (np.sort(size[a:b]) for a, b in zip(low, high, strict=True))
+    # numpy's own median takes five times as long, on arrays as short as these.
+    median = [0.5 * (own[own.size // 2] + own[~(own.size // 2)]) for own in stretches]
     return np.asarray(np.maximum(size, median))
 
 

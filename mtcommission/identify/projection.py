@@ -301,9 +301,11 @@ def _pack(poles: Poles) -> Array:
 
 
 def _unpack(theta: Array, n_responses: int) -> Poles:
-    delays, lags, modes = np.split(theta[1:], [n_responses, 2 * n_responses])
-    omega, zeta = np.split(np.exp(modes), 2)
-    return Poles(float(theta[0]), delays, lags, omega, zeta)
+    n, modes = n_responses, np.exp(theta[1 + 2 * n_responses :])
+    half = modes.size // 2
+    return Poles(
+        float(theta[0]), theta[1 : 1 + n], theta[1 + n : 1 + 2 * n], modes[:half], modes[half:]
+    )
 
 
 def _bounds(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array, Array]:

@@ -16,7 +16,6 @@ from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import DIGITS
-from mtcommission.limits.requirements import read_requirement
 from mtcommission.record.machine import MachineEntry, Profile
 from mtcommission.sheet.document import HASH_DIGITS, Cell, Column, Document, Formula, Table
 
@@ -206,6 +205,8 @@ def capitalised(text: str) -> str:
 
 def say_requirement(name: str, words: Catalogue) -> str:
     """Return the text of a requirement that a record names; another name stays as it is."""
+    from mtcommission.limits.requirements import read_requirement  # slow to load
+
     try:
         return words.say(read_requirement(name).message)
     except ValueError:
