@@ -127,11 +127,12 @@ class Tally:
                 missed += 1
                 continue
             left.remove(near)
-            one = near.frequency_hz, near.damping_ratio, near.gains[0]
+            one = near.frequency_hz, near.damping_ratio, near.measured_gain
             for name, estimate, true in zip(
                 ("f", "zeta", "gain"), one, (f, zeta, gain), strict=True
             ):
-                self.note(name, estimate.value, estimate.sigma, true)
+                if estimate:
+                    self.note(name, estimate.value, estimate.sigma, true)
         mass = fit.responses[0].inverse_mass
         self.note("mass", mass.value, mass.sigma, 1.0 / axis.mass)
         self.of += 1

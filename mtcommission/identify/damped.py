@@ -13,7 +13,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 
-from mtcommission.identify.measurement import Array, FreeMode
+from mtcommission.identify.measurement import Array
 from mtcommission.machine.identified import Estimate
 
 RATIO = 0.05
@@ -81,6 +81,15 @@ def correlation_length(rest: Array) -> float:
     rho = lags / lags[0]
     end = int(np.argmax(rho < 0.05)) or rho.size
     return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeMode:
+    """One vibration that dies away."""
+
+    frequency_hz: Estimate  # natural frequency [Hz]
+    damping_ratio: Estimate
+    amplitude: float  # at the first sample [as the signal]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

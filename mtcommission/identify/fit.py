@@ -5,7 +5,7 @@ Which lines tell of the machine: by coherence, then by misfit, then by what a lo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,17 +38,6 @@ from mtcommission.identify.projection import (
 from mtcommission.machine.identified import MOST_MISFIT, Estimate, MeasuredMode
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FittedMode:
-    """A mode with common poles."""
-
-    frequency_hz: Estimate  # f [Hz]
-    damping_ratio: Estimate  # ζ [-]
-    # Residue in each response, in their order, polarity put right [1/kg; 1/(kg m²) on a rotary
-    # axis; - for a base-excited one].
-    gains: tuple[Estimate, ...]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FittedResponse:
     """What a fit says of one response."""
@@ -60,6 +49,8 @@ class FittedResponse:
     inverse_mass: Estimate  # b = 1/m, polarity put right [1/kg]
     # Whether b stands for the mass that the force moves; else for what lies below the band.
     has_rigid_body: bool
+    # Residue of each mode, polarity put right [1/kg; 1/(kg m²) on a rotary axis; - base-excited].
+    residues: tuple[Estimate, ...]
     delay: Estimate  # tau [s]
     lag: Estimate | None  # T [s]; None where none shows
     # poles, gains: Of the model of this response alone, as measured.
@@ -76,7 +67,7 @@ class Fitted:
     """One state of the machine: common poles, and each response."""
 
     responses: tuple[FittedResponse, ...]  # In the order given
-    modes: tuple[FittedMode, ...]  # By frequency
+    modes: tuple[MeasuredMode, ...]  # By frequency, with the surest gain of each sensor
     drag: float  # c = viscous friction by mass [1/s]
     band_hz: tuple[float, float]  # Lowest and highest line that was fitted [Hz]
     # Weighted rms of the residuals by the noise that the coherence tells; 1 = as good as that.
@@ -439,15 +430,17 @@ def _low_slope(lines: Lines) -> float:
 
 
 def _collect(trial: Trial) -> Fitted:
-    found, fit = trial.found, trial.found.fit
+    found, fit, friction = trial.found, trial.found.fit, trial.friction
     factor = float(np.sqrt(max(fit.cost / trial.spare, 1.0) * found.correlation))
     plain = find_variances(found.lines, fit, curvature=CURVATURE)
     variances = Variances(factor**2 * plain.poles, factor**2 * plain.gains)
-    friction = trial.friction
-    fitted = tuple(_response(trial, place, variances, friction) for place in range(len(trial.used)))
+    ordered = np.argsort(fit.poles.omega).tolist()
+    modes = [k for k in ordered if found.is_mode[k] and k not in friction]
+    places = range(len(trial.used))
+    responses = tuple(_response(trial, place, variances, friction, modes) for place in places)
     return Fitted(
-        responses=fitted,
-        modes=_modes(trial, fitted, variances, friction),
+        responses=responses,
+        modes=tuple(_modes(fit.poles, responses, variances, modes)),
         drag=fit.poles.drag,
         band_hz=ends_of(trial.base),
         misfit=trial.misfit,
@@ -456,7 +449,11 @@ def _collect(trial: Trial) -> Fitted:
 
 
 def _response(
-    trial: Trial, place: int, variances: Variances, friction: Sequence[int]
+    trial: Trial,
+    place: int,
+    variances: Variances,
+    friction: Sequence[int],
+    modes: Sequence[int],
 ) -> FittedResponse:
     response, fit, lines = trial.used[place], trial.found.fit, trial.found.lines[place]
     gains, n = fit.gains[place], fit.poles.lags.size
@@ -484,6 +481,13 @@ def _response(
         polarity=polarity,
         inverse_mass=Estimate(value=polarity * inverse_mass, sigma=mass_sigma),
         has_rigid_body=is_rigid and response.input is Signal.FORCE,
+        residues=tuple(
+            Estimate(
+                value=polarity * float(gains[1 + k]),
+                sigma=float(variances.each_gain[place, 1 + k]),
+            )
+            for k in modes
+        ),
         delay=Estimate(value=delay, sigma=delay_sigma),
         lag=Estimate(value=lag, sigma=lag_sigma) if lag else None,
         poles=fit.poles.of(place),
@@ -492,26 +496,25 @@ def _response(
 
 
 def _modes(
-    trial: Trial, fitted: Sequence[FittedResponse], variances: Variances, friction: Sequence[int]
-) -> tuple[FittedMode, ...]:
-    poles, modes = trial.found.fit.poles, []
+    poles: Poles, responses: Sequence[FittedResponse], variances: Variances, modes: Sequence[int]
+) -> Iterator[MeasuredMode]:
     by_omega, by_zeta = variances.of_modes
-    for k in np.argsort(poles.omega).tolist():
-        if not trial.found.is_mode[k] or k in friction:
-            continue
+    for number, k in enumerate(modes):
         f, zeta = float(poles.frequency_hz[k]), float(poles.zeta[k])
-        gains = tuple(
-            Estimate(
-                value=one.polarity * float(one.gains[1 + k]),
-                sigma=float(variances.each_gain[place, 1 + k]),
-            )
-            for place, one in enumerate(fitted)
+        yield MeasuredMode(
+            frequency_hz=Estimate(value=f, sigma=float(by_omega[k]) * f),
+            damping_ratio=Estimate(value=zeta, sigma=float(by_zeta[k]) * zeta),
+            measured_gain=_gain(responses, number, Sensor.ENCODER),
+            tcp_gain=_gain(responses, number, Sensor.TCP),
         )
-        modes.append(
-            FittedMode(
-                frequency_hz=Estimate(value=f, sigma=float(by_omega[k]) * f),
-                damping_ratio=Estimate(value=zeta, sigma=float(by_zeta[k]) * zeta),
-                gains=gains,
-            )
-        )
-    return tuple(modes)
+
+
+def _gain(responses: Sequence[FittedResponse], mode: int, sensor: Sensor) -> Estimate | None:
+    """The surest gain of a sensor; base-excited, with the sign of the profile."""
+    found = [
+        replace(gain, value=-gain.value) if one.response.input is Signal.ACCELERATION else gain
+        for one in responses
+        if one.response.sensor is sensor
+        for gain in [one.residues[mode]]
+    ]
+    return min(found, key=lambda gain: gain.relative, default=None)

@@ -142,12 +142,12 @@ def _require_collocated(fits: Sequence[Fitted]) -> None:
     """
     faults = []
     for fit in fits:
-        for place, one in enumerate(fit.responses):
+        for one in fit.responses:
             kinds = {remark.kind for remark in one.response.remarks}
             if not one.has_rigid_body or SENSOR_ASSUMED not in kinds:
                 continue
-            for mode in fit.modes:
-                gain, f = mode.gains[place], mode.frequency_hz.value
+            for mode, gain in zip(fit.modes, one.residues, strict=True):
+                f = mode.frequency_hz.value
                 share, sigma = (x / one.inverse_mass.value for x in (gain.value, gain.sigma))
                 if share < OPPOSITE and share < -SURE * sigma:
                     said = Message("identify-not-collocated", frequency=f, share=share)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message, Value
-from mtcommission.machine.identified import Estimate
+from mtcommission.machine.identified import MeasuredMode
 from mtcommission.machine.machine import Machine, Motion
 
 Array = NDArray[np.float64]
@@ -137,22 +137,13 @@ class Spectrum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FreeMode:
-    """One vibration that dies away."""
-
-    frequency_hz: Estimate  # Natural frequency [Hz]
-    damping_ratio: Estimate
-    amplitude: float  # At the start of the free vibration [SI of the sensor's output]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FreeVibration:
     """What rings after a step or the end of a move: frequencies and damping, no mass, no gain."""
 
     source: Source  # File and label
     sensor: Sensor
     rotary: bool  # Whether lengths are angles
-    modes: tuple[FreeMode, ...]  # Found, the largest amplitude first
+    modes: tuple[MeasuredMode, ...]  # By frequency, without gains
     remarks: tuple[Message, ...] = ()  # How they were found and what is doubtful
 
 

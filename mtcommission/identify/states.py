@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from mtcommission.base.messages.message import Message
-from mtcommission.identify.fit import Fitted, FittedMode, FittedSpectrum, fit_state
+from mtcommission.identify.fit import Fitted, FittedSpectrum, fit_state
 from mtcommission.identify.measurement import (
     Evidence,
     FreeVibration,
     FrequencyResponse,
     Sensor,
-    Signal,
     Spectrum,
 )
 from mtcommission.machine.identified import Estimate, MeasuredMode
@@ -234,39 +233,14 @@ def _agree(one: Fitted, other: Fitted) -> bool:
 
 def describe_state(one: State) -> MeasuredStateEntry:
     """Return what was found in a state as the record holds it, its modes without names yet."""
+    mass = None
     if isinstance(one, Fitted):
-        files = dict.fromkeys(own.response.source.file for own in one.responses)
-        modes = [
-            MeasuredMode(
-                frequency_hz=mode.frequency_hz,
-                damping_ratio=mode.damping_ratio,
-                measured_gain=_gain(one, mode, Sensor.ENCODER),
-                tcp_gain=_gain(one, mode, Sensor.TCP),
-            )
-            for mode in one.modes
-        ]
-        name = one.responses[0].response.source.state or ", ".join(files)
-        return MeasuredStateEntry(name=name, moving_mass=one.moving_mass, modes=modes)
-    if isinstance(one, FittedSpectrum):
-        source, modes = one.spectrum.source, list(one.modes)
+        source, mass = one.responses[0].response.source, one.moving_mass
+        name = ", ".join(dict.fromkeys(own.response.source.file for own in one.responses))
     else:
-        ordered = sorted(one.modes, key=lambda mode: mode.frequency_hz.value)
-        source = one.source
-        modes = [
-            MeasuredMode(frequency_hz=mode.frequency_hz, damping_ratio=mode.damping_ratio)
-            for mode in ordered
-        ]
-    return MeasuredStateEntry(name=source.state or source.name, moving_mass=None, modes=modes)
-
-
-def _gain(fit: Fitted, mode: FittedMode, sensor: Sensor) -> Estimate | None:
-    """The surest gain of a sensor; base-excited, with the sign of the profile."""
-    found = [
-        replace(gain, value=-gain.value) if one.response.input is Signal.ACCELERATION else gain
-        for one, gain in zip(fit.responses, mode.gains, strict=True)
-        if one.response.sensor is sensor
-    ]
-    return min(found, key=lambda gain: gain.relative, default=None)
+        source = one.spectrum.source if isinstance(one, FittedSpectrum) else one.source
+        name = source.name
+    return MeasuredStateEntry(name=source.state or name, moving_mass=mass, modes=list(one.modes))
 
 
 def _fit_spectra(spectra: Sequence[Spectrum]) -> list[FittedSpectrum]:

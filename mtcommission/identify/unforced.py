@@ -21,6 +21,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.identify.averaged import HALF_POWER_BINS, HIGHEST_SHARE
 from mtcommission.identify.damped import (
     Damped,
+    FreeMode,
     correlation_length,
     fit_damped,
     information_criterion,
@@ -30,13 +31,13 @@ from mtcommission.identify.measurement import (
     AllDirections,
     Array,
     Channel,
-    FreeMode,
     FreeVibration,
     Sensor,
     Signal,
     Spectrum,
     TimeRecord,
 )
+from mtcommission.machine.identified import MeasuredMode
 
 MOST_SAMPLES = 1500
 MOST_MODES = 6
@@ -102,7 +103,10 @@ def _find_ringing(record: TimeRecord, motion: Channel) -> FreeVibration | None:
         source=record.source_of(motion),
         sensor=motion.sensor or Sensor.ENCODER,
         rotary=bool(motion.rotary),
-        modes=tuple(modes),
+        modes=tuple(
+            MeasuredMode(frequency_hz=one.frequency_hz, damping_ratio=one.damping_ratio)
+            for one in sorted(modes, key=lambda one: one.frequency_hz.value)
+        ),
         remarks=(*record.remarks, *said),
     )
 
@@ -144,7 +148,7 @@ def _is_decay(values: Array) -> bool:
 
 
 def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode], list[Message]]:
-    """The modes in a free vibration, the largest amplitude first, and how much they explain."""
+    """The modes in a free vibration, and how much they explain."""
     told = {"start": begin * step}
     y, step = _thinned(values - values[-max(values.size // 10, 1) :].mean(), step)
     t = step * np.arange(y.size, dtype=np.float64)
@@ -172,7 +176,6 @@ def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode]
         and mode.amplitude > max(SIGNIFICANT * error, SMALLEST_AMPLITUDE * largest)
         and mode.frequency_hz.value * duration > FEWEST_CYCLES
     ]
-    modes.sort(key=lambda mode: -mode.amplitude)
     explained = 1.0 - float(best.rest @ best.rest) / total if best.modes else 0.0
     told |= {"duration": duration, "explained": explained}
     return modes, [Message("identify-by-decay", **told)]

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from mtcommission.identify.damped import fit_damped, regress, weigh
-from mtcommission.identify.measurement import Array, Channel, FreeMode
+from mtcommission.identify.damped import FreeMode, fit_damped, regress, weigh
+from mtcommission.identify.measurement import Array, Channel
 from mtcommission.machine.identified import Estimate
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint
