@@ -33,7 +33,9 @@ from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.read import parse_profile
+from mtcommission.record.limits import JudgedLimits
 from mtcommission.record.record import Record
+from mtcommission.record.shape import entry_of
 from mtcommission.verify.beside import Recorded, unexplained
 from mtcommission.verify.prediction import Rebuilt, on_machine
 from mtcommission.verify.setpoint import runs
@@ -402,43 +404,21 @@ def _say(one: Parameter, words: Catalogue) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
-    """Acceleration and jerk, and the settling time of the slowest move in the worst corner [SI]."""
-
-    acceleration: float
-    jerk: float
-    settling_time: float | None  # None: not settled
-    met: bool  # whether all requirements are
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class NewLimits:
     """Old beside new; ``new`` None where ``failure`` says why there are none."""
 
-    old: Limits
-    new: Limits | None
-    failure: Message | None
+    old: JudgedLimits
+    new: JudgedLimits | None
+    failure: Message | None = None
 
 
 def find_new_limits(record: Record, profile: str) -> NewLimits:
     """Return what ``run`` recommends for a refined profile, beside what the record recommends."""
     from mtcommission.commission.recommend import recommend  # for --refine alone
 
-    best, new, failure = record.limits.recommended, None, None
+    old = record.limits.recommended
     try:
-        chosen = recommend(parse_profile(profile, where="--refine")).choice.candidate
-        new = Limits(
-            acceleration=chosen.limits.acceleration,
-            jerk=chosen.limits.jerk,
-            settling_time=chosen.settling_time,
-            met=chosen.assessment.is_met,
-        )
+        found = recommend(parse_profile(profile, where="--refine")).choice.candidate
     except ComputationError as error:
-        failure = Message("verify-no-limits", why=str(error))
-    old = Limits(
-        acceleration=best.acceleration,
-        jerk=best.jerk,
-        settling_time=best.settling_time,
-        met=record.assessment.met,
-    )
-    return NewLimits(old=old, new=new, failure=failure)
+        return NewLimits(old=old, new=None, failure=Message("verify-no-limits", why=str(error)))
+    return NewLimits(old=old, new=entry_of(JudgedLimits, found))

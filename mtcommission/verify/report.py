@@ -11,8 +11,8 @@ import numpy as np
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, to_json
+from mtcommission.record.limits import JudgedLimits
 from mtcommission.record.machine import Profile
-from mtcommission.record.shape import to_plain
 from mtcommission.sheet.document import (
     BigValue,
     Block,
@@ -160,7 +160,7 @@ LIMITS = (
     Quantity("verify-limit-acceleration", "acceleration", "m/s^2"),
     Quantity("verify-limit-jerk", "jerk", "m/s^3"),
     Quantity("verify-limit-settling", "settling_time", "s", "not-settled"),
-    Quantity("verify-limit-met", "met"),
+    Quantity("verify-limit-met", "meets_requirements"),
 )
 
 
@@ -223,8 +223,19 @@ def verification_entry(told: Report) -> Entry:
             "deviation_before": fed.before,
             "deviation_after": fed.after,
         },
-        "limits": limits and {"old": to_plain(limits.old), "new": to_plain(limits.new)},
+        "limits": limits and {"old": _reached(limits.old), "new": _reached(limits.new)},
         "warnings": [to_json(warning) for warning in found.warnings],
+    }
+
+
+def _reached(one: JudgedLimits | None) -> Entry | None:
+    if one is None:
+        return None
+    return {
+        "acceleration": one.acceleration,
+        "jerk": one.jerk,
+        "settling_time": one.settling_time,
+        "met": one.meets_requirements,
     }
 
 

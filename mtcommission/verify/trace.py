@@ -33,14 +33,8 @@ a wrong unit."""
 FINEST = 1e-11
 """Share of the range below which a step of the values is rounding."""
 
-NEAR = 1e4
-"""Steps of which a difference may be told whole: beyond it the rounding of the step counts."""
-
 ABSURD = 1e30
 """Of no signal in its own unit: its squares, summed, might be no numbers any more."""
-
-WHOLE = 0.05
-"""Distance from a whole multiple of the step, as share of it, that rounding may have."""
 
 
 class Role(StrEnum):
@@ -230,9 +224,7 @@ def _check_travel(
 
 
 def resolution(values: Array) -> float:
-    """Return the step in which values were written down; 0 where there is none.
-
-    Euclid's algorithm on the differences of neighbouring levels.
+    """Return the step in which values were written down; of unrounded ones next to nothing.
 
     Examples
     --------
@@ -240,15 +232,5 @@ def resolution(values: Array) -> float:
     0.001
     """
     steps = np.diff(np.unique(values))
-    least = FINEST * float(np.ptp(values))
-    steps = np.sort(steps[steps > least])[:2000]
-    grain = float(steps[0]) if steps.size else 0.0
-    while grain > least:
-        near = steps[steps < NEAR * grain]
-        rest = np.abs(near - grain * np.rint(near / grain))
-        off = rest[rest > max(WHOLE * grain, least)]
-        if not off.size:
-            return grain
-        # Of the smallest step: the error of what is left grows with the multiples taken off.
-        grain = float(off[0])
-    return 0.0
+    steps = steps[steps > FINEST * float(np.ptp(values))]
+    return float(steps.min(initial=np.inf)) if steps.size else 0.0
