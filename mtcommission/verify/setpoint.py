@@ -13,7 +13,7 @@ from math import ceil, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline, make_lsq_spline
+from scipy.interpolate import BSpline, splrep
 
 from mtcommission.base.errors import MtcommissionError
 from mtcommission.base.messages.message import Message
@@ -48,9 +48,6 @@ SPLINE = 5
 
 LEAST_SAMPLES = 2 * SPLINE + 2
 """Of a move and its rest."""
-
-SPACINGS = (64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2)
-"""Samples between knots that are tried, the smoothest first."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -271,17 +268,11 @@ class _Stretch:
 
 
 def _smooth(t: Array, x: Array, noise: float) -> BSpline:
-    """The smoothest spline that stays within the noise of the samples."""
-    for spacing in SPACINGS:
-        if t.size < 4 * spacing + 2 * SPLINE:
-            continue
-        inner = t[spacing:-spacing:spacing] if spacing < t.size // 2 else t[:0]
-        knots = np.concatenate([[t[0]] * (SPLINE + 1), inner, [t[-1]] * (SPLINE + 1)])
-        found = make_lsq_spline(t, x, knots, k=SPLINE)
-        off = np.abs(np.asarray(found(t)) - x)
-        if np.sqrt(np.mean(off**2)) <= 1.2 * noise and off.max() <= CALM * noise:
-            return found
-    return make_interp_spline(t, x, k=SPLINE)
+    """The spline of fewest knots that stays within the noise of the samples.
+
+    Source: P. Dierckx, Curve and Surface Fitting with Splines (1993), chapter 5.
+    """
+    return BSpline(*splrep(t, x, k=SPLINE, s=t.size * noise**2, quiet=1))
 
 
 SAME_SIZE = 0.02
