@@ -91,6 +91,12 @@ class FreeMode:
     damping_ratio: Estimate
     amplitude: float  # at the first sample [as the signal]
 
+    @property
+    def pole(self) -> complex:
+        """The one above the real axis [1/s]."""
+        zeta = self.damping_ratio.value
+        return 2 * pi * self.frequency_hz.value * complex(-zeta, sqrt(max(1.0 - zeta**2, 0.0)))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Damped:

@@ -1,10 +1,8 @@
 """Records without a force: what rings after a move or a step, else the power by frequency.
 
-Decaying oscillations start from a matrix pencil; the order comes from the Bayesian information
-criterion, intervals from the Jacobian and the correlation of the residuals; power by Welch's
-method.
-
-Source: Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824.
+Decaying oscillations are fitted one after the other, each from the largest peak of what the others
+leave; their number comes from the Bayesian information criterion, intervals from the Jacobian and
+the correlation of the residuals; power by Welch's method.
 """
 
 from __future__ import annotations
@@ -25,7 +23,6 @@ from mtcommission.identify.damped import (
     correlation_length,
     fit_damped,
     information_criterion,
-    weigh,
 )
 from mtcommission.identify.measurement import (
     AllDirections,
@@ -46,6 +43,8 @@ LEAST_GAIN = 10.0
 BAND_SHARE = 0.99
 """Share of the energy of a signal's rate below the frequency up to which it is looked at."""
 LARGEST_DAMPING = 0.3
+FIRST_DAMPING = 0.02
+"""Damping ratio at which a mode begins to be fitted."""
 ENDS = (0.3, 3.0)
 """Factors on a starting frequency between which it is fitted."""
 SMALLEST_AMPLITUDE = 0.02
@@ -155,11 +154,11 @@ def _fit_ringing(values: Array, step: float, begin: int) -> tuple[list[FreeMode]
     duration, total = float(t[-1]), float(((y - y.mean()) ** 2).sum())
     best, least = Damped(modes=(), errors=(), rest=y - y.mean()), np.inf
     for order in range(1, MOST_MODES + 1):
-        start = _pencil(y, step, order)
-        if len(start) < order or total == 0.0 or y.size <= 2 * (4 * order + 1):
+        if total == 0.0 or y.size <= 2 * (4 * order + 1):
             break
+        known = [one.pole for one in best.modes]
         try:
-            fit = fit_damped(t, y, start, ends=ENDS)
+            fit = fit_damped(t, y, [*known, _strongest(best.rest, step)], ends=ENDS)
         except (ValueError, np.linalg.LinAlgError):
             break
         cost = max(float(fit.rest @ fit.rest), 1e-24 * total)
@@ -194,23 +193,12 @@ def _thinned(values: Array, step: float) -> tuple[Array, float]:
     return values[:MOST_SAMPLES], step
 
 
-def _pencil(y: Array, step: float, order: int) -> list[complex]:
-    """The poles of the strongest oscillations, to start with [1/s]."""
-    stride = max(y.size // 600, 1)  # the pencil's cost grows with the cube
-    y = np.ascontiguousarray(y[::stride])
-    step *= stride
-    t = step * np.arange(y.size, dtype=np.float64)
-    hankel = np.lib.stride_tricks.sliding_window_view(y, y.size // 3 + 1)
-    _, _, rows = np.linalg.svd(hankel, full_matrices=False)
-    kept = rows[: 2 * order + 2].T  # two more: an offset and a slow tail
-    poles = np.linalg.eigvals(np.linalg.lstsq(kept[:-1], kept[1:], rcond=None)[0])
-    found = []
-    for pole in np.log(poles[np.abs(poles) > 1e-6]) / step:
-        omega = float(abs(pole))
-        if pole.imag > 0.0 and omega > 0.0 and pole.imag < 0.98 * np.pi / step:
-            zeta = float(np.clip(-pole.real / omega, 1e-4, 0.5))
-            found.append(omega * complex(-zeta, sqrt(1.0 - zeta**2)))
-    return sorted(found, key=lambda one: -float(np.linalg.norm(weigh(t, y, [one])[0][1:])))[:order]
+def _strongest(rest: Array, step: float) -> complex:
+    """A pole at the largest peak of a signal's spectrum, to start with [1/s]."""
+    power = np.abs(np.fft.rfft(rest * np.hanning(2 * rest.size)[rest.size :])) ** 2
+    place = max(int(np.argmax(power[2:])) + 2, 2)
+    omega = 2.0 * np.pi * place / (rest.size * step)
+    return omega * complex(-FIRST_DAMPING, sqrt(1.0 - FIRST_DAMPING**2))
 
 
 def _find_power(record: TimeRecord, motion: Channel) -> Spectrum:
