@@ -13,7 +13,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 
-from mtcommission.identify.measurement import Array
+from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.machine.identified import Estimate
 
 RATIO = 0.05
@@ -72,14 +72,18 @@ def information_criterion(cost: float, size: int, parameters: int, correlated: f
     return n * log(cost / size) + parameters * log(n)
 
 
-def correlation_length(rest: Array) -> float:
-    """Return how many samples of what a fit leaves are worth one independent one, at least 1."""
-    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
-    lags = np.fft.irfft(power)[: rest.size // 4]
+def correlation_length(rest: Array | ComplexArray) -> float:
+    """Return how many samples of what a fit leaves are worth one independent one, at least 1.
+
+    One and twice the sum of the autocorrelations before the first that is not significant.
+    """
+    power = np.abs(np.fft.fft(rest, 2 * rest.size)) ** 2
+    lags = np.fft.ifft(power).real[: rest.size // 4]
     if lags.size < 2 or lags[0] <= 0.0:
         return 1.0
     rho = lags / lags[0]
-    end = int(np.argmax(rho < 0.05)) or rho.size
+    values = rest.size * (2 if np.iscomplexobj(rest) else 1)
+    end = int(np.argmax(rho < 2.0 / sqrt(values))) or rho.size
     return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))
 
 

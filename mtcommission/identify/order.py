@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.damped import information_criterion
+from mtcommission.identify.damped import correlation_length, information_criterion
 from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.identify.projection import (
     Lines,
@@ -107,22 +107,9 @@ def _course(lines: Lines, size: Array) -> Array:
     return np.asarray(np.maximum(size, median))
 
 
-def correlation_length(fit: Projected) -> float:
-    """Return how many neighbouring lines err together, the worst response, >= 1.
-
-    One and twice the sum of the autocorrelations before the first that is not significant.
-    """
-    lengths = [1.0]
-    for residual in fit.residuals:
-        n, power = residual.size, float(np.vdot(residual, residual).real)
-        length = 1.0
-        for lag in range(1, n // 4):
-            rho = float(np.vdot(residual[:-lag], residual[lag:]).real) / max(power, 1e-300)
-            if rho < 2.0 / np.sqrt(2.0 * n):
-                break
-            length += 2.0 * rho
-        lengths.append(length)
-    return max(lengths)
+def _correlation(fit: Projected) -> float:
+    """How many neighbouring lines err together, the worst response."""
+    return max(map(correlation_length, fit.residuals))
 
 
 LEAST_GAIN = 7.0
@@ -263,7 +250,7 @@ class _Search:
         fit = self._prune(lines, refine(lines, fit.poles))
         while self.count is None and (doubtful := _doubtful(lines, fit)) is not None:
             fit = refine(lines, fit.poles.drop(doubtful))
-        return Ordered(lines, fit, _are_modes(lines, fit), share, correlation_length(fit))
+        return Ordered(lines, fit, _are_modes(lines, fit), share, _correlation(fit))
 
     def _prune(self, responses: Sequence[Lines], best: Projected) -> Projected:
         """Drop modes without which the fit is as good, the weakest first."""
@@ -273,7 +260,7 @@ class _Search:
             weakest = int(np.argmin(np.sum(np.minimum(surest[:, 1:-1], CERTAIN) ** 2, axis=0)))
             less = refine(responses, best.poles.drop(weakest), steps=15, tolerance=1e-4)
             if self.count is None and not _too_near(best.poles):
-                correlation = correlation_length(best)
+                correlation = _correlation(best)
                 with_it = _criterion(responses, best, correlation=correlation)
                 without = _criterion(responses, less, correlation=correlation)
                 is_worth = without - with_it > LEAST_GAIN
@@ -308,7 +295,7 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
         return None
     variances = find_variances(responses, fit)
     spare = max(count_values(responses) - fit.parameters, 1)
-    factor = np.sqrt(max(fit.cost / spare, 1.0) * correlation_length(fit))
+    factor = np.sqrt(max(fit.cost / spare, 1.0) * _correlation(fit))
     surest = np.max(np.abs(fit.gains) / (factor * variances.each_gain), axis=0)[1:-1]
     f, zeta = fit.poles.frequency_hz, fit.poles.zeta
     spacing = np.array([min(spacing_at(one.frequency_hz, hz) for one in responses) for hz in f])

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
-from mtcommission.identify.damped import information_criterion
+from mtcommission.identify.damped import information_criterion, regress
 from mtcommission.identify.fit import FittedSpectrum
 from mtcommission.identify.measurement import Array, Spectrum
 from mtcommission.machine.identified import Estimate, MeasuredMode
@@ -175,11 +175,8 @@ def _heights(grid: _Grid, fit: _Fit) -> list[float]:
 
 
 def _peaks(grid: _Grid, fit: _Fit) -> tuple[MeasuredMode, ...]:
-    n, size = grid.f.size, fit.jacobian.shape[1]
-    variance = fit.cost / max(n - size, 1) * UNKNOWN_CORRELATION
-    scale = np.sqrt(np.maximum(np.sum(fit.jacobian**2, axis=0), 1e-300))
-    inverse = np.linalg.pinv((fit.jacobian / scale).T @ (fit.jacobian / scale), rcond=1e-12)
-    sigmas = np.sqrt(variance * np.maximum(np.diag(inverse), 0.0)) / scale
+    rest = np.append(fit.model - grid.y, 0.0)
+    sigmas = regress(fit.jacobian, rest, correlated=UNKNOWN_CORRELATION).sigma
     peaks = []
     for k in np.argsort(fit.modes[:, 0]).tolist():
         f, zeta = np.exp(fit.modes[k, :2]).tolist()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, log
 from pathlib import Path, PurePath
@@ -27,6 +27,7 @@ from mtcommission.machine.identified import (
     ShaperProposal,
 )
 from mtcommission.machine.plant.modal import MOST_MODES
+from mtcommission.machine.profile.read import find_key_lines, show_key
 from mtcommission.record.identified import IdentifiedPart, evidence_checksum
 from mtcommission.record.shape import to_plain
 
@@ -195,24 +196,13 @@ def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
             modes[place].pop("tcp_gain", None)
             if not low <= _frequency(modes[place]) <= high:
                 del modes[place]
-        stated = [key for key in _keys(document, "") if key.startswith(OF_EXAMPLE)]
-        assumed = list(dict.fromkeys([*assumed, *stated]))
+        stated = map(show_key, find_key_lines(tomlkit.dumps(document)))
+        examples = (key for key in stated if key.startswith(OF_EXAMPLE))
+        assumed = list(dict.fromkeys([*assumed, *examples]))
     found = _merge(document, found, how, assumed)
     merged = how.words(found.part.rotary).text("identify-document-merged")
     whole = f"{_heading(found, how)}# {merged}\n{tomlkit.dumps(document)}"
     return replace(found, profile=whole)
-
-
-def _keys(value: Any, key: str) -> Iterator[str]:
-    """The keys of a part of a profile, as messages spell them."""
-    if isinstance(value, dict):
-        for name, inner in value.items():
-            yield from _keys(inner, f"{key}.{name}" if key else name)
-    elif isinstance(value, list) and any(isinstance(inner, dict) for inner in value):
-        for number, inner in enumerate(value, start=1):
-            yield from _keys(inner, f"{key}[{number}]")
-    else:
-        yield key
 
 
 def _warned(found: Identified, warning: Message) -> Identified:
