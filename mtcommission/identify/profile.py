@@ -27,7 +27,8 @@ from mtcommission.machine.identified import (
     ShaperProposal,
 )
 from mtcommission.machine.plant.modal import MOST_MODES
-from mtcommission.machine.profile.read import find_key_lines, show_key
+from mtcommission.machine.profile.read import find_key_lines
+from mtcommission.machine.readers import show_key
 from mtcommission.record.identified import IdentifiedPart, evidence_checksum
 from mtcommission.record.shape import to_plain
 
