@@ -62,6 +62,12 @@ def regress(columns: Array, signal: Array, *, correlated: float = 0.0) -> Regres
     return Regression(values=found / scale, sigma=sigma, variance=variance, rest=rest)
 
 
+def neighbours(values: Array, count: int) -> Array:
+    """Return each value among an odd number of neighbours, mirrored at the ends, (n, count)."""
+    padded = np.pad(values, count // 2, mode="symmetric")
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, count))
+
+
 def information_criterion(cost: float, size: int, parameters: int, correlated: float) -> float:
     """Return the Bayesian information criterion of a fit, noise of unknown size.
 

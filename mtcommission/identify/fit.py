@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.identify.damped import neighbours
 from mtcommission.identify.measurement import (
     Array,
     ComplexArray,
@@ -30,7 +31,6 @@ from mtcommission.identify.projection import (
     count_values,
     ends_of,
     find_variances,
-    neighbours,
     predict,
     see,
     share_frequencies,

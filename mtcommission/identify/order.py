@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.damped import correlation_length, information_criterion
+from mtcommission.identify.damped import correlation_length, information_criterion, neighbours
 from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.identify.projection import (
     Lines,
@@ -20,7 +20,6 @@ from mtcommission.identify.projection import (
     count_values,
     ends_of,
     find_variances,
-    neighbours,
     project,
     refine,
     spacing_at,

@@ -86,12 +86,6 @@ def share_frequencies(responses: Sequence[Lines]) -> list[Lines]:
     return found
 
 
-def neighbours(values: Array, count: int) -> Array:
-    """Return each value among an odd number of neighbours, mirrored at the ends, (n, count)."""
-    padded = np.pad(values, count // 2, mode="symmetric")
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, count))
-
-
 def spacing_at(frequency_hz: Array, wanted_hz: float) -> float:
     """Return how far the lines about a frequency lie apart [Hz]."""
     at = int(np.clip(np.searchsorted(frequency_hz, wanted_hz), 1, frequency_hz.size - 1))
