@@ -19,8 +19,8 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
-from mtcommission.loop.tuning.gains import Shape
 from mtcommission.loop.tuning.tuned import (
+    Shape,
     TunedLoop,
     close_loop,
     corner_plants,

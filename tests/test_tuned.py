@@ -8,12 +8,10 @@ from pathlib import Path
 import pytest
 
 from mtcommission.loop.tuning.family import build, cascade_family, tune_shape
-from mtcommission.loop.tuning.gains import (
+from mtcommission.loop.tuning.gains import symmetrical_optimum
+from mtcommission.loop.tuning.tuned import (
     CLASSIC,
     Shape,
-    symmetrical_optimum,
-)
-from mtcommission.loop.tuning.tuned import (
     close_loop,
     has_margins,
 )

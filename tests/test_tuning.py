@@ -21,8 +21,8 @@ from mtcommission.loop.tuning.family import (
     propose_feedback,
     tune_shape,
 )
-from mtcommission.loop.tuning.gains import CLASSIC, build_cascade, design_observer, is_seen
-from mtcommission.loop.tuning.tuned import TUNING, TunedLoop, close_loop, corner_plants
+from mtcommission.loop.tuning.gains import build_cascade, design_observer, is_seen
+from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import (
     StateFeedback,
@@ -208,9 +208,9 @@ def test_state_feedback_keeps_the_same_margins_and_what_the_cascade_had(path: Pa
     classic = tune_shape(cascades, CLASSIC, largest=1.0)
     assert classic is not None
     for proposal in propose_feedback(cascades, classic, [CLASSIC]).loops:
-        assert_tuned(proposal.tuned)
-        assert proposal.tuned.controller.state_gains.any()
-        assert proposal.tuned.least_stiffness >= classic.least_stiffness
+        assert_tuned(proposal)
+        assert proposal.controller.state_gains.any()
+        assert proposal.least_stiffness >= classic.least_stiffness
 
 
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
@@ -218,11 +218,11 @@ def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> 
     """A loop that settles sooner but yields to the cutting force would be recommended."""
     found = propose_cascades(cascade_family(read_profile(path)))
     assert found.classic is not None
-    assert found.loops[0].tuned is found.classic
+    assert found.loops[0] is found.classic
     for proposal in found.loops:
-        assert_tuned(proposal.tuned)
-        assert proposal.tuned.least_stiffness >= found.classic.least_stiffness
-        share = integral_gain(proposal.tuned.controller) / integral_gain(found.classic.controller)
+        assert_tuned(proposal)
+        assert proposal.least_stiffness >= found.classic.least_stiffness
+        share = integral_gain(proposal.controller) / integral_gain(found.classic.controller)
         assert share >= TUNING.least_integral_share
 
 

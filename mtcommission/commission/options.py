@@ -262,7 +262,11 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
     ComputationError
         With a named outcome.
     """
-    from mtcommission.limits.optima import find_damping_optimum, find_time_optimum
+    from mtcommission.limits.optima import (
+        DAMPING_TIME_FACTOR,
+        find_damping_optimum,
+        find_time_optimum,
+    )
     from mtcommission.machine.machine import require_force
     from mtcommission.optimal.control import Bound
     from mtcommission.optimal.open_loop import least_limit, on_states, optimum_on
@@ -293,7 +297,7 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
         )
         return optimum_on(plant, gridded)
     least = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
-    t_f = request.t_f or machine.damping_optimal.t_f or _damping_factor() * least
+    t_f = request.t_f or machine.damping_optimal.t_f or DAMPING_TIME_FACTOR * least
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
     if is_exact:
         return solution
@@ -311,21 +315,17 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> AnyOptimum
     return optimum_on(plant, on_grid)
 
 
-def _damping_factor() -> float:
-    from mtcommission.limits.optima import DAMPING_TIME_FACTOR
-
-    return DAMPING_TIME_FACTOR
-
-
 def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | None:
     """Return what chose the final time of a damping-optimal control; else None."""
+    from mtcommission.limits.optima import DAMPING_TIME_FACTOR
+
     if request.kind == "time":
         return None
     if request.t_f:
         return Message("terminal-final-time-of-option")
     if machine.damping_optimal.t_f:
         return Message("terminal-final-time-of-profile")
-    return Message("terminal-final-time-by-default", factor=_damping_factor())
+    return Message("terminal-final-time-by-default", factor=DAMPING_TIME_FACTOR)
 
 
 # simulate

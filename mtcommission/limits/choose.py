@@ -23,8 +23,6 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, largest_acceleration, practical_ceiling
 from mtcommission.setpoint.motion_limits import MotionLimits
 
-__all__ = ["Choice", "choose_limits"]
-
 WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
 """Factors in turn on what yields first, for which limits are sought where nothing keeps it
 (empirical)."""

@@ -50,7 +50,7 @@ from mtcommission.loop.respond import (
 )
 from mtcommission.machine.drive import Drive
 from mtcommission.machine.plant.plant import Plant
-from mtcommission.setpoint.setpoint import INSTANT, Setpoint, knots_of, sample_setpoint
+from mtcommission.setpoint.setpoint import INSTANT, Setpoint, sample_setpoint
 
 Array = NDArray[np.float64]
 
@@ -295,7 +295,7 @@ def _end(setpoint: Setpoint, poles: LoopPoles) -> int:
 
 def _respond(poles: LoopPoles, setpoint: Setpoint, band: float) -> list[_Seen]:
     """The linear response in every corner."""
-    motions, first = set_in_motion(poles, knots_of(setpoint)), _end(setpoint, poles)
+    motions, first = set_in_motion(poles, setpoint.steps), _end(setpoint, poles)
     free = free_motion(motions, lay_grid(poles, SAMPLES))
     count, decayed = _follow(free, first, band=band)
     n = _looked_at(motions, first, first + count, free.settling(band)[0])

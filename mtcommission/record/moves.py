@@ -180,7 +180,7 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     ]
     return MoveEntry(
         move=describe_move(setpoint.move),
-        setpoint=entry_of(SetpointEntry, setpoint, segments=segments),
+        setpoint=entry_of(SetpointEntry, setpoint, setpoint.limits, segments=segments),
         response=responses[0],
         corners=responses,
         series=series_of(

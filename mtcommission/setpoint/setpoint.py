@@ -130,15 +130,12 @@ class Setpoint:
     limits: MotionLimits
     segment_durations: Array  # of Ruckig's profile before filtering, shape (n_segments,) [s]
     segment_jerks: Array  # likewise, shape (n_segments,) [m/s³]
-    setpoint_filter: SetpointFilter | None  # behind that profile; None: none
-    knot_times: Array  # instants at which the highest derivative steps, shape (n_knots,) [s]
-    knot_steps: Array  # by how much, shape (n_knots,) [m/s³, m/s⁴, ...]
-    order: int  # which derivative steps: 3 the jerk, and one more for each moving average
+    steps: JerkSteps  # of this one setpoint, behind the limits' filter
 
     @property
     def duration(self) -> float:
         """t_e, the end of the setpoint, filter included [s]."""
-        return float(self.knot_times[-1])
+        return float(self.steps.duration[0])
 
 
 def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
@@ -186,7 +183,18 @@ def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0
-    return _assemble(move, limits, durations[used], jerks[used])
+    durations, jerks = durations[used], jerks[used]
+    plain = JerkSteps(
+        times=np.concatenate([[0.0], np.cumsum(durations)])[None],
+        steps=np.diff(jerks, prepend=0.0, append=0.0)[None],
+    )
+    return Setpoint(
+        move=move,
+        limits=limits,
+        segment_durations=durations,
+        segment_jerks=jerks,
+        steps=filter_steps(plain, limits.setpoint_filter),
+    )
 
 
 Plan = Callable[[Move], Setpoint]
@@ -199,25 +207,6 @@ def plan_within(machine: Machine, limits: MotionLimits) -> Plan:
     if limits.setpoint_filter is None and given is not None:
         limits = replace(limits, setpoint_filter=given)
     return partial(plan_setpoint, limits=limits)
-
-
-def _assemble(move: Move, limits: MotionLimits, durations: Array, jerks: Array) -> Setpoint:
-    plain = JerkSteps(
-        times=np.concatenate([[0.0], np.cumsum(durations)])[None],
-        steps=np.diff(jerks, prepend=0.0, append=0.0)[None],
-    )
-    steps = filter_steps(plain, limits.setpoint_filter)
-    rising = np.argsort(steps.times[0], kind="stable")
-    return Setpoint(
-        move=move,
-        limits=limits,
-        segment_durations=durations,
-        segment_jerks=jerks,
-        setpoint_filter=limits.setpoint_filter,
-        knot_times=steps.times[0, rising],
-        knot_steps=steps.steps[0, rising],
-        order=steps.order,
-    )
 
 
 def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
@@ -236,17 +225,11 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     return _pieces(setpoint).sample(times[:, None], derivatives=4)[:, :, 0].T
 
 
-def knots_of(setpoint: Setpoint) -> JerkSteps:
-    """Return the steps of one setpoint, filter included."""
-    return JerkSteps(
-        times=setpoint.knot_times[None], steps=setpoint.knot_steps[None], order=setpoint.order
-    )
-
-
 @lru_cache(maxsize=64)
 def _pieces(setpoint: Setpoint) -> Pieces:
     """The pieces of a setpoint, once for all that is sampled of it, with its exact end."""
-    pieces = cut(setpoint.knot_times[None], setpoint.knot_steps[None], order=setpoint.order)
+    steps = setpoint.steps
+    pieces = cut(steps.times, steps.steps, order=steps.order)
     if isinstance(setpoint.move, Positioning):
         pieces.values[-1, :2, 0] = setpoint.move.distance, 0.0
     else:

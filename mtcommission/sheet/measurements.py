@@ -56,6 +56,17 @@ HOW = tuple(f"measure-how-{i}" for i in range(1, 6))
 HOW_FOLLOWED = HOW[0], HOW[3]
 """How each thing is measured; where the motor follows there is no loop, and no force known."""
 
+OF_THE_LOOP = (
+    "plant",
+    "machine_states",
+    "drive.force_lag",
+    "requirements.payload",
+    "requirements.frequency_spread",
+    "requirements.damping_spread",
+    "control",
+)
+"""Beginnings of the keys of data that the margins of a loop hang on."""
+
 SAME = 1e-6
 """Relative difference below which two results are the same: the search rounds far above it."""
 
@@ -211,6 +222,9 @@ def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Blo
     for caption, changes in (("changed-inputs", inputs), ("changed-outcome", outcome)):
         if changes:
             yield table(words, caption, columns, changes)
+    if any(list(_of([one], before, after, words)) for one in _gains(words)):
+        causes = ", ".join(_of_the_loop(before, after, words))
+        yield note(text("changed-gains" if causes else "changed-gains-by-moves", causes=causes))
 
 
 def _of(
@@ -252,6 +266,15 @@ def _inputs(before: Record, after: Record, words: Catalogue) -> Iterator[Change]
     yield from _of([Quantity("version", "tool.version")], before, after, words)
 
 
+def _of_the_loop(before: Record, after: Record, words: Catalogue) -> Iterator[str]:
+    """Names of changed data of the axis that the margins of a loop hang on."""
+    old, new = ({item.key: item for item in record.data} for record in (before, after))
+    for key, item in (old | new).items():
+        values = [data[key].value if key in data else None for data in (old, new)]
+        if key.startswith(OF_THE_LOOP) and values[0] != values[1]:
+            yield datum_name(item, words)
+
+
 def _datum(item: Datum | None, record: Record, words: Catalogue) -> str:
     return words.text("not-stated") if item is None else datum(item, record.plant.units, words)
 
@@ -268,7 +291,7 @@ def _limits(words: Catalogue) -> Iterator[Quantity]:
 
 def _loop(words: Catalogue) -> Iterator[Quantity]:
     of_loop = attrgetter("loop")
-    yield from (replace(one, name=words.name(str(one.name))).within(of_loop) for one in PATH_GAINS)
+    yield from _gains(words)
     yield Quantity("reference-delay", "loop.reference_delay", "s")
     yield Quantity("compared-force-filters", partial(_force_filters, words))
     feedback = capitalised(words.text("has-state-feedback"))
@@ -277,6 +300,11 @@ def _loop(words: Catalogue) -> Iterator[Quantity]:
         name = f"{one.head(words)}, {words.text('worst-corner')}"
         yield Quantity(name, partial(_in_worst_corner, one, words))
     yield BANDWIDTH.within(of_loop)
+
+
+def _gains(words: Catalogue) -> Iterator[Quantity]:
+    for one in PATH_GAINS:
+        yield replace(one, name=words.name(str(one.name))).within(attrgetter("loop"))
 
 
 def _setpoint_filter(words: Catalogue, record: Record) -> str:

@@ -24,7 +24,6 @@ from mtcommission.loop.tuning.family import (
     find_filters,
     tune_shape,
 )
-from mtcommission.loop.tuning.gains import CLASSIC
 from mtcommission.loop.tuning.tuned import TUNING, TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
@@ -52,8 +51,7 @@ def find_improvements(
     choice: Choice,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first; what has no number comes last."""
-    used = loop.used
-    shape = used.shape if used else CLASSIC
+    used, shape = loop.used, loop.tuned.shape
     # The classic rule begins with the symmetrical optimum, all other loops with more.
     largest = 1.0 if used is None or used.is_classic else TUNING.largest_fraction
 

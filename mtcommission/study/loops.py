@@ -18,7 +18,6 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.family import (
-    Proposal,
     Proposals,
     cascade_family,
     feedback_shapes,
@@ -28,8 +27,7 @@ from mtcommission.loop.tuning.family import (
     propose_near,
     tune_shape,
 )
-from mtcommission.loop.tuning.gains import CLASSIC, Shape
-from mtcommission.loop.tuning.tuned import TUNING, TunedLoop
+from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, TunedLoop
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.checks import name_filter
 from mtcommission.machine.control import StateFeedback
@@ -48,7 +46,6 @@ NEEDS_STATE_FEEDBACK = Message("control-needs-state-feedback")
 class LoopTrial:
     """A loop and the limits that suit it best."""
 
-    shape: Shape  # Kv and Tn over Kp
     tuned: TunedLoop  # in every corner
     is_classic: bool = False  # the cascade by the classic rule
     found: tuple[Found, ...] = ()  # limits, the best first; empty: none were found that keep all
@@ -159,7 +156,7 @@ def settle_on_loop(machine: Machine) -> LoopChoice:
     cascades = propose_cascades(family)
     choice, fastest_hz = _try_all(cascades), cascades.fastest_hz
     if machine.control.state_feedback is StateFeedback.AUTO:
-        near = choice.used.shape if choice and choice.used else CLASSIC
+        near = choice.tuned.shape if choice else CLASSIC
         shapes = feedback_shapes(near)
         proposals = propose_feedback(family, cascades.classic, shapes)
         choice = _weigh_state_feedback(choice, _try_all(proposals), proposals.remark)
@@ -215,10 +212,9 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
     """
     found: list[LoopTrial] = []
 
-    def look_at(loops: Sequence[Proposal]) -> None:
-        for each in loops:
-            is_classic = each.tuned is proposals.classic
-            item = LoopTrial(shape=each.shape, tuned=each.tuned, is_classic=is_classic)
+    def look_at(loops: Sequence[TunedLoop]) -> None:
+        for tuned in loops:
+            item = LoopTrial(tuned=tuned, is_classic=tuned is proposals.classic)
             known = next((other for other in found if other.limits), None)
             if known is None:
                 found.append(_explore(machine, item))
@@ -237,7 +233,7 @@ def _look_at_all(machine: Machine, proposals: Proposals) -> list[LoopTrial]:
 
     look_at(proposals.loops)
     for best in sorted(found, key=lambda one: one.price)[: STUDY.centres]:
-        look_at(propose_near(proposals, best.shape, {one.shape for one in found}))
+        look_at(propose_near(proposals, best.tuned.shape, {one.tuned.shape for one in found}))
     return sorted(found, key=lambda one: one.price)
 
 
@@ -325,14 +321,14 @@ def show_state_feedback(machine: Machine, choice: LoopChoice) -> LoopChoice:
     if machine.drive.follows or choice.variants or given.any():
         return choice
     machine = with_filters(machine, tuned)
-    used = choice.used or _judge(machine, LoopTrial(shape=CLASSIC, tuned=tuned))
+    used = choice.used or _judge(machine, LoopTrial(tuned=tuned))
     classic = used.tuned if used.is_classic else None
-    found = propose_feedback(cascade_family(machine), classic, [used.shape])
+    found = propose_feedback(cascade_family(machine), classic, [tuned.shape])
     if found.remark is not None:
         remarks = (*tuned.remarks, found.remark)
         return replace(choice, tuned=replace(tuned, remarks=remarks))
     near = used.candidate.limits
-    tried = [LoopTrial(shape=item.shape, tuned=item.tuned, name=WITH) for item in found.loops]
+    tried = [LoopTrial(tuned=each, name=WITH) for each in found.loops]
     looks = [_explore(machine, item, near=near, refined=0) for item in tried]
     soonest = min(looks, key=lambda item: item.expected_time)
     best = _judge(machine, replace(soonest, found=()), near=near)

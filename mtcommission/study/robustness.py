@@ -35,7 +35,7 @@ from mtcommission.machine.machine import Corner, Machine, corners, vary
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import knots_of, plan_within
+from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
 from mtcommission.study.settings import STUDY
 
@@ -181,7 +181,7 @@ def respond_varied(
         poles = find_poles.__wrapped__(loops)
         grid = lay_grid(poles, STUDY.samples)
         for place, move in enumerate(machine.moves):
-            own = knots_of(plan(move))
+            own = plan(move).steps
             motions = set_in_motion(poles, own)
             free = free_motion(motions, grid)
             time = free.settling(band)[0]
@@ -192,7 +192,7 @@ def respond_varied(
                 found[requirement] = free_motion(motions, grid, signal=signal).residual[0]
             for swings in bench.asked.during:
                 _, parts = swings.where_to_look(bench.poles)
-                judged = set_in_motion(poles, knots_of(plan(swings.moves[place])))
+                judged = set_in_motion(poles, plan(swings.moves[place]).steps)
                 peaks = extremes(judged, grid, swings.rows, parts=parts, less=swings.less)[0]
                 found.update(zip(swings.requirements, peaks.T, strict=True))
             for requirement, mean in bench.asked.means:

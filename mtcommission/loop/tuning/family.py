@@ -21,8 +21,6 @@ from mtcommission.base.messages.message import Message
 from mtcommission.loop.analysis import GainGrid, lay_grids
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import (
-    CLASSIC,
-    Shape,
     build_cascade,
     design_observer,
     feedback_gains,
@@ -30,9 +28,11 @@ from mtcommission.loop.tuning.gains import (
     moving_modes,
 )
 from mtcommission.loop.tuning.tuned import (
+    CLASSIC,
     SEARCH,
     TUNING,
     CornerPlants,
+    Shape,
     TunedLoop,
     close_loop,
     corner_plants,
@@ -140,7 +140,7 @@ def tune_shape(family: LoopFamily, shape: Shape, *, largest: float) -> TunedLoop
     while fraction is not None and fraction > SEARCH.least:
         tuned = close_loop(family.bench, build(family, shape, fraction=fraction), family.grids)
         if tuned.keeps_margins:
-            return tuned
+            return replace(tuned, shape=shape)
         if family.machine.control.velocity_gain is not None:
             return None
         fraction *= SEARCH.closer
@@ -250,20 +250,12 @@ def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Proposal:
-    """A loop with all margins."""
-
-    shape: Shape  # how it was built
-    tuned: TunedLoop  # the loop in every corner
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Proposals:
     """The loops worth a trial."""
 
     family: LoopFamily  # what they share
     classic: TunedLoop | None  # the cascade by the classic rule; None if that lacks the margins
-    loops: tuple[Proposal, ...]  # those that keep what the classic one has, that one first
+    loops: tuple[TunedLoop, ...]  # those that keep what the classic one has, that one first
     fastest_hz: float  # largest bandwidth of all loops with the margins [Hz]; 0: there is none
     remark: Message | None = None
     """Why there is no loop with state feedback, if that was sought in vain."""
@@ -295,7 +287,7 @@ def propose_feedback(
     except ComputationError as error:
         remark = Message("loop-no-state-feedback", detail=error.detail)
         return Proposals(family=cascades, classic=classic, loops=(), fastest_hz=0.0, remark=remark)
-    loops = tuple(item for item in found.loops if item.shape.mode_weight)
+    loops = tuple(tuned for tuned in found.loops if tuned.shape.mode_weight)
     lost = Message("loop-no-state-feedback", detail=Message("loop-state-feedback-loses"))
     return replace(found, loops=loops, remark=None if loops else lost)
 
@@ -312,7 +304,7 @@ def feedback_shapes(near: Shape) -> tuple[Shape, ...]:
 
 def propose_near(
     proposals: Proposals, shape: Shape, known: Collection[Shape]
-) -> tuple[Proposal, ...]:
+) -> tuple[TunedLoop, ...]:
     """Return loops half a step away from the good one of a shape, but those known already."""
     Kv, Tn = shape.position_ratio, shape.integral_ratio
     steps, least = (1.0 / SEARCH.near, SEARCH.near), min(TUNING.integral_ratios)
@@ -328,7 +320,7 @@ def propose_near(
         near += [replace(shape, mode_weight=ratio(step**2 * shape.mode_weight)) for step in steps]
     new = [item for item in near if item not in known]
     found = _propose(proposals.family, proposals.classic, new)
-    return tuple(item for item in found.loops if item.tuned is not proposals.classic)
+    return tuple(tuned for tuned in found.loops if tuned is not proposals.classic)
 
 
 def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]) -> Proposals:
@@ -337,7 +329,7 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
     # Shapes that differ only in what is given are one.
     given = {"position_ratio": control.position_gain, "integral_ratio": control.integral_time}
     fixed = {key: getattr(CLASSIC, key) for key, gain in given.items() if gain is not None}
-    found = [Proposal(shape=CLASSIC, tuned=classic)] if classic else []
+    found = [classic] if classic else []
     least_hz = control.minimum_bandwidth_hz if control.velocity_gain is None else 0.0
     is_fast = classic is not None and classic.least_bandwidth_hz >= least_hz
     for shape in dict.fromkeys(replace(shape, **fixed) for shape in shapes):
@@ -349,15 +341,14 @@ def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Sha
         if classic and is_fast and not _forgets(classic.controller, gains):
             continue
         tuned = tune_shape(family, shape, largest=largest)
-        if tuned and not any(_is_same(tuned.controller, item.tuned.controller) for item in found):
-            found.append(Proposal(shape=shape, tuned=tuned))
+        if tuned and not any(_is_same(tuned.controller, other.controller) for other in found):
+            found.append(tuned)
     kept = [
-        item
-        for item in found
-        if item.tuned.least_bandwidth_hz >= least_hz
-        and (classic is None or _keeps(classic, item.tuned))
+        tuned
+        for tuned in found
+        if tuned.least_bandwidth_hz >= least_hz and (classic is None or _keeps(classic, tuned))
     ]
-    fastest = max((item.tuned.least_bandwidth_hz for item in found), default=0.0)
+    fastest = max((tuned.least_bandwidth_hz for tuned in found), default=0.0)
     return Proposals(family=family, classic=classic, loops=tuple(kept), fastest_hz=fastest)
 
 

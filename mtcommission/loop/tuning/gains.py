@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isclose
 
 import numpy as np
@@ -27,23 +27,10 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.assembly import discretise
 from mtcommission.loop.model.controller import Controller, Observer, filter_delay
-from mtcommission.loop.tuning.tuned import TUNING
+from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, Shape
 from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.machine.plant.plant import Plant, PlantMode
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shape:
-    """What a loop is beside its Kp; the defaults are the classic rule."""
-
-    position_ratio: float = 0.25  # Kv m / Kp [-]; 1/4: speed loop damping 1
-    integral_ratio: float = 4.0  # Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop
-    mode_weight: float = 0.0
-    """Of the state feedback, see ``feedback_gains`` [-]; 0: none."""
-
-
-CLASSIC = Shape()
 
 
 def build_cascade(

@@ -96,6 +96,19 @@ class SearchSettings:
 SEARCH = SearchSettings()
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """What a loop is beside its Kp; the defaults are the classic rule."""
+
+    position_ratio: float = 0.25  # Kv m / Kp [-]; 1/4: speed loop damping 1
+    integral_ratio: float = 4.0  # Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop
+    mode_weight: float = 0.0
+    """Of the state feedback, see ``feedback_gains`` [-]; 0: none."""
+
+
+CLASSIC = Shape()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CornerPlants:
     """The machine as it is in every corner."""
@@ -119,6 +132,7 @@ class TunedLoop:
     loops: tuple[SampledLoop, ...]  # one for each corner, like responses and analyses
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
+    shape: Shape = CLASSIC  # how it was built
     remarks: tuple[Message, ...] = ()  # what was chosen, by which rule, what could not be done
     warnings: tuple[Message, ...] = ()  # what is poor about the loop; belongs beside the verdict
 

@@ -26,13 +26,13 @@ from mtcommission.loop.tuning.family import (
     tune_shape,
 )
 from mtcommission.loop.tuning.gains import (
-    CLASSIC,
     explain_cascade,
     is_seen,
     moving_modes,
     symmetrical_optimum,
 )
 from mtcommission.loop.tuning.tuned import (
+    CLASSIC,
     SEARCH,
     TUNING,
     CornerPlants,
@@ -69,8 +69,8 @@ def tune_loop(machine: Machine) -> TunedLoop:
     if machine.control.state_feedback is StateFeedback.AUTO:
         found = propose_feedback(family, classic, [CLASSIC])
         if found.loops:
-            best = max(found.loops, key=lambda item: item.tuned.least_stiffness)
-            return finish(found.family, best.tuned)
+            best = max(found.loops, key=lambda tuned: tuned.least_stiffness)
+            return finish(found.family, best)
     tuned = classic or close_as_given(family)
     require_bandwidth(machine, tuned.least_bandwidth_hz)
     return finish(family, tuned)
@@ -90,7 +90,7 @@ def check_loop(machine: Machine) -> tuple[Message, ...]:
         if not proposals.loops and given.state_feedback is StateFeedback.AUTO:
             shapes = feedback_shapes(near=CLASSIC)
             proposals = propose_feedback(proposals.family, proposals.classic, shapes)
-        found = [finish(proposals.family, item.tuned) for item in proposals.loops]
+        found = [finish(proposals.family, tuned) for tuned in proposals.loops]
         if not found:
             return tune_loop(machine).warnings
     except ComputationError as error:
