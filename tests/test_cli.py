@@ -354,7 +354,7 @@ def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run: Run) -> 
     assert "surface" not in limits
     moved = run("simulate", PAPER, "--acceleration", "1", "--jerk", "20", *german)[1]
     assert "zeta" not in moved
-    assert run("export", "--control", "?", *german)[1].count("neutralen Worten") == 1
+    assert run("export", "--control", "?", *german)[1].count("allgemeine Kaskade") == 1
 
 
 def test_optimal_says_which_limits_act(run: Run) -> None:

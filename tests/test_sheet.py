@@ -729,7 +729,7 @@ def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
         return {name: row.replace(THIN_SPACE, " ") for name, row in found.items()}
 
     assert rows()["Control"].startswith(
-        "free controller (state space) (assumed); position loop in the control, every 2"
+        "free controller (state space), SI values (assumed); position loop in the control, every 2"
     )
     assert not rows()["Control"].endswith("(assumed)")  # of the loop all is stated
     assert rows()["Frequencies"] == "judged at ± 5.2 %; all kept from −1 % to +1 %"

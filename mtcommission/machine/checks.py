@@ -240,7 +240,7 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
 
 def name_control(kind: str, words: Catalogue) -> str:
     """Return the name of a kind of control."""
-    return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
+    return words.known(f"control-{kind}", kind)
 
 
 def filter_rows(item: SetpointFilter | None, words: Catalogue) -> list[tuple[str, str]]:
