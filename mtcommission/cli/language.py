@@ -174,7 +174,6 @@ def _lines(command: TyperCommand | TyperGroup, ctx: Any) -> Iterator[str]:
 
 
 def _name(item: Any) -> str:
-    """How a parameter is written, e.g. ``--f-max F``."""
     shown = item.metavar or (item.name or "").upper()
     if isinstance(item, TyperArgument):
         return shown if item.required else f"[{shown}]"

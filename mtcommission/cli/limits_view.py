@@ -100,7 +100,6 @@ def _is_of_loop(note: Message | str) -> bool:
 
 
 def _verdict(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> Iterator[Line]:
-    """Yield the axis, whether it meets its requirements, and what stands in the way."""
     yield heading(spoken.text("terminal-machine", name=machine.name, axis_name=machine.axis))
     kind, style = ("verdict-met", "green") if verdict.met else ("verdict-not-met", "red")
     yield spoken.text(kind), f"bold {style}"
@@ -109,7 +108,6 @@ def _verdict(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> It
 
 
 def _loop_today(machine: Machine, spoken: Catalogue) -> Iterator[str]:
-    """Yield today's gains, as far as the profile states them."""
     today, form = machine.today, spoken.format
     gains = (
         ("Kv", today and today.position_gain, "1/s"),
@@ -166,7 +164,6 @@ def _assumed(assumed: Sequence[str], spoken: Catalogue) -> str:
 
 
 def _checks(machine: Machine, verdict: AssessmentPart, spoken: Catalogue) -> list[Line]:
-    """Each requirement: what was found, what is permitted, and how much of that is used."""
     first = "terminal-check-any-size" if machine.requirements.every_size else "check"
     name = Quantity(first, lambda check: say_requirement(check.name, spoken))
     styles = ["green" if check.met else "red" for check in verdict.checks]

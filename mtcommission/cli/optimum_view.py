@@ -82,7 +82,6 @@ def describe_optimum(
 
 
 def _proof_lines(solution: AnyOptimum, proof: Certificate, spoken: Catalogue) -> list[Message]:
-    """Return what is proved of a control, and how."""
     least, gap = proof.t_f_lower_bound, proof.relative_gap
     proves_nothing = Message("terminal-grid-proves-nothing")
     bound = Message("terminal-lower-bound", bound=_ms(spoken, least), gap=gap)
@@ -171,7 +170,6 @@ def _squared(unit: str) -> str:
 
 
 def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[Message]:
-    """Return the limits and whether they act."""
     peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
     lines = []
     for bound in solution.bounds:
@@ -189,7 +187,6 @@ def _limit_lines(plant: Plant, solution: AnyOptimum, spoken: Catalogue) -> list[
 
 
 def _touch_lines(solution: AnyOptimum) -> list[Message]:
-    """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
     lines = [
         Message("terminal-touched", limit=side_text(p.signal, p.side), ms=1e3 * p.t)

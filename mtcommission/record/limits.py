@@ -37,7 +37,6 @@ REACHED = ("settling_time", "residual_deviation", "peak_deviation")
 
 
 def _plotted(name: str) -> Callable[[Any], Array]:
-    """Finds values for a plot, by the name of a result's attribute."""
     return lambda result: rounded(getattr(result, name), 5)
 
 

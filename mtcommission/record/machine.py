@@ -152,7 +152,6 @@ def _measured(said: Identification) -> Iterator[tuple[str, float]]:
 def _rows(
     machine: Machine, plant: Plant, given: set[str]
 ) -> Iterator[tuple[str, float | str, str]]:
-    """Key, value and SI unit."""
     drive, needs, axis = machine.drive, machine.requirements, machine.axis_units
     motor: object = drive
     yield "control.kind", machine.control.kind.key, ""

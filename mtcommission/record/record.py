@@ -202,7 +202,6 @@ def _friction(found: Commissioning, *, is_kept: bool) -> list[Message]:
 
 
 def _settings() -> dict[str, float | str]:
-    """Every numerical setting, with the name of its group."""
     return {
         f"{group}.{name}": value if isinstance(value, int | float) else ", ".join(map(str, value))
         for group, values in PRINTED.items()
@@ -247,7 +246,6 @@ def load_sealed(path: Path, form: type[Sealed], *, schema: int) -> Sealed:
 
 
 def _texts(data: object) -> Iterator[str]:
-    """Every text and key."""
     if isinstance(data, str):
         yield data
     elif isinstance(data, dict):

@@ -181,7 +181,6 @@ def _refuse(constant: str) -> NoReturn:
 
 @cache
 def _fields(form: Any) -> tuple[tuple[Field[Any], Any], ...]:
-    """Each field, and its type."""
     hints = get_type_hints(form)
     return tuple((one, hints[one.name]) for one in fields(form))
 
@@ -275,7 +274,6 @@ def _converter() -> Converter:
 
 
 def _word(value: Any) -> str:
-    """The word or key of what has one."""
     return str(value.value if isinstance(value, Enum) else value.key)
 
 

@@ -228,7 +228,6 @@ SYMBOLS: tuple[tuple[str, str, Callable[[Record], Any], str], ...] = (
 
 
 def _symbols(record: Record, words: Catalogue) -> Table:
-    """What each letter of the rule means, with its value on this axis."""
     values = {letter: value(record) for letter, _, value, _ in SYMBOLS}
 
     def shown(item: tuple[str, str, object, str]) -> str:

@@ -118,7 +118,6 @@ def _said(lines: Sequence[Message | str], words: Catalogue) -> Bullets:
 
 
 def _sensors(record: Record, words: Catalogue) -> str:
-    """What the loop measures, observes and feeds back."""
     text, part = words.text, record.loop
     sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
     sentences = [text("sensors", names=", ".join(sensors))]
@@ -221,7 +220,6 @@ def _measured(
 
 
 def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
-    """Margins, bandwidth, stiffness and damping, nominal and in the worst corner."""
 
     def nominal(name: str, key: str) -> Quantity:
         def value(item: object) -> float | str | None:
@@ -295,7 +293,6 @@ def _disturbance(record: Record, words: Catalogue) -> LinePlot:
 
 
 def _variants(record: Record, words: Catalogue) -> Iterator[Table]:
-    """The loops that were compared side by side; nothing if there was no choice."""
     variants = record.loop.variants
     if len(variants) < 2:
         return

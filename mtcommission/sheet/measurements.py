@@ -148,7 +148,6 @@ def _measured(
 
 
 def _structure(record: Record, words: Catalogue) -> Iterator[Measurement]:
-    """Mass, and frequency and damping of each mode, with the spread that the limits allow for."""
     plant = record.plant
     if not record.machine.follows:
         yield Measurement(MASS.head(words), MASS, plant, key="mass")
@@ -230,7 +229,6 @@ def differences(before: Record, after: Record, words: Catalogue) -> Iterator[Blo
 def _of(
     quantities: Iterable[Quantity], before: object, after: object, words: Catalogue
 ) -> Iterator[Change]:
-    """The changes of some quantities of two items."""
     for one in quantities:
         shown = one.show(before, words), one.show(after, words)
         yield from _change(one.head(words), (one.of(before), one.of(after)), shown, words)
@@ -239,7 +237,6 @@ def _of(
 def _change(
     name: str, values: tuple[object, object], shown: tuple[str, str], words: Catalogue
 ) -> Iterator[Change]:
-    """The change of a value, if there is one."""
     before, after = values
     change = words.text("changed")
     if isinstance(before, float | int) and isinstance(after, float | int):

@@ -117,7 +117,6 @@ def _missing_yardsticks(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def _improvements(record: Record, words: Catalogue) -> Iterator[Block]:
-    """The changes, the one that brings most first; nothing where none was looked at."""
     text, found = words.text, record.limits.would_bring
     if not found:
         return
@@ -268,7 +267,6 @@ def _motion_plots(
 
 
 def _response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
-    """Acceleration, deviation and force of a move with the optimum, for a page."""
     text, move, optima = words.text, record.moves[number - 1], record.optima[number - 1]
     force, acceleration, *_, deviation = _signals(record, number, words)
     rest = text("constrained" if optima.constrained else "control-time-optimal")
@@ -329,7 +327,6 @@ def _sizes(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalo
 
 
 def _size_plot(record: Record, number: int, words: Catalogue) -> Iterator[LinePlot]:
-    """The residual deviation over the size of a move; nothing where none was tried."""
     text, ways, permitted = words.text, _ways(record, number), find_band(record)
     if not ways:
         return

@@ -219,7 +219,6 @@ def assumed_and_binding(record: Record, words: Catalogue) -> Iterator[str]:
 
 
 def _with_another(record: Record, name: str, words: Catalogue) -> str:
-    """What another value would give, where that was computed."""
     for item in record.limits.would_bring:
         if item.name == name and item.meets_requirements and item.saved and item.saved > 0.0:
             accelerations = [part.values.get("acceleration") for part in parts_of(item.change)]
@@ -242,7 +241,6 @@ def attainable_sentences(record: Record, words: Catalogue) -> Iterator[str]:
 
 
 def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
-    """The warnings on which the verdict hangs, and how many more there are."""
     hung = (*record.limits.warnings, *record.loop.warnings, *record.robustness.warnings)
     lines = [words.say(line) for line in hung]
     others = [line for line in record.warnings if line not in hung]
@@ -253,7 +251,6 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 
 def _checks(record: Record, words: Catalogue) -> Table:
-    """What was found of each requirement, what is permitted, and where it is worst."""
     name = Quantity("check", lambda one: capitalised(say_requirement(one.name, words)), width=1.8)
     columns = (name, *check_columns(words), Quantity("where", "where", width=4.7))
     checks = record.assessment.checks
@@ -531,7 +528,6 @@ def _kept_ends(error: RangeEntry, words: Catalogue) -> dict[str, str]:
 
 
 def _sizes(record: Record, words: Catalogue) -> str:
-    """For which sizes of move the limits hold, the worst of them, and what that costs."""
     text, f, limits = words.text, words.format, record.limits
 
     def shown(move: dict[str, float], size: float) -> str:
@@ -555,5 +551,4 @@ def _sizes(record: Record, words: Catalogue) -> str:
 
 
 def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
-    """A value, and that nobody stated it where that is so."""
     return words.text("assumed", value=shown) if is_assumed(record, key) else shown

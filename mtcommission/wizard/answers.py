@@ -176,7 +176,6 @@ def to_profile(answers: Answers, defaults: Answers) -> Data:
 
 
 def _plant(known: Answers) -> dict[str, str]:
-    """The keys of [plant], from whichever way the mechanics were described."""
     way = known.get("wizard.way", "")
     if follows(known):
         way = MODAL
@@ -292,7 +291,6 @@ def nest(flat: Mapping[str, str]) -> Data:
 
 
 def _listed(tree: object) -> object:
-    """Turn tables whose keys are 0, 1, 2, ... into arrays."""
     if not isinstance(tree, dict):
         return tree
     below = {key: _listed(value) for key, value in tree.items()}

@@ -150,7 +150,6 @@ def write_document(data: Data, answers: Answers, defaults: Answers, words: Catal
 
 
 def _origins(answers: Answers, defaults: Answers, words: Catalogue) -> Iterator[str]:
-    """What was typed where the profile holds derived values."""
     if way := answers.get("wizard.way", ""):
         yield title(way, words)
     for key, text in {**answers, **defaults}.items():
