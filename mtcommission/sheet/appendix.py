@@ -121,7 +121,7 @@ def held_range(record: Record, words: Catalogue) -> Iterator[Block]:
 
 
 def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
-    """The curves over the frequency error; where one has no point, why it is missing."""
+    """The curves over the frequency error; none where no error keeps anything."""
     text, error, permitted = words.text, record.robustness.frequency_error, find_band(record)
     x = 100.0 * (np.array(error.factor) - 1.0)
     residual, settling = (
@@ -142,9 +142,6 @@ def _frequency_error(record: Record, words: Catalogue) -> Iterator[Block]:
             most=show(float(residual.y.max()), words, "m"),
             band=show(permitted, words, "m"),
         )
-    if not settling.y.size:
-        low, high = (words.format.signed_percent(error.factor[end] - 1.0) for end in (0, -1))
-        yield note(text("no-error-curves", low=low, high=high))
 
 
 def certificates(record: Record, words: Catalogue) -> Iterator[Block]:

@@ -344,7 +344,6 @@ kept-nowhere = Die Anforderungen sind schon mit den Eigenfrequenzen des Profils 
 frequency-error = Fehler aller Eigenfrequenzen in %
 frequency-error-caption = Über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
 frequency-error-alt = Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
-no-error-curves = Bei keinem Fehler der Eigenfrequenzen von { $low } bis { $high } schwingt die Achse ein.
 
 ## Other sizes of move
 

@@ -317,7 +317,6 @@ kept-nowhere = The requirements are not kept even with the eigenfrequencies of t
 frequency-error = Error of all eigenfrequencies in %
 frequency-error-caption = Over the error of the eigenfrequencies, worst payload and damping
 frequency-error-alt = Curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
-no-error-curves = With no error of the eigenfrequencies from { $low } to { $high } does the axis settle.
 
 ## Other sizes of move
 
