@@ -344,7 +344,8 @@ def simulate(
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         assumed = list_assumed(tried.machine, plant, source.text, words())
-        show(describe_simulation(tried.machine, chosen, part, assumed, words()))
+        first = max(move, 1)
+        show(describe_simulation(tried.machine, chosen, part, assumed, words(), first=first))
     raise typer.Exit(0 if part.assessment.met else 1)
 
 

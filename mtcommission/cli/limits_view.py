@@ -176,9 +176,16 @@ def describe_simulation(
     part: SimulationPart,
     assumed: Sequence[str],
     spoken: Catalogue,
+    *,
+    first: int,
 ) -> list[Line]:
-    """Return what was simulated, the response of each move in each corner, and the verdict."""
-    corners = [(number, one) for number, move in enumerate(part.moves, 1) for one in move.corners]
+    """Return what was simulated, the response of each move in each corner, and the verdict.
+
+    ``first``: number of the first move in the profile, from 1.
+    """
+    corners = [
+        (number, one) for number, move in enumerate(part.moves, first) for one in move.corners
+    ]
 
     def force(item: tuple[int, ResponseEntry]) -> str:
         shown = MAX_FORCE.show(item[1], spoken)
@@ -200,7 +207,7 @@ def describe_simulation(
         acceleration=show(limits.acceleration, spoken, "m/s^2"),
         jerk=say_jerk(limits.acceleration, limits.jerk, shortest, spoken),
         filter=say_filter(machine.control.setpoint_filter, spoken),
-        moves="; ".join(move_title(one.move, n, spoken) for n, one in enumerate(part.moves, 1)),
+        moves="; ".join(move_title(one.move, n, spoken) for n, one in enumerate(part.moves, first)),
     )
     return [
         *_verdict(machine, part.assessment, spoken),
