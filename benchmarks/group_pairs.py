@@ -21,7 +21,7 @@ from benchmarks.every_size import draw_profile
 from mtcommission.base.errors import ComputationError
 from mtcommission.group.contours import worst_circle
 from mtcommission.group.group import LEAST_RADIUS, Group, join
-from mtcommission.group.judged import circle_test, corner_speeds, draw_circle, judge_group
+from mtcommission.group.judged import circle_test, corner_speeds, draw_circles, judge_group
 from mtcommission.group.task import Task
 from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
 from mtcommission.machine.profile.read import ProfileSource, parse_profile
@@ -85,7 +85,7 @@ def refuted(group: Group, seed: int) -> list[str]:
     radius = float(np.exp(generator.uniform(*np.log([1e-3, largest]))))
     a, _ = group.path.on_circles
     feed = min(task.feed, (a * radius) ** 0.5)
-    circle = draw_circle(group, radius, feed)
+    circle = draw_circles(group, ((radius, feed),))[0]
     _, worst = worst_circle(group.pair, np.array([feed / radius]))
     off, _ = circle_off(driven(group, divmod(int(worst[0]), count)), item, radius=radius, feed=feed)
     for name, ours, theirs in (

@@ -27,7 +27,7 @@ from mtcommission.group.group import Group, join, tell
 from mtcommission.group.judged import (
     circle_test,
     corner_speeds,
-    draw_circle,
+    draw_circles,
     feeds_over_radius,
     judge_group,
 )
@@ -165,7 +165,7 @@ def test_a_limit_of_the_path_is_a_ceiling_where_the_axes_keep_theirs() -> None:
 
 def test_circles_come_out_as_the_second_program_drives_them(joined: Group) -> None:
     radius, feed = 10e-3, 0.1
-    circle = draw_circle(joined, radius, feed)
+    circle = draw_circles(joined, ((radius, feed),))[0]
     _, worst = worst_circle(joined.pair, np.array([feed / radius]))
     corners = divmod(int(worst[0]), len(joined.pair[1].tuned.corners))
     axes = [driven(joined, corner)[number] for number, corner in enumerate(corners)]
@@ -183,7 +183,7 @@ def test_reversal_peaks_are_those_of_the_second_program_and_below_their_bound(
     axes, item = driven(joined), joined.setpoint_filter
     with_friction, angle = circle_off(axes, item, radius=radius, feed=feed, coulomb=(x, y))
     without, _ = circle_off(axes, item, radius=radius, feed=feed)
-    peaks = draw_circle(joined, radius, feed).quadrant_peak
+    peaks = draw_circles(joined, ((radius, feed),))[0].quadrant_peak
     for number, axis in enumerate(joined.drawn):
         near = np.abs(np.angle(np.exp(1j * (angle - 0.5 * pi * number)))) < 0.3
         found = np.abs(with_friction - without)[near].max()
@@ -198,7 +198,7 @@ def test_friction_binds_the_feed_where_reversals_reach_the_tolerance(joined: Gro
     for one in feeds_over_radius(narrow, circle_test(narrow)):
         if one.radius > 20e-3:
             assert (one.bound_by.kind, one.axis) == ("group-bound-friction", "Y")
-            peaks = draw_circle(narrow, one.radius, one.feed).quadrant_peak
+            peaks = draw_circles(narrow, ((one.radius, one.feed),))[0].quadrant_peak
             assert peaks["Y"] == pytest.approx(within, rel=0.03)
             assert peaks["X"] < within
             # Compensated they would bind no longer.
@@ -287,13 +287,13 @@ def test_axes_come_as_late_as_the_slowest_where_the_control_takes_a_wait() -> No
     waits = [axis.wait / first.poles.dt for axis in found.pair]
     assert max(abs(wait - round(wait)) for wait in waits) > 0.05
     assert first.delay == pytest.approx(second.delay, abs=0.1e-6)
-    assert draw_circle(found, 50e-3, 0.1).form_deviation < 2e-6
+    assert draw_circles(found, ((50e-3, 0.1),))[0].form_deviation < 2e-6
     other = ('kind = "sinumerik"', 'kind = "heidenhain"')
     found = join(task_of((changed, other), (other,)))
     first, second = found.pair
     assert [axis.wait for axis in found.pair] == [0.0, 0.0]
     apart = abs(first.delay - second.delay)
-    assert draw_circle(found, 50e-3, 0.1).form_deviation > 0.1 * apart > 1e-6
+    assert draw_circles(found, ((50e-3, 0.1),))[0].form_deviation > 0.1 * apart > 1e-6
     record = build_group_record(found, created="today")
     assert "group-delays-apart" in {getattr(one, "kind", "") for one in record.warnings}
 
@@ -356,7 +356,7 @@ position_gain = """
         )
     )
     assert [axis.follower.tuned.controller.position_gain for axis in found.axes] == [30.0, 30.0]
-    circle = draw_circle(found, 50e-3, 0.02)
+    circle = draw_circles(found, ((50e-3, 0.02),))[0]
     assert circle.radius_deviation == pytest.approx(-(0.02**2) / (0.1 * 30.0**2), rel=0.1)
 
 

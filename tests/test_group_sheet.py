@@ -22,7 +22,7 @@ from mtcommission.cli.group_view import describe_group
 from mtcommission.group.contours import Pair, find_entries, worst_circle
 from mtcommission.group.export import export_group
 from mtcommission.group.follow import filter_response
-from mtcommission.group.page import trace_circle
+from mtcommission.group.page import trace_circles
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
 from mtcommission.loop.respond import TOOL
@@ -179,7 +179,7 @@ def test_the_drawn_circle_is_what_the_stepped_axes_draw() -> None:
     """Both axes through a whole turn by the stepping engine, friction and all, and no shortcut."""
     pair = tuple(replace(axis, wait=0.0) for axis in mill().pair)
     for radius, feed in ((50e-3, 0.1), (50e-3, 0.05)):
-        trace = trace_circle((pair[0], pair[1]), radius=radius, feed=feed)
+        trace = trace_circles((pair[0], pair[1]), ((radius, feed),))[0]
         path = [
             step_axis((pair[0], pair[1]), k, radius, feed, quarter)
             for k, quarter in enumerate((0.0, 0.5 * pi))
@@ -271,7 +271,7 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
         entry = np.interp(np.log(omega), np.log(pair[0].omega), entries)
         assert got["entry"] == pytest.approx(radius * float(entry[0]), **near)
     for one, got in zip(found.circle, told["circles"][-len(found.circle) :], strict=True):
-        trace = trace_circle(pair, radius=one.radius, feed=one.feed)
+        trace = trace_circles(pair, ((one.radius, one.feed),))[0]
         # Reversals are known at some instants only.
         for key, value in (
             ("most", trace.largest),

@@ -9,16 +9,13 @@ from pathlib import Path
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.cli import terminal
-from mtcommission.cli.terminal import Line, heading, warn
-from mtcommission.cli.verified_view import STYLES, describe_table
+from mtcommission.cli.terminal import Line, describe_table, heading, warn
 from mtcommission.controls.row import round_number
+from mtcommission.group.judged import PEAK
 from mtcommission.group.record import AxisEntry, GroupRecord
 from mtcommission.group.sheet import corners_table, feeds_table, in_micrometres, say_peaks
-from mtcommission.group.verify import PEAK, CircleVerification, say_found
 from mtcommission.machine.checks import say_filter
 from mtcommission.sheet.tables import Quantity, member, show, table
-from mtcommission.verify.report import check_row, say_reasons
 
 
 def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
@@ -51,27 +48,6 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         if told.value and told.name
         else text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value"),
         *warn(spoken, record.warnings),
-    ]
-
-
-def describe_circles(found: CircleVerification, spoken: Catalogue) -> list[Line]:
-    """Return the verdict on recorded circles, what was measured, and what was found."""
-    record, say = found.record, spoken.text
-    names = ", ".join(axis.name for axis in record.axes)
-    heads_ = [say(f"verify-head-{name}") for name in ("what", "predicted", "measured")]
-    rows = []
-    for check in found.checks:
-        what, predicted, _, measured, verdict = check_row(check, spoken)
-        rows.append((what, predicted, measured, verdict))
-    return [
-        heading(say("group-axes", name=record.axes[0].machine.name, axes=names)),
-        (spoken.say(found.headline), f"bold {STYLES[found.verdict]}"),
-        *warn(spoken, found.warnings),
-        "",
-        *terminal.table([*heads_, ""], rows, [STYLES[one.verdict] for one in found.checks]),
-        "",
-        *say_reasons(found.checks, spoken),
-        *map(spoken.say, say_found(found)),
     ]
 
 

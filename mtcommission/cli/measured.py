@@ -367,7 +367,7 @@ def _verify_circles(
     progress: Callable[[Message], None],
 ) -> _Told:
     """Recorded circles beside the record of a group."""
-    from mtcommission.cli.group_view import describe_circles
+    from mtcommission.cli.verified_view import describe_circles
     from mtcommission.group.record import load_group
     from mtcommission.group.recorded import read_circular
     from mtcommission.group.verify import circles_entry, print_circles, verify_circles
@@ -380,5 +380,5 @@ def _verify_circles(
         verdict=found.verdict.value,
         entry=circles_entry(found),
         page=lambda created: print_circles(found, created=created, language=language),
-        lines=lambda: describe_circles(found, words()),
+        lines=lambda: describe_circles(found),
     )

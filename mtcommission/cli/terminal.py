@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mtcommission.base.messages.catalogue import Catalogue
     from mtcommission.limits.judge import Candidate
     from mtcommission.machine.machine import Machine
+    from mtcommission.sheet.document import Table
     from mtcommission.sheet.tables import Quantity
 
 WIDTH = 80
@@ -62,6 +63,12 @@ def fold(lines: Iterable[Line]) -> list[str]:
 def columns() -> int:
     """Return the width of the terminal; 80 when piped."""
     return (get_terminal_size().columns if sys.stdout.isatty() else 0) or WIDTH
+
+
+def describe_table(found: Table) -> list[Line]:
+    """Return the rows of a table of the sheet."""
+    rows = [[str(cell) for cell in row] for row in found.rows]
+    return table([column.head for column in found.columns], rows)
 
 
 def table(

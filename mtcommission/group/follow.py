@@ -6,7 +6,7 @@ axes in proportion. Behind its filter and its wait, in every corner of the machi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf, pi, sqrt
@@ -18,7 +18,7 @@ from mtcommission.loop.disturbance import simulate_disturbance
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.poles import LoopPoles, find_poles
 from mtcommission.loop.respond import FORCE, TOOL, outputs_at, set_in_motion, swing_times
-from mtcommission.loop.simulate import drive_loop, find_friction
+from mtcommission.loop.simulate import drive_loops, friction_of
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -50,6 +50,10 @@ integrator has taken up the friction by then (empirical)."""
 
 PAUSE = 1.5 * AFTER
 """Between two reversals where a circle is made up for its acceleration [s] (empirical)."""
+
+
+Circles = tuple[tuple[float, float], ...]
+"""Radius [m] and feed [m/s] of each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,53 +139,47 @@ class Follower:
         found = outputs_at(motions, each, np.eye(self.poles.outputs)[output])
         return np.asarray(found[..., 0], dtype=np.float64)
 
-    @lru_cache(maxsize=128)  # noqa: B019 (the group asks, its sheet and its page ask again)
-    def reversal(self, corner: int, *, radius: float, feed: float) -> Array:
+    @lru_cache(maxsize=32)  # noqa: B019 (the group asks, its sheet and its page ask again)
+    def reversals(self, circles: Circles, corners: tuple[int, ...] = (0,)) -> Array:
         """Return how friction throws the tool off from a reversal on, at every velocity cycle [m].
 
-        Positive: outwards. On a circle of some radius [m] at a feed [m/s], by the stepping engine:
-        the motion with friction less that without it. Empty where no friction is stated.
+        Positive: outwards. Of every circle in every corner, (n_circles, n_corners, n_times), by the
+        stepping engine: the motion with friction less that without it; 0 where none is stated.
         """
-        loop, drive = self.tuned.loops[corner], self.machine.drive
+        drive = self.machine.drive
         if not drive.has_friction:
-            return np.zeros(0)
-        friction = find_friction(
-            loop.plant,
-            coulomb=drive.coulomb_friction,
-            viscous=drive.viscous_friction,
-            step=loop.controller.velocity_cycle,
-        )
-        omega = feed / radius
-        before = min(RUN_IN, 0.5 * pi / omega)
-        t = np.arange(0.0, before + AFTER, loop.controller.position_cycle)
-        size = radius * np.abs(filter_response(self.setpoint_filter, np.array([omega])))[0]
-        phase = omega * (t - before)
-        setpoint = [np.cos(phase), -np.sin(phase), -np.cos(phase), np.sin(phase)]
-        references = size * np.array(setpoint).T * omega ** np.arange(4)
-        references[:, 0] -= references[0, 0]
-        with_friction = drive_loop(loop, references, friction=friction)[:, TOOL]
-        off = with_friction - drive_loop(loop, references)[:, TOOL]
-        reverses = round(before / loop.controller.velocity_cycle)
-        return np.asarray(off[reverses:])
+            return np.zeros((len(circles), len(corners), 1))
+        radius, feed = np.repeat(circles, len(corners), axis=0).T
+        loops = [self.tuned.loops[corner] for corner in corners] * len(circles)
+        gains, omega = loops[0].controller, feed / radius
+        before = np.minimum(RUN_IN, 0.5 * pi / omega)
+        t = np.arange(0.0, float(before.max()) + AFTER, gains.position_cycle)
+        size = radius * np.abs(filter_response(self.setpoint_filter, omega))
+        phase = omega * (t[:, None] - before)
+        setpoint = np.array([np.cos(phase), -np.sin(phase), -np.cos(phase), np.sin(phase)])
+        references = np.moveaxis(size * setpoint * omega ** np.arange(4)[:, None, None], 0, 2)
+        references[:, :, 0] -= references[0, :, 0]
+        rubbing = drive_loops(loops, references, friction=friction_of(loops, drive))
+        off = (rubbing - drive_loops(loops, references))[:, :, TOOL]
+        begin = np.round(before / gains.velocity_cycle).astype(int)
+        count = round(AFTER / gains.velocity_cycle)
+        found = [one[k : k + count] for one, k in zip(off, begin.tolist(), strict=True)]
+        return np.array(found).reshape(len(circles), len(corners), count)
 
-    def reversals(self, circles: Iterable[tuple[float, float]], most: float) -> dict[float, Array]:
-        """Return ``reversal`` of the nominal machine by the acceleration v²/R, on which it hangs.
+    def thrown(self, circles: Circles, most: float) -> dict[float, Array]:
+        """Return ``reversals`` of the nominal machine by the acceleration v²/R, on which they hang.
 
-        That of some circles (radius, feed), and two more up to the largest [m/s²]; empty where no
-        friction is stated.
+        Those of some circles, and two more up to the largest [m/s²]; empty where no friction is
+        stated.
         """
         if not self.machine.drive.has_friction:
             return {}
-        drawn = {feed**2 / radius: (radius, feed) for radius, feed in circles}
-        last = max(drawn)
-        for a in (sqrt(last * most), most):
-            if a > last:
-                feed = a * PAUSE / pi
-                drawn[a] = feed**2 / a, feed
-        return {
-            a: self.reversal(0, radius=radius, feed=feed)
-            for a, (radius, feed) in sorted(drawn.items())
-        }
+        last = max(feed**2 / radius for radius, feed in circles)
+        feeds = {a: a * PAUSE / pi for a in (sqrt(last * most), most) if a > last}
+        more = tuple((feed**2 / a, feed) for a, feed in feeds.items())
+        found = [self.reversals(some)[:, 0] for some in (circles, more) if some]
+        accelerations = [feed**2 / radius for radius, feed in (*circles, *more)]
+        return dict(sorted(zip(accelerations, np.concatenate(found), strict=True)))
 
     def peak_bound(self) -> float:
         """Return what no reversal exceeds: 2 F_c times the peak after a step of force [m]."""

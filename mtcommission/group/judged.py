@@ -18,13 +18,16 @@ from mtcommission.group.contours import (
     turnings,
     worst_circle,
 )
-from mtcommission.group.follow import Follower, filter_response
+from mtcommission.group.follow import Circles, Follower, filter_response
 from mtcommission.group.group import LEAST_RADIUS, Group, GroupAxis, circle_deviation, largest_radii
 from mtcommission.limits.judge import LAST_DIGIT, describe_place
 from mtcommission.limits.requirements import CONTOUR_DEVIATION, SETTLING_TIME
 from mtcommission.machine.moves import largest_velocity
 from mtcommission.record.moves import Check
 from mtcommission.record.shape import finite_or_none
+
+PEAK = "quadrant peak"
+"""What a check of reversals is called, before its axis."""
 
 RADII = (LEAST_RADIUS, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3, 100e-3, 150e-3)
 """Of the circles over which the feed is listed [m]; the last three are a ballbar's."""
@@ -80,26 +83,36 @@ class GroupCheck(Check):
 def circle_test(group: Group) -> list[Circle]:
     """Return the circles of a circle test, slowest first."""
     radius = group.task.radius or TESTED_RADIUS
-    return [draw_circle(group, radius, feed) for feed in sorted({*FEEDS, group.task.feed})]
+    return draw_circles(group, tuple((radius, feed) for feed in sorted({*FEEDS, group.task.feed})))
 
 
-def draw_circle(group: Group, radius: float, feed: float) -> Circle:
-    """Return how a circle of some radius [m] at a feed [m/s] comes out, in the worst corners."""
-    off, worst = worst_circle(group.pair, np.array([feed / radius]))
+def draw_circles(group: Group, circles: Circles) -> list[Circle]:
+    """Return how circles come out, in the worst corners."""
+    off, worst = worst_circle(group.pair, np.array([feed / radius for radius, feed in circles]))
     first, second = group.drawn
-    places = divmod(int(worst[0]), len(second.follower.tuned.corners))
-    peaks = {axis.name: axis.follower.reversal(0, radius=radius, feed=feed) for axis in group.drawn}
-    return Circle(
-        radius=radius,
-        feed=feed,
-        radius_deviation=radius * float(off.radius[0]),
-        form_deviation=radius * float(off.form[0]),
-        quadrant_peak={name: float(np.abs(one).max()) for name, one in peaks.items() if one.size},
-        corner={
-            axis.name: describe_place(1, axis.follower.tuned.corners[place], 1)
-            for axis, place in zip((first, second), places, strict=True)
-        },
-    )
+    peaks = {
+        axis.name: np.abs(axis.follower.reversals(circles)).max(axis=(1, 2))
+        for axis in group.drawn
+        if axis.machine.drive.has_friction
+    }
+    return [
+        Circle(
+            radius=radius,
+            feed=feed,
+            radius_deviation=radius * float(off.radius[k]),
+            form_deviation=radius * float(off.form[k]),
+            quadrant_peak={name: float(peak[k]) for name, peak in peaks.items()},
+            corner={
+                axis.name: describe_place(1, axis.follower.tuned.corners[place], 1)
+                for axis, place in zip(
+                    (first, second),
+                    divmod(int(worst[k]), len(second.follower.tuned.corners)),
+                    strict=True,
+                )
+            },
+        )
+        for k, (radius, feed) in enumerate(circles)
+    ]
 
 
 def feeds_over_radius(group: Group, circles: Sequence[Circle]) -> list[FeedOverRadius]:
@@ -127,8 +140,8 @@ def _without_peak(group: Group, axis: Follower, circles: Sequence[Circle]) -> fl
 
     0 where those of the slowest circle do not, inf where all do.
     """
-    drawn = [(one.radius, one.feed) for one in circles]
-    reversals = axis.reversals(drawn, group.path.on_circles[0])
+    drawn = tuple((one.radius, one.feed) for one in circles)
+    reversals = axis.thrown(drawn, group.path.on_circles[0])
     peaks = [float(np.abs(off).max()) for off in reversals.values()]
     too_large = [k for k, peak in enumerate(peaks) if peak > group.task.tolerance]
     if not too_large:
@@ -265,7 +278,7 @@ def _judge_reversals(group: Group, circles: list[Circle]) -> Iterator[GroupCheck
     where = Message("group-where-circle", radius=fastest.radius, feed=fastest.feed)
     for axis, peak in fastest.quadrant_peak.items():
         label = Message("group-check-peak", name=axis)
-        yield _check(f"quadrant peak {axis}", label, peak, group.task.tolerance, 1.0, where)
+        yield _check(f"{PEAK} {axis}", label, peak, group.task.tolerance, 1.0, where)
 
 
 def _own(axis: GroupAxis) -> Iterator[GroupCheck]:

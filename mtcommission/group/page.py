@@ -20,7 +20,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.control import Corner
 from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
-from mtcommission.group.follow import AFTER, Follower, filter_lag
+from mtcommission.group.follow import AFTER, Circles, Follower, filter_lag
 from mtcommission.group.record import GroupRecord
 from mtcommission.record.moves import rounded
 from mtcommission.record.shape import finite_or_none, to_plain
@@ -75,25 +75,30 @@ class Trace:
         return self.largest - self.least
 
 
-def trace_circle(pair: Pair, *, radius: float, feed: float) -> Trace:
-    """Return how the nominal machine draws a circle, counterclockwise, its reversals included."""
+def trace_circles(pair: Pair, circles: Circles) -> list[Trace]:
+    """Return how the nominal machine draws circles, counterclockwise, their reversals included."""
+    every = [axis.reversals(circles)[:, 0] for axis in pair]
+    return [
+        _trace(pair, radius, feed, [off[k] for off in every])
+        for k, (radius, feed) in enumerate(circles)
+    ]
+
+
+def _trace(pair: Pair, radius: float, feed: float, offs: Sequence[Array]) -> Trace:
     omega, quarters = feed / radius, (0.0, 0.5 * pi)
     late = [quarter + omega * reverses(axis) for axis, quarter in zip(pair, quarters, strict=True)]
     every = [np.arange(PLACES) * 2.0 * pi / PLACES]
     every += [half + after + omega * SINCE for after in late for half in (0.0, pi)]
     phase = np.unique(np.concatenate(every) % (2.0 * pi))
     path = []
-    for axis, quarter, after in zip(pair, quarters, late, strict=True):
+    for axis, quarter, after, off in zip(pair, quarters, late, offs, strict=True):
         answer = axis.response(np.array([omega]))[0, 0]
         position = radius * (answer * np.exp(1j * (phase - quarter))).real
-        off = axis.reversal(0, radius=radius, feed=feed)
-        if off.size:
-            # From one reversal to the next; friction throws the tool to the side it comes from.
-            halves, since = np.divmod(phase - after, pi)
-            t = axis.poles.velocity_cycle * np.arange(off.size)
-            thrown = np.interp(since / omega, t, off, right=0.0)
-            position = position + np.where(halves % 2 == 0, thrown, -thrown)
-        path.append(position)
+        # From one reversal to the next; friction throws the tool to the side it comes from.
+        halves, since = np.divmod(phase - after, pi)
+        t = axis.poles.velocity_cycle * np.arange(off.size)
+        thrown = np.interp(since / omega, t, off, right=0.0)
+        path.append(position + np.where(halves % 2 == 0, thrown, -thrown))
     return Trace(angle=np.arctan2(path[1], path[0]), deviation=np.hypot(*path) - radius)
 
 
@@ -314,9 +319,8 @@ def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
 
 def _reversals(record: GroupRecord, axis: Follower) -> list[dict[str, Any]]:
     """How friction throws the tool off behind a reversal, by acceleration."""
-    circles = ((one.radius, one.feed) for one in record.circle)
     every = []
-    for a, off in axis.reversals(circles, record.limits.on_circles[0]).items():
+    for a, off in axis.thrown(record.circles, record.limits.on_circles[0]).items():
         t = axis.poles.velocity_cycle * np.arange(off.size)
         thrown = rounded(np.interp(SINCE, t, off), DIGITS).tolist()
         every.append({"acceleration": a, "outwards": thrown})

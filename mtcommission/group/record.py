@@ -10,7 +10,7 @@ from pathlib import Path
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import SHAPERS
 from mtcommission.group.contours import CornerSpeed, Pair, PathLimits, tell_corner
-from mtcommission.group.follow import follow
+from mtcommission.group.follow import Circles, follow
 from mtcommission.group.group import BY_CONTOUR, FilterTrial, Group, GroupAxis
 from mtcommission.group.judged import (
     Circle,
@@ -146,6 +146,11 @@ class GroupRecord:
     assessment: GroupAssessment
     assumptions: list[Words]
     warnings: list[Words]
+
+    @property
+    def circles(self) -> Circles:
+        """Radius and feed of those of the circle test."""
+        return tuple((one.radius, one.feed) for one in self.circle)
 
     def axis(self, name: str) -> AxisEntry:
         """Return the axis of a name."""

@@ -209,10 +209,6 @@ class FittedCircle:
         """How often it goes round."""
         return float(np.ptp(self.angle)) / (2.0 * pi)
 
-    def since(self, axis: int) -> Array:
-        """Return the time since the last reversal of an axis of the plane, shape (n,) [s]."""
-        return np.asarray(_behind(self.angle, axis, self.direction) / self.omega)
-
     def peak(self, axis: int) -> Found | None:
         """Return how far reversals of an axis throw the tool off [m]; None: none was seen.
 

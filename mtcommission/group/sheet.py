@@ -23,7 +23,7 @@ from mtcommission.group.contours import Pair
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
-from mtcommission.group.page import Trace, contour_panel, draw_ballbar, micrometres, trace_circle
+from mtcommission.group.page import Trace, contour_panel, draw_ballbar, micrometres, trace_circles
 from mtcommission.group.record import GroupRecord
 from mtcommission.machine.checks import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed
@@ -439,7 +439,8 @@ def in_micrometres(
 
 def _traces(record: GroupRecord, pair: Pair) -> dict[float, Trace]:
     """The circles of the test in the nominal machine, by feed."""
-    return {one.feed: trace_circle(pair, radius=one.radius, feed=one.feed) for one in record.circle}
+    feeds = [one.feed for one in record.circle]
+    return dict(zip(feeds, trace_circles(pair, record.circles), strict=True))
 
 
 def _forbids(one: Any, words: Catalogue) -> str:

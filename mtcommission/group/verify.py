@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, to_json
 from mtcommission.group.contours import Pair, every_circle
+from mtcommission.group.judged import PEAK
+from mtcommission.group.page import trace_circles
 from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.recorded import CircularTrace, FittedCircle, Found, fit_circles
 from mtcommission.sheet.document import Block, Bullets, LinePlot
@@ -43,7 +45,7 @@ squareness to be told from unequal delays (design choice)."""
 LARGEST_SCALE = 100e-6
 """What pitch and temperature make of a length at most [-] (empirical: 11 µm/m and K of steel)."""
 
-RADIUS, FORM, DELAY, PEAK = "radius", "form", "delay", "quadrant peak"
+RADIUS, FORM, DELAY = "radius", "form", "delay"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,19 +55,15 @@ class CircleBeside:
     fitted: FittedCircle
     radius: Array  # deviation of the mean radius, (n_pairs,) [m]
     ellipse: NDArray[np.complex128]  # E, (n_pairs,) [m]
-    course: Array  # what friction adds to each sample, nominal, (n,) [m]
+    predicted: Array  # deviation of the radius at each sample, nominal, (n,) [m]
     peaks: tuple[Array, Array]  # what it adds at most, by axis: (n_corners,) [m]; empty without
 
     @property
     def uncertainty(self) -> Array:
         """Of the fit, with what the tails of the peaks may add to it, shape (5,) [m]."""
-        return np.asarray(self.fitted.uncertainty + np.abs(self.fitted.design @ self.course))
-
-    @property
-    def predicted(self) -> Array:
-        """Deviation of the radius at each sample, nominal [m]."""
         oval = np.real(self.ellipse[0] * np.exp(-2j * self.fitted.angle))
-        return np.asarray(self.radius[0] + oval + self.course)
+        tails = self.predicted - self.radius[0] - oval
+        return np.asarray(self.fitted.uncertainty + np.abs(self.fitted.design @ tails))
 
     def skew(self, squareness: Found | None) -> Found:
         """Return Im E [m] without what the angle of the axes makes of it, as far as known."""
@@ -103,6 +101,18 @@ class CircleVerification:
         unknown = [one for one in self.checks if one.verdict is Verdict.UNKNOWN]
         return Message("verify-verdict-except", what=tuple(dict.fromkeys(map(what_of, unknown))))
 
+    @property
+    def sentences(self) -> list[Message]:
+        """Each circle, and what was found of the squareness."""
+        said = [
+            Message("group-recorded-caption", number=number, **_said_of(one))
+            for number, one in enumerate(self.circles, start=1)
+        ]
+        if (square := self.squareness) is None:
+            return [*said, Message("group-squareness-unknown")]
+        values = {"value": 1e6 * square.value, "uncertainty": 1e6 * square.uncertainty}
+        return [*said, Message("group-squareness-found", **values)]
+
 
 def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> CircleVerification:
     """Return what recorded circles say about the record of a group.
@@ -133,21 +143,21 @@ def verify_circles(record: GroupRecord, traces: Sequence[CircularTrace]) -> Circ
 def foresee(pair: Pair, circle: FittedCircle) -> CircleBeside:
     """Return a circle beside what the record makes of that radius, feed and direction."""
     found = every_circle(pair, np.array([circle.omega]))
-    ellipse = circle.radius * found.ellipse[:, 0]
-    course, peaks = np.zeros(circle.angle.size), []
-    for place, axis in enumerate(pair):
-        corners = range(len(axis.tuned.loops))
-        every = [axis.reversal(k, radius=circle.radius, feed=circle.feed) for k in corners]
-        peaks.append(np.array([np.abs(one).max() for one in every if one.size]))
-        if every[0].size:
-            t = axis.poles.velocity_cycle * np.arange(every[0].size)
-            late = np.interp(circle.since(place), t, every[0], right=0.0)
-            course += late * np.abs(np.cos(circle.angle - 0.5 * np.pi * place))
+    ellipse, own = circle.radius * found.ellipse[:, 0], ((circle.radius, circle.feed),)
+    peaks = []
+    for axis in pair:
+        every = axis.reversals(own, tuple(range(len(axis.tuned.loops))))
+        is_known = axis.machine.drive.has_friction
+        peaks.append(np.abs(every[0]).max(axis=1) if is_known else np.zeros(0))
+    # Clockwise it is the same circle, seen in a mirror.
+    (trace,), turned = trace_circles(pair, own), circle.direction * circle.angle
+    order = np.argsort(trace.angle)
+    predicted = np.interp(turned, trace.angle[order], trace.deviation[order], period=2.0 * pi)
     return CircleBeside(
         fitted=circle,
         radius=circle.radius * found.radius[:, 0],
         ellipse=ellipse if circle.direction > 0 else np.conj(ellipse),
-        course=course,
+        predicted=predicted,
         peaks=(peaks[0], peaks[1]),
     )
 
@@ -298,18 +308,6 @@ MOST_LARGE = 4
 DIRECTIONS = {1: "counterclockwise", -1: "clockwise"}
 
 
-def say_found(found: CircleVerification) -> list[Message]:
-    """Return each circle, and what was found of the squareness."""
-    said = [
-        Message("group-recorded-caption", number=number, **_said_of(one))
-        for number, one in enumerate(found.circles, start=1)
-    ]
-    if (square := found.squareness) is None:
-        return [*said, Message("group-squareness-unknown")]
-    values = {"value": 1e6 * square.value, "uncertainty": 1e6 * square.uncertainty}
-    return [*said, Message("group-squareness-found", **values)]
-
-
 def _said_of(circle: CircleBeside) -> dict[str, Any]:
     own = circle.fitted
     return {
@@ -360,7 +358,7 @@ def _circle_entry(one: CircleBeside, found: CircleVerification) -> Entry:
 def print_circles(found: CircleVerification, *, created: str, language: str) -> str:
     """Return the page, which works offline."""
     words, axes = Catalogue(language), found.record.axes
-    said = tuple(map(words.say, say_found(found)))
+    said = tuple(map(words.say, found.sentences))
     order = (Verdict.FAILS, Verdict.UNKNOWN, Verdict.HOLDS)
     known = [one for one in found.checks if one.measured is not None]
     large = sorted(known, key=lambda one: order.index(one.verdict))[:MOST_LARGE]

@@ -84,6 +84,17 @@ def find_friction(plant: Plant, *, coulomb: float, viscous: float, step: float) 
     )
 
 
+def friction_of(loops: Sequence[SampledLoop], drive: Drive) -> Friction:
+    """Return the friction of a drive in several loops, each a machine of its own."""
+    step = loops[0].controller.velocity_cycle
+    return Friction(
+        coulomb=drive.coulomb_friction,
+        viscous=drive.viscous_friction,
+        velocity=np.array([loop.plant.row("encoder") @ loop.plant.A for loop in loops]),
+        push=np.array([discretise_disturbance(loop.plant, step) for loop in loops]),
+    )
+
+
 BLOCK = 64
 """Position cycles that are taken at once while nothing saturates."""
 
@@ -100,8 +111,8 @@ def step_through(
 
     The set force saturates at ``force_limit`` [N], and the integrator stands still meanwhile.
     ``X``: states, shape (n_loops, n); ``references``: x_ref, v_ref, a_ref, j_ref at each position
-    cycle, shape (n_cycles, 4). The outputs at every velocity cycle have the shape (n_loops,
-    n_samples, n_outputs).
+    cycle, shape (n_cycles, 4), or of each loop, (n_cycles, n_loops, 4). The outputs at every
+    velocity cycle have the shape (n_loops, n_samples, n_outputs).
     """
     first = loops[0]
     z, held, own, seen = first.integrator, first.held, first.own_size, len(first.outputs)
@@ -120,7 +131,7 @@ def step_through(
             outputs[:, k : k + kept], X = Y[:kept].swapaxes(0, 1), states[kept].copy()
             k, is_linear = k + kept, kept == len(Y)
             continue
-        r = np.tile(references[k], (len(loops), 1))
+        r = np.broadcast_to(references[k], (len(loops), references.shape[-1]))
         handed_down = (handing @ np.hstack([X, r])[:, :, None])[:, :, 0]
         is_linear = friction is None
         for i in range(first.controller.cycles):
@@ -145,11 +156,28 @@ def _step_linear(loops: Sequence[SampledLoop], X: Array, references: Array) -> t
     A, B, C, D = (np.array([getattr(one.lifted, name) for one in loops]) for name in "ABCD")
     states = np.empty((len(references) + 1, *X.shape))
     states[0] = X
-    for k, push in enumerate((B @ references.T).transpose(2, 0, 1)):
+    own = references[None] if references.ndim == 2 else references.swapaxes(0, 1)
+    for k, push in enumerate((own @ B.swapaxes(1, 2)).swapaxes(0, 1)):
         states[k + 1] = (A @ states[k, :, :, None])[:, :, 0] + push
-    found = states[:-1].swapaxes(0, 1) @ C.swapaxes(1, 2) + references @ D.swapaxes(1, 2)
+    found = states[:-1].swapaxes(0, 1) @ C.swapaxes(1, 2) + own @ D.swapaxes(1, 2)
     found = found.reshape(*found.shape[:2], loops[0].controller.cycles, -1)
     return states, found.swapaxes(0, 1)
+
+
+def drive_loops(
+    loops: Sequence[SampledLoop],
+    references: Array,
+    *,
+    force_limit: float = inf,
+    friction: Friction | None = None,
+) -> Array:
+    """Return the outputs at every velocity cycle, at rest before, (n_loops, n_samples, n_out).
+
+    ``references``: at each position cycle, as in ``step_through``; ``force_limit``: of the set
+    force [N]; ``friction``: of the loops' plants.
+    """
+    rest = np.zeros((len(loops), len(loops[0].states)))
+    return step_through(loops, rest, references, force_limit=force_limit, friction=friction)[1]
 
 
 def drive_loop(
@@ -159,14 +187,10 @@ def drive_loop(
     force_limit: float = inf,
     friction: Friction | None = None,
 ) -> Array:
-    """Return the outputs at every velocity cycle of any setpoint, at rest before it, (n, n_out).
-
-    ``references``: at each position cycle, shape (n_cycles, 4); ``force_limit``: of the set force
-    [N]; ``friction``: of the loop's plant.
-    """
-    rest = np.zeros((1, len(loop.states)))
-    _, outputs = step_through((loop,), rest, references, force_limit=force_limit, friction=friction)
-    return np.asarray(outputs[0])
+    """Return the same of one loop, (n_samples, n_out)."""
+    return np.asarray(
+        drive_loops((loop,), references, force_limit=force_limit, friction=friction)[0]
+    )
 
 
 DECAYED = 0.01
@@ -268,13 +292,7 @@ def simulate_rubbing(
     What is off by then is "not settled".
     """
     gains = loops[0].controller
-    step, cycle = gains.velocity_cycle, gains.position_cycle
-    friction = Friction(
-        coulomb=drive.coulomb_friction,
-        viscous=drive.viscous_friction,
-        velocity=np.array([loop.plant.row("encoder") @ loop.plant.A for loop in loops]),
-        push=np.array([discretise_disturbance(loop.plant, step) for loop in loops]),
-    )
+    cycle, friction = gains.position_cycle, friction_of(loops, drive)
     n = np.arange(ceil((setpoint.duration + gains.reference_delay + followed) / cycle))
     references = sample_setpoint(setpoint, np.asarray(n * cycle))
     rest, limit = np.zeros((len(loops), len(loops[0].states))), drive.usable_force
