@@ -12,7 +12,6 @@ from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.cli.group_view import say_next
 from mtcommission.controls.control import Corner, CornerRule
-from mtcommission.controls.kinds import CONTROLS
 from mtcommission.group.contours import (
     Turning,
     corner_deviation,
@@ -23,7 +22,7 @@ from mtcommission.group.contours import (
     worst_circle,
 )
 from mtcommission.group.follow import filter_response
-from mtcommission.group.group import Group, join, tell
+from mtcommission.group.group import Group, join
 from mtcommission.group.judged import (
     circle_test,
     corner_speeds,
@@ -144,20 +143,6 @@ def test_what_a_control_is_told_keeps_the_speed_of_every_corner(
     assert max(nearest) > 0.97
     narrow = replace(rule, least=2.0 * value)
     assert tell_corner(narrow, speeds, tolerance=10e-6, accelerations=a) == 0.0
-
-
-def test_a_limit_of_the_path_is_a_ceiling_where_the_axes_keep_theirs() -> None:
-    key = next(row.key for row in CONTROLS["sinumerik"].group if row.key[1] == "jerk")
-    for name, needed, told in (
-        ("sinumerik", float("inf"), 1.75 * 151.0),
-        ("heidenhain", 100.0, 100.0),
-        ("twincat", float("inf"), 63.9),
-        ("generic", 40.0, 40.0),
-        ("fanuc", 40.0, float("inf")),
-    ):
-        found = tell(CONTROLS[name], key, needed, (151.0, 63.9))
-        assert found == pytest.approx(told, rel=1e-3)
-        assert found <= told
 
 
 # The second program

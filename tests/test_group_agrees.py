@@ -8,10 +8,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cache
-from math import pi
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from mtcommission.cli.group_view import describe_group
@@ -24,11 +22,9 @@ from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record, load_group, read_pair
 from mtcommission.group.sheet import compose_group, words_of
 from mtcommission.group.task import read_task
-from mtcommission.machine.machine import vary
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash, read_source
 from mtcommission.record.shape import dump_json
 from mtcommission.sheet.document import Table
-from tests.independent_circle import line_off
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 
@@ -138,30 +134,3 @@ def typed(text: str, control: Control, key: Key) -> float | None:
         rf"^.{{0,6}}?{re.escape(row.name)} *(?:=|:|\|) *(?:\S+ *= *)?([0-9.]+)", text, re.MULTILINE
     )
     return float(found[-1]) * row.scale if found else None
-
-
-@pytest.mark.parametrize("kind", ["heidenhain", "fanuc"])
-def test_lines_with_the_typed_limits_stay_within_what_was_judged(kind: str) -> None:
-    """By the second program, in directions in which the control may take more than one axis."""
-    group, record = joined(kind), recorded(kind)
-    line = next(check for check in record.assessment.checks if check.name == "line")
-    for slope in (0.25 * pi, pi / 8):
-        (a,), (j,) = record.limits.along(np.array([slope]))
-        axes = [
-            (
-                vary(axis.machine, axis.follower.tuned.corners[-1]),
-                axis.machine,
-                axis.follower.tuned.controller,
-                axis.follower.wait,
-            )
-            for axis in group.drawn
-        ]
-        off = line_off(
-            axes,
-            group.setpoint_filter,
-            feed=record.feed,
-            acceleration=float(a),
-            jerk=float(j),
-            direction=slope,
-        )
-        assert off <= 1.005 * (line.value or 0.0)

@@ -163,6 +163,10 @@ def test_loops_that_are_stepped_with_friction_keep_their_prediction(
             assert peak.measured == pytest.approx(peak.predicted, rel=0.05)
         radius = find(found, "radius", circle=circle)
         assert radius.measured == pytest.approx(radius.predicted, abs=0.1e-6)
+        # The drawn circle, peaks and all, is the stepped one at every sample.
+        beside = found.circles[circle - 1]
+        assert np.abs(beside.fitted.deviation - beside.predicted).max() < 0.4e-6
+        assert np.ptp(beside.predicted) > 10e-6
         delay = find(found, "delay", circle=circle)
         assert delay.measured == pytest.approx(delay.predicted, abs=2e-6)
     assert found.squareness is not None

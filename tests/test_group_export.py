@@ -74,6 +74,10 @@ def test_a_sinumerik_gets_a_part_for_each_axis_and_one_for_the_path(
         for name in (r"N20600 \$MC_MAX_PATH_JERK", r"N32431 \$MA_MAX_AX_JERK")
     ]
     assert modes == [["0", "1"], ["0", "1"] * 2]
+    marked = [
+        line.endswith("(?)") for line in found["Path of all axes"].splitlines() if line[:1] == "N"
+    ]
+    assert marked == [False, True, True, True]
     assert path["42502"] == "1"
     assert lies_below(path["42500"], 1.0, record.path.acceleration)
     assert float(path["20600"]) > max(axis.limits.recommended.jerk for axis in record.axes)
@@ -90,15 +94,6 @@ def test_a_linuxcnc_gets_one_ini(record: GroupRecord, exports: dict[str, GroupEx
     assert lies_below(found["TRAJ"]["MAX_LINEAR_JERK"], 1e-3, jerk)
     remarks = re.findall(r"^# > ([XY]): Kv = (\S+)", exports["linuxcnc"].text, re.MULTILINE)
     assert [name for name, _ in remarks] == ["X", "Y"]
-
-
-def test_a_klipper_gets_one_tool_head(record: GroupRecord, exports: dict[str, GroupExport]) -> None:
-    text = exports["klipper"].text
-    found = ini_file(text.replace(": ", " = "))
-    printer = found["printer"]
-    assert float(printer["max_accel"]) * 1e-3 <= record.path.acceleration
-    assert "square_corner_velocity" not in printer
-    assert {"shaper_type_x", "shaper_type_y"} <= set(found["input_shaper"])
 
 
 @pytest.mark.parametrize("control", ["sinumerik", "generic"])
@@ -155,17 +150,13 @@ def test_a_printer_keeps_its_circles_and_asks_for_no_jerk(tmp_path: Path) -> Non
     assert found.meets_requirements
     assert all(one.is_same for one in found.circles)
     assert not any("jerk" in line and "NOT IN THIS TEXT" in line for line in found.header)
-    printer = ini_file(found.text.replace(": ", " = "))["printer"]
+    told = ini_file(found.text.replace(": ", " = "))
+    assert {"shaper_type_x", "shaper_type_y"} <= set(told["input_shaper"])
+    printer = told["printer"]
     assert lies_below(printer["max_accel"], 1e-3, record.path.acceleration)
     assert lies_below(printer["square_corner_velocity"], 1e-3, record.corner_rule.value)
     # Its own default of 5 mm/s is not what a group gets.
     assert not any("5 mm/s" in line for line in found.header)
-
-
-def test_what_was_not_read_is_marked(exports: dict[str, GroupExport]) -> None:
-    path = parts(exports["sinumerik"].text)["Path of all axes"]
-    marked = [line.endswith("(?)") for line in path.splitlines() if line.startswith("N")]
-    assert marked == [False, True, True, True]
 
 
 def renamed(axis: AxisEntry, name: str) -> AxisEntry:

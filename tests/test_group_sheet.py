@@ -19,14 +19,11 @@ import pypdfium2
 import pytest
 
 from mtcommission.cli.group_view import describe_group
-from mtcommission.group.contours import Pair, find_entries, worst_circle
+from mtcommission.group.contours import find_entries, worst_circle
 from mtcommission.group.export import export_group
-from mtcommission.group.follow import filter_response
 from mtcommission.group.page import trace_circles
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
-from mtcommission.loop.respond import TOOL
-from mtcommission.loop.simulate import drive_loop, find_friction
 from mtcommission.machine.profile.read import profile_text_hash
 from mtcommission.sheet.document import Headline, Table
 
@@ -173,47 +170,6 @@ def test_names_that_look_like_markup_stay_names() -> None:
     assert html.count("</script>") == html_of(found).count("</script>")
     assert f"+{name}" in unescape(html)
     assert print_group(bad, read_pair(bad))["sheet.pdf"]
-
-
-def test_the_drawn_circle_is_what_the_stepped_axes_draw() -> None:
-    """Both axes through a whole turn by the stepping engine, friction and all, and no shortcut."""
-    pair = tuple(replace(axis, wait=0.0) for axis in mill().pair)
-    for radius, feed in ((50e-3, 0.1), (50e-3, 0.05)):
-        trace = trace_circles((pair[0], pair[1]), ((radius, feed),))[0]
-        path = [
-            step_axis((pair[0], pair[1]), k, radius, feed, quarter)
-            for k, quarter in enumerate((0.0, 0.5 * pi))
-        ]
-        angle = np.arctan2(path[1], path[0])
-        order = np.argsort(trace.angle)
-        drawn = np.interp(angle, trace.angle[order], trace.deviation[order], period=2.0 * pi)
-        stepped = np.hypot(*path) - radius
-        assert np.abs(stepped - drawn).max() < 0.4e-6
-        assert np.ptp(stepped) == pytest.approx(trace.circular, rel=0.02)
-        assert trace.circular > 10e-6
-
-
-def step_axis(pair: Pair, k: int, radius: float, feed: float, quarter: float) -> np.ndarray:
-    """Positions of an axis over the second turn of a circle [m]."""
-    omega, machine, loop = feed / radius, pair[k].machine, pair[k].tuned.loops[0]
-    control, turn = machine.control, 2.0 * pi / omega
-    t = np.arange(0.0, 2.2 * turn, control.position_cycle)
-    behind = filter_response(pair[k].setpoint_filter, np.array([omega]))[0]
-    phase = omega * t - quarter + np.angle(behind)
-    size = radius * abs(behind)
-    waves = [np.cos(phase), -np.sin(phase), -np.cos(phase), np.sin(phase)]
-    references = size * np.array(waves).T * omega ** np.arange(4)
-    begin = references[0, 0]
-    references[:, 0] -= begin
-    friction = find_friction(
-        loop.plant,
-        coulomb=machine.drive.coulomb_friction,
-        viscous=machine.drive.viscous_friction,
-        step=control.velocity_cycle,
-    )
-    tool = drive_loop(loop, references, friction=friction)[:, TOOL] + begin
-    once = round(1.1 * turn / control.velocity_cycle)
-    return np.asarray(tool[once : once + round(turn / control.velocity_cycle)])
 
 
 ASK = """
