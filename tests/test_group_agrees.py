@@ -24,7 +24,7 @@ from mtcommission.group.sheet import compose_group, words_of
 from mtcommission.group.task import read_task
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash, read_source
 from mtcommission.record.shape import dump_json
-from mtcommission.sheet.document import Table
+from mtcommission.sheet.document import Headline, Table
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 
@@ -85,7 +85,9 @@ def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(
     terminal = " ".join(str(line) for line in describe_group(record, words))
     first, _ = compose_group(record, read_pair(record), words).sections
     tables = [block for block in first.blocks if isinstance(block, Table)]
-    together = {row[0]: row for row in tables[0].rows}
+    entered = {row[0]: row for row in tables[0].rows}
+    (headline,) = (block for block in first.blocks if isinstance(block, Headline))
+    large = {one.label: one.value for one in headline.values}
     for key, unit, label in (
         (PATH_ACCELERATION, "m/s^2", "Path acceleration"),
         (PATH_JERK, "m/s^3", "Path jerk"),
@@ -98,12 +100,10 @@ def test_file_terminal_sheet_and_text_hold_the_numbers_that_were_judged(
         assert in_text == pytest.approx(told, rel=1e-9)
         shown = words.format.quantity(told, unit)
         assert shown in terminal
-        _, value, _, parameter = together[label]
-        assert value == shown
-        number, row = str(parameter).split(" = ")[1], control.place_of(key)
-        on_sheet = float(re.sub(r"[^0-9.].*", "", number.replace("\N{NARROW NO-BREAK SPACE}", "")))
+        assert large[label] == shown
+        row = control.place_of(key)
         assert row is not None
-        assert on_sheet * row.scale == pytest.approx(told, rel=1e-9)
+        assert float(str(entered[label][-1])) * row.scale == pytest.approx(told, rel=1e-9)
     corner = typed(exported(kind).text, control, AT_CORNERS)
     told = record.corner_rule.value if control.corner_name else 0.0
     assert (corner or 0.0) == pytest.approx(told, rel=5e-3)

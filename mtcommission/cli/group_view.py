@@ -13,7 +13,13 @@ from mtcommission.cli.terminal import Line, describe_table, heading, warn
 from mtcommission.controls.row import round_number
 from mtcommission.group.judged import PEAK
 from mtcommission.group.record import AxisEntry, GroupRecord
-from mtcommission.group.sheet import corners_table, feeds_table, in_micrometres, say_peaks
+from mtcommission.group.sheet import (
+    corners_table,
+    feeds_table,
+    in_micrometres,
+    say_corners,
+    say_peaks,
+)
 from mtcommission.machine.checks import say_filter
 from mtcommission.sheet.tables import Quantity, member, show, table
 
@@ -31,7 +37,6 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
             show(path.jerk, spoken, "m/s^3", missing),
         )
     )
-    told = record.corner_rule
     return [
         heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),
         (text(kind), f"bold {style}"),
@@ -44,9 +49,7 @@ def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
         *describe_table(feeds_table(record, spoken)),
         *filter(None, [say_peaks(record, spoken)]),
         *describe_table(corners_table(record, spoken)),
-        text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
-        if told.value and told.name
-        else text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value"),
+        say_corners(record, spoken),
         *warn(spoken, record.warnings),
     ]
 

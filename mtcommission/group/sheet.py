@@ -15,6 +15,7 @@ from mtcommission.controls.row import (
     AT_CORNERS,
     PATH_ACCELERATION,
     PATH_JERK,
+    WAIT,
     Key,
     Setting,
 )
@@ -50,33 +51,29 @@ from mtcommission.sheet.verdict import entry_name, show_typed
 JUST_BELOW = 0.999
 """Of a ceiling that bounds nothing, for it was rounded."""
 
-FILTER: tuple[Key, ...] = tuple(
-    (setting, "")
-    for setting in (
-        *(Setting.AVERAGE, Setting.SECOND_AVERAGE),
-        *(Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING),
-    )
-)
-OF_AXIS = {
-    Setting.ACCELERATION: "acceleration",
-    Setting.RISE_TIME: "group-rise-time",
-    Setting.JERK: "jerk",
-    Setting.JERK_TIME: "jerk-time",
-    Setting.POSITION_GAIN: "Kv",
-    Setting.VELOCITY_GAIN: "Kp",
-    Setting.INTEGRAL_TIME: "Tn",
-    Setting.FORCE_FEEDFORWARD: "group-feedforward",
-    Setting.REFERENCE_DELAY: "group-balancing",
-    Setting.WAIT: "group-wait",
+TYPED: dict[Key, str] = {
+    (Setting.ACCELERATION, ""): "acceleration",
+    (Setting.RISE_TIME, ""): "group-rise-time",
+    (Setting.JERK, ""): "jerk",
+    (Setting.JERK_TIME, ""): "jerk-time",
+    PATH_ACCELERATION: "group-path-acceleration",
+    PATH_JERK: "group-path-jerk",
+    AT_CORNERS: "group-corners",
+    (Setting.AVERAGE, ""): "setpoint-filter",
+    (Setting.SECOND_AVERAGE, ""): "setpoint-filter",
+    (Setting.SHAPER, ""): "setpoint-filter",
+    (Setting.SHAPER_FREQUENCY, ""): "setpoint-filter",
+    (Setting.SHAPER_DAMPING, ""): "setpoint-filter",
+    (Setting.POSITION_GAIN, ""): "Kv",
+    (Setting.VELOCITY_GAIN, ""): "Kp",
+    (Setting.INTEGRAL_TIME, ""): "Tn",
+    (Setting.FORCE_FEEDFORWARD, ""): "group-feedforward",
+    (Setting.REFERENCE_DELAY, ""): "group-balancing",
+    WAIT: "group-wait",
 }
-"""What each axis is told, and what it is called; the export has all the rest."""
+"""What axes and path are told, and what it is called; the export has all the rest."""
 
-PATH = (("acceleration", "m/s^2", PATH_ACCELERATION), ("jerk", "m/s^3", PATH_JERK))
-
-RIGHT = 90.0
-"""Change of direction at the corner that page 1 names [degrees]."""
-
-CORNER_UNITS = {"arc": "m", "own": "m", "deviation": "m", "junction": "m/s", "step": "m/s"}
+PATH = (("acceleration", "m/s^2"), ("jerk", "m/s^3"))
 
 HOW = ("group-measure-centre", "group-measure-turn", "group-measure-peaks")
 
@@ -141,8 +138,7 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         parts = [Part(name=name, entries=()) for name in (*(axis.name for axis in record.axes), "")]
         why = words.text("entry-none", why=refused.faults[0].message)
         yield Paragraph(text=why, tone=Tone.WARNING)
-    yield _together(record, parts, words)
-    yield _each_axis(record, parts, words)
+    yield _entries(record, parts, words)
     yield note(" ".join(_bounds(record, words)))
     yield _filters(record, words)
     yield _checks(record, words)
@@ -167,7 +163,7 @@ def _headline(record: GroupRecord, words: Catalogue) -> Headline:
             label=text(f"group-path-{name}"),
             value=show(getattr(path, name), words, unit, "group-path-none"),
         )
-        for name, unit, _ in _paths(record)
+        for name, unit in _paths(record)
     ]
     (label, kind), *numbers = filter_rows(record.filter, words)
     filter_value = ", ".join(number for _, number in numbers)
@@ -184,54 +180,8 @@ def _headline(record: GroupRecord, words: Catalogue) -> Headline:
     )
 
 
-def _paths(record: GroupRecord) -> Sequence[tuple[str, str, Key]]:
+def _paths(record: GroupRecord) -> Sequence[tuple[str, str]]:
     return PATH[:1] if record.axes[0].loop.jerk == "none" else PATH
-
-
-def _together(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
-    """What all axes are told alike: value, what limits it, and what is typed in."""
-    text, told = words.text, record.corner_rule
-    item = say_filter(record.filter, words)
-    rows = [("setpoint-filter", item, _leads(record, words), FILTER)]
-    for name, unit, key in _paths(record):
-        value = show(getattr(record.path, name), words, unit, "group-path-none")
-        rows.append((f"group-path-{name}", value, _bound(record, name, words), (key,)))
-    value = show(told.value or None, words, CORNER_UNITS[told.kind], "group-corner-none")
-    right = next(one for one in record.speed_over_angle if one.angle_deg == RIGHT)
-    why = text("group-corner-holds", speed=right.speed)
-    rows.append((f"group-corner-{told.kind}", value, why, (AT_CORNERS,)))
-    # Where nothing is typed in, the rule still has a name.
-    otherwise: dict[tuple[Key, ...], str] = {
-        (AT_CORNERS,): told.name if told.value and told.name else DASH
-    }
-    heads = {"quantity": 1.7, "value": 1.5, "bound-by-column": 1.85, "group-typed": 3.75}
-    return Table(
-        caption=text("group-together-caption"),
-        columns=tuple(
-            Column(head=text(head), width=width, is_number=head == "value")
-            for head, width in heads.items()
-        ),
-        rows=tuple(
-            (text(name), value, why, _type(parts, keys, words) or otherwise.get(keys, DASH))
-            for name, value, why, keys in rows
-        ),
-    )
-
-
-def _type(parts: Sequence[Part], keys: Sequence[Key], words: Catalogue) -> str:
-    """What is typed in for some settings, each name once; "" where the control has no place.
-
-    Of one that the control has by modes, as for each axis, the first.
-    """
-    found: dict[str, str] = {}
-    for entry in (entry for part in parts for entry in part.entries):
-        if entry.row.key in keys:
-            said = f"{_parameter(entry, words)} = {show_typed(entry.value, entry, words)}"
-            if entry.old:
-                old = words.text("group-old", value=show_typed(entry.old, entry, words))
-                said += f" ({old})"
-            found.setdefault(entry.row.name.partition("[")[0], said)
-    return "; ".join(found.values())
 
 
 def _parameter(entry: Entry, words: Catalogue) -> str:
@@ -268,42 +218,65 @@ def _number(typed: str, entry: Entry, words: Catalogue) -> str:
     return show_typed(typed, replace(entry, row=replace(entry.row, unit="")), words)
 
 
-def _each_axis(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
-    """What is typed in for each axis, what the control holds today before it where it is stated."""
+def _entries(record: GroupRecord, parts: Sequence[Part], words: Catalogue) -> Table:
+    """What is typed in for each axis and the path, today's value before it where it is stated.
+
+    Of what a control has by modes, the first.
+    """
     text, rows = words.text, []
-    own = [{one.row.setting: one for one in reversed(part.entries)} for part in parts[:-1]]
+    own = [{one.row.key: one for one in reversed(part.entries)} for part in parts]
     has_old = any(entry.old for axis in own for entry in axis.values())
-    for setting, label in OF_AXIS.items():
-        entries = [axis.get(setting) for axis in own]
+    has_path = bool(own[-1])
+    for key, label in TYPED.items():
+        *of_axes, of_path = [part.get(key) for part in own]
         # Of controls whose names tell the axis, one name for each.
-        names = dict.fromkeys(_with_unit(entry, words) for entry in entries if entry)
-        if not names and setting is not Setting.WAIT:
+        names = dict.fromkeys(_with_unit(entry, words) for entry in (*of_axes, of_path) if entry)
+        if not names and key != WAIT:
             continue
         cells = [words.known(label, label), " / ".join(names) or DASH]
-        for axis, entry in zip(record.axes, entries, strict=True):
-            new = _number(entry.value, entry, words) if entry else show(axis.wait, words, "s")
+        for axis, entry in zip(record.axes, of_axes, strict=True):
+            new = _number(entry.value, entry, words) if entry else DASH
+            if key == WAIT and not entry:
+                new = show(axis.wait, words, "s")
             old = _number(entry.old, entry, words) if entry and entry.old else DASH
             cells += [old, new] if has_old else [new]
+        if has_path:
+            cells.append(_number(of_path.value, of_path, words) if of_path else DASH)
         rows.append(tuple(cells))
     settled = [show(axis.settling_time, words, "s", "not-settled") for axis in record.axes]
     cells = [cell for one in settled for cell in ((DASH, one) if has_old else (one,))]
-    rows.append((text("group-settles"), DASH, *cells))
+    rows.append((text("group-settles"), DASH, *cells, *([DASH] if has_path else [])))
     columns = [
         Column(head=text("quantity"), width=1.6),
-        Column(head=text("parameter"), width=2.6 if has_old and len(own) > 2 else 3.6),
+        Column(head=text("parameter"), width=2.6 if has_old and len(own) > 3 else 3.6),
     ]
     for axis in record.axes:
         old_head, new_head = (text(f"group-axis-{key}", name=axis.name) for key in ("today", "new"))
         heads = [old_head, new_head] if has_old else [axis.name]
         columns += [Column(head=head, is_number=True) for head in heads]
-    return Table(caption=text("group-each-caption"), columns=tuple(columns), rows=tuple(rows))
+    if has_path:
+        columns.append(Column(head=text("group-path-column"), is_number=True))
+    return Table(caption=text("group-typed-caption"), columns=tuple(columns), rows=tuple(rows))
 
 
 def _bounds(record: GroupRecord, words: Catalogue) -> Iterator[str]:
-    """What binds the limits of each axis, a sentence each."""
+    """What binds the limits of each axis and of the path, why this filter, and corners."""
     for axis in record.axes:
-        by = axis.limits.recommended.bound_by
-        yield words.text("group-axis-bound", name=axis.name, by=by)
+        name, by = words.text("group-part-axis", name=axis.name), axis.limits.recommended.bound_by
+        yield words.text("group-bound-of", name=name, by=by)
+    for name, _ in _paths(record):
+        by = _bound(record, name, words)
+        yield words.text("group-bound-of", name=words.text(f"group-path-{name}"), by=by)
+    yield f"{capitalised(say_filter(record.filter, words))}: {_leads(record, words)}."
+    yield say_corners(record, words)
+
+
+def say_corners(record: GroupRecord, words: Catalogue) -> str:
+    """Return what the control is told for corners, or that it is told nothing."""
+    told = record.corner_rule
+    if told.value and told.name:
+        return words.text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
+    return words.text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value")
 
 
 def _filters(record: GroupRecord, words: Catalogue) -> Table:

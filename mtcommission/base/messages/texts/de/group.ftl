@@ -69,8 +69,8 @@ group-corner-told = Ecken: { $kind ->
     [own] { $name } { LENGTH($value) } (eigenes Filter der Steuerung, nicht simuliert).
    *[step] { $name } Geschwindigkeitssprung einer Achse { FEED($value) }.
 }
-group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten oben sofort zu drehen.
-group-corner-no-value = Ecken: mit den Geschwindigkeiten oben fahren; ein Wert, der diese einhält, ist für diese Steuerung nicht bekannt.
+group-corner-no-arc = Ecken: kein Bogen innerhalb der Toleranz ist schneller, als mit den Geschwindigkeiten über dem Winkel sofort zu drehen.
+group-corner-no-value = Ecken: mit den Geschwindigkeiten über dem Winkel fahren; ein Wert, der diese einhält, ist für diese Steuerung nicht bekannt.
 group-tolerance = Konturtoleranz { LENGTH($tolerance) } bis { FEED($feed) }
 group-axis = Achse
 
@@ -143,30 +143,22 @@ group-contours-heading = Kreis und Ecke, und was zu messen ist
 group-missed = Nicht eingehalten: { $checks }.
 group-path-acceleration = Bahnbeschleunigung
 group-path-jerk = Bahnruck
-group-together-caption = Für alle Achsen gemeinsam; export group.json hat alle Parameter, mit ihren Schaltern („(?)“: nicht beim Hersteller gelesen, prüfen; „>“: im Antrieb)
+group-typed-caption = Einzugeben für jede Achse und die Bahn; export group.json hat alle Parameter, mit ihren Schaltern („(?)“: nicht beim Hersteller gelesen, prüfen; „>“: im Antrieb)
 group-filter-chosen = schwingt von denen, die Kreise nicht bremsen, zuerst ein
 group-filter-binds = erlaubt die schnellsten Kreise
 group-bound-by-axis = Grenzwert der Achse { $name }
 group-bound-by-tolerance = Konturtoleranz
 group-bound-by-axes = Grenzen der Achsen gelten
 group-path-none = die der Achsen
-group-corner-arc = Ecken: Bogentoleranz
-group-corner-step = Ecken: Geschwindigkeitssprung
-group-corner-junction = Ecken: Tempo bei 90°
-group-corner-deviation = Ecken: Junction Deviation
-group-corner-own = Ecken: eigenes Filter der Steuerung (nicht simuliert)
-group-corner-none = kein Wert
-group-corner-holds = Toleranz: { FEED($speed) } bei 90°, alle auf Seite 2
-group-each-caption = Für jede Achse, wie einzugeben
+group-corners = Ecken
+group-path-column = Bahn
 group-axis-today = { $name } heute
 group-axis-new = { $name } neu
-group-axis-bound = Achse { $name } wird begrenzt durch: { $by }.
+group-bound-of = { $name } wird begrenzt durch: { $by }.
 group-settles = Einschwingzeit (Bahn)
 group-rise-time = Hochlaufzeit
 group-feedforward = Vorsteuerung
 group-balancing = Sollwertverzögerung
-group-typed = Einzugeben
-group-old = heute { $value }
 group-filters-caption = Filter im Vergleich, auf den ersten Blick, ohne die Bahngrenzen (der erste ist gewählt)
 group-settling-slowest = Einschwingzeit
 group-axes-acceleration = Achsbeschleunigung

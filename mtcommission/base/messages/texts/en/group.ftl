@@ -69,8 +69,8 @@ group-corner-told = Corners: { $kind ->
     [own] { $name } { LENGTH($value) } (the control's own filter, not simulated).
    *[step] { $name } velocity step of an axis { FEED($value) }.
 }
-group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds above.
-group-corner-no-value = Corners: pass them at the speeds above; no value that keeps these is known for this control.
+group-corner-no-arc = Corners: no arc within the tolerance is faster than to turn at once at the speeds over the angle.
+group-corner-no-value = Corners: pass them at the speeds over the angle; no value that keeps these is known for this control.
 group-tolerance = Contour tolerance { LENGTH($tolerance) } up to { FEED($feed) }
 group-axis = Axis
 
@@ -143,30 +143,22 @@ group-contours-heading = Circle and corner, and what to measure
 group-missed = Not kept: { $checks }.
 group-path-acceleration = Path acceleration
 group-path-jerk = Path jerk
-group-together-caption = For all axes together; export group.json has every parameter, with its switches ("(?)": not read in a maker's text, verify; ">": in the drive)
+group-typed-caption = Typed in for each axis and the path; export group.json has every parameter, with its switches ("(?)": not read in a maker's text, verify; ">": in the drive)
 group-filter-chosen = settles first of those that leave circles alone
 group-filter-binds = allows the fastest circles
 group-bound-by-axis = limit of axis { $name }
 group-bound-by-tolerance = contour tolerance
 group-bound-by-axes = limits of the axes hold
 group-path-none = those of the axes
-group-corner-arc = Corners: tolerance of arc
-group-corner-step = Corners: step of velocity
-group-corner-junction = Corners: speed at 90°
-group-corner-deviation = Corners: junction deviation
-group-corner-own = Corners: the control's own filter (not simulated)
-group-corner-none = no value
-group-corner-holds = tolerance: { FEED($speed) } at 90°, all on page 2
-group-each-caption = For each axis, as typed in
+group-corners = Corners
+group-path-column = Path
 group-axis-today = { $name } today
 group-axis-new = { $name } new
-group-axis-bound = Axis { $name } is bound by: { $by }.
+group-bound-of = { $name } is bound by: { $by }.
 group-settles = Settling with path limits
 group-rise-time = Rise time
 group-feedforward = Feed-forward
 group-balancing = Delay of setpoint
-group-typed = Typed in
-group-old = today { $value }
 group-filters-caption = Filters compared, at a first look, without the limits of the path (the first one is in use)
 group-settling-slowest = Slowest axis settles
 group-axes-acceleration = Axes' acceleration
