@@ -16,34 +16,24 @@ from mtcommission.group.record import AxisEntry, GroupRecord
 from mtcommission.group.sheet import (
     corners_table,
     feeds_table,
+    headline,
     in_micrometres,
     say_corners,
     say_peaks,
 )
-from mtcommission.machine.checks import say_filter
 from mtcommission.sheet.tables import Quantity, member, show, table
 
 
 def describe_group(record: GroupRecord, spoken: Catalogue) -> list[Line]:
     """Return verdict, limits, circles and corners."""
-    text, path = spoken.text, record.path
+    text, head = spoken.text, headline(record, spoken)
     names = ", ".join(axis.name for axis in record.axes)
-    kind, style = ("verdict-met", "green") if record.assessment.met else ("verdict-not-met", "red")
-    has_jerk = record.axes[0].loop.jerk != "none"
-    missing = "group-path-none" if has_jerk else "no-jerk-limit"
-    limits = ", ".join(
-        (
-            show(path.acceleration, spoken, "m/s^2", "group-path-none"),
-            show(path.jerk, spoken, "m/s^3", missing),
-        )
-    )
     return [
         heading(text("group-axes", name=record.axes[0].machine.name, axes=names)),
-        (text(kind), f"bold {style}"),
+        (head.verdict, f"bold {'green' if head.is_met else 'red'}"),
         *_missed(record, spoken),
         *_axes(record, spoken),
-        f"{text('group-filter')}: {say_filter(record.filter, spoken)}; "
-        f"{text('group-path')}: {limits}",
+        "; ".join(f"{one.label}: {one.value}" for one in head.values),
         text("group-tolerance", tolerance=record.tolerance, feed=record.feed),
         *_circles(record, spoken),
         *describe_table(feeds_table(record, spoken)),

@@ -33,25 +33,23 @@ def compose_header(
     machine, profile = record.machine, record.profile
     name = name_control(control.key)
     yield Message("export-title", name=machine.name, axis_name=machine.axis, control=name)
-    yield say_source(record.tool, record.created, [profile])
-    yield from lost_letters(machine.name, machine.axis, profile.name)
-    yield Message("export-hash", hash=profile.sha256)
-    yield Message("export-verify")
+    yield from say_origin(record.tool, record.created, [profile], machine.name, machine.axis)
     yield from say_axis(subject, control, judged)
     yield from say_notes(subject, control, judged, rows)
     yield from say_doubts([subject], [judged], record.warnings, rows, words)
 
 
-def say_source(tool: Tool, created: str, profiles: Sequence[Profile]) -> Message:
-    """Return what the text was computed from."""
-    names, by = ", ".join(profile.name for profile in profiles), f"{tool.name} {tool.version}"
-    return Message("export-computed", created=created, tool=by, profile=names)
-
-
-def lost_letters(*names: str) -> tuple[Message, ...]:
-    """Return that a name has letters that plain text for a control cannot hold."""
-    lost = any(to_ascii(name).count("?") > name.count("?") for name in names)
-    return (Message("export-lost-letters"),) if lost else ()
+def say_origin(
+    tool: Tool, created: str, profiles: Sequence[Profile], *names: str
+) -> Iterator[Message]:
+    """Yield what a text was computed from, and whether letters of its names were lost."""
+    files, by = [profile.name for profile in profiles], f"{tool.name} {tool.version}"
+    yield Message("export-computed", created=created, tool=by, profile=", ".join(files))
+    if any(to_ascii(name).count("?") > name.count("?") for name in (*names, *files)):
+        yield Message("export-lost-letters")
+    for profile in profiles:
+        yield Message("export-hash", hash=profile.sha256)
+    yield Message("export-verify")
 
 
 def say_axis(subject: Subject, control: Control, judged: Judged) -> Iterator[Message]:

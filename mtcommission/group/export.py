@@ -32,7 +32,7 @@ from mtcommission.controls.syntax import LIST, Entry, Layout, type_in
 from mtcommission.controls.wording import show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key, name_control
 from mtcommission.export.choose import fill_in
-from mtcommission.export.header import lost_letters, say_axis, say_doubts, say_notes, say_source
+from mtcommission.export.header import say_axis, say_doubts, say_notes, say_origin
 from mtcommission.export.held import Held, Judged, judge_text, read_limits
 from mtcommission.export.subject import Subject, build_subject
 from mtcommission.export.write import (
@@ -164,8 +164,11 @@ def export_group(
     line, _ = line_deviation(pair, feed=record.feed, limits=limits)
     rows = [row for part in parts for row in part.rows]
     lacking = tuple(_lack(record, {row.key for row in rows}))
+    title, names = record.axes[0].machine.name, tuple(axis.name for axis in record.axes)
+    profiles = [axis.profile for axis in record.axes]
     said = [
-        *_say_origin(record, target),
+        Message("group-export-title", name=title, axes=names, control=name_control(target.key)),
+        *say_origin(record.tool, record.created, profiles, title, *names),
         *_say_contours(circles, line, record),
         *_say_verdict(record),
         *_say_axes(record, target, subjects, slowed, parts),
@@ -371,17 +374,6 @@ def _lack(record: GroupRecord, held: set[Key]) -> Iterator[Message]:
 
 
 # The sentences above the parameters
-
-
-def _say_origin(record: GroupRecord, target: Control) -> Iterator[Message]:
-    names, profiles = [axis.name for axis in record.axes], [axis.profile for axis in record.axes]
-    title, control = record.axes[0].machine.name, name_control(target.key)
-    yield Message("group-export-title", name=title, axes=tuple(names), control=control)
-    yield say_source(record.tool, record.created, profiles)
-    yield from lost_letters(title, *names, *(profile.name for profile in profiles))
-    for profile in profiles:
-        yield Message("export-hash", hash=profile.sha256)
-    yield Message("export-verify")
 
 
 def _say_contours(

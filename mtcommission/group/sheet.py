@@ -129,7 +129,7 @@ def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document
 
 def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     """Yield verdict, what to enter, filters beside each other, requirements, on what it rests."""
-    yield _headline(record, words)
+    yield headline(record, words)
     if record.warnings:
         yield Bullets(items=tuple(map(words.say, record.warnings)), tone=Tone.WARNING)
     try:
@@ -152,7 +152,8 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
     yield note(" ".join(map(words.say, record.assumptions)))
 
 
-def _headline(record: GroupRecord, words: Catalogue) -> Headline:
+def headline(record: GroupRecord, words: Catalogue) -> Headline:
+    """Return verdict, limits of the path, filter, and what is not kept."""
     text, met, path = words.text, record.assessment.met, record.path
     said = [text("group-tolerance", tolerance=record.tolerance, feed=record.feed) + "."]
     missed = [words.say(check.label) for check in record.assessment.checks if not check.met]
