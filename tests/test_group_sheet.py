@@ -76,7 +76,6 @@ def test_html_and_pdf_say_what_is_entered_and_what_to_measure(language: str) -> 
     typed = re.findall(rf"^(?:{names})(?: [^\[=]+(?:\[0\])?)?=(\S+)", exported, re.MULTILINE)
     assert len(typed) == 2 * 7 + 2
     first += [value.replace(".", words.format.decimal_mark) for value in typed]
-    first += [shown(trial.path_acceleration, "m/s^2") for trial in found.filters]
     first += [shown(axis.settling_time or 0.0, "s") for axis in found.axes]
     second = [shown(one.deviation_without_slowing, "m") for one in found.speed_over_angle]
     second += [shown(one.quadrant_peak["Y"], "m") for one in found.circle]
@@ -190,7 +189,7 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
     """Sliders would show circles that nobody judged."""
     group = mill()
     if arcs:  # behind an average, or for a narrower tolerance, the control's arc gains nothing
-        task, trial = replace(group.task, tolerance=62.5e-6), group.trials[0]
+        task = replace(group.task, tolerance=62.5e-6)
         first, second = (
             replace(axis, follower=replace(axis.follower, setpoint_filter=None))
             for axis in group.axes
@@ -199,7 +198,7 @@ def test_the_page_computes_what_the_command_does(arcs: bool, tmp_path: Path) -> 
             group,
             task=task,
             axes=(first, second),
-            trials=(replace(trial, filter=None),),
+            setpoint_filter=None,
             path=replace(group.path, acceleration=4.0),
         )
     found = build_group_record(group, created="today") if arcs else mill_record()

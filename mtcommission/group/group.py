@@ -40,7 +40,6 @@ from mtcommission.limits.judge import Candidate
 from mtcommission.loop.disturbance import worst_noise
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
-from mtcommission.record.shape import finite_or_none
 from mtcommission.study.variations import Row, choose, judge, look
 
 Array = NDArray[np.float64]
@@ -48,6 +47,9 @@ Array = NDArray[np.float64]
 NEARLY = 0.8
 """Share of the largest path acceleration from which a filter is as good for circles as the best
 (design choice) [-]."""
+
+ALL = 0.999
+"""Share of the axes' acceleration that is all of it, but for the steps of ``LADDER`` [-]."""
 
 SHORT = 0.8
 """Of the path acceleration without a filter, what an average must leave to be tried; the longest of
@@ -76,11 +78,11 @@ TENTH = 7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FilterTrial:
+class _Trial:
     """A setpoint filter for all axes, and what it costs and gives, at a first look."""
 
     filter: SetpointFilter | None
-    settling_time: float | None  # of the slowest axis, without the wait of the others; None: never
+    settling_time: float  # of the slowest axis, without the wait of the others; inf: never
     axes_acceleration: float  # the smallest of the axes' limits [m/s²]
     path_acceleration: float  # with which every circle keeps the tolerance [m/s²]
 
@@ -133,7 +135,8 @@ class Group:
     task: Task
     control: Control
     axes: tuple[GroupAxis, ...]
-    trials: tuple[FilterTrial, ...]  # that were compared, the one in use first
+    setpoint_filter: SetpointFilter | None  # of every axis
+    filter_reason: Message  # why that one
     path: PathLimits
     reserve: float  # share of the tolerance that circles and corners may use [-]
     encoder_noise: float  # what the encoders of the plane add [m]
@@ -145,11 +148,6 @@ class Group:
     def allowed(self) -> float:
         """What is left of the tolerance for circles and corners [m]."""
         return max(self.reserve * self.task.tolerance - self.encoder_noise, 0.0)
-
-    @property
-    def setpoint_filter(self) -> SetpointFilter | None:
-        """That of every axis."""
-        return self.trials[0].filter
 
     @property
     def drawn(self) -> tuple[GroupAxis, GroupAxis]:
@@ -184,13 +182,14 @@ def join(task: Task, *, progress: Progress = lambda _: None) -> Group:
     )
     reserve = min(machine.requirements.reserve.band for machine in task.machines)
     allowed = max(reserve * task.tolerance - noise, 0.0)
-    trials = _compare_filters(task, alone, allowed)
-    axes = tuple(one.told(trials[0].filter) for one in alone)
+    setpoint_filter, reason = _choose_filter(task, alone, allowed)
+    axes = tuple(one.told(setpoint_filter) for one in alone)
     group = Group(
         task=task,
         control=control,
         axes=axes,
-        trials=trials,
+        setpoint_filter=setpoint_filter,
+        filter_reason=reason,
         path=PathLimits(acceleration=inf, jerk=inf, accelerations=(inf, inf), jerks=(inf, inf)),
         reserve=reserve,
         encoder_noise=noise,
@@ -245,10 +244,10 @@ def _behind(pair: Pair, item: SetpointFilter | None) -> Pair:
 # The filter
 
 
-def _compare_filters(
+def _choose_filter(
     task: Task, alone: Sequence[GroupAxis], allowed: float
-) -> tuple[FilterTrial, ...]:
-    """Filters for all axes, at a first look, best first: for circles, then for moves."""
+) -> tuple[SetpointFilter | None, Message]:
+    """The filter that is best for circles, then for moves, at a first look, and why that one."""
     trials, pair = [], _plane(task, alone)
     for item in _filters_to_try(task, alone, allowed):
         # No limits of an axis keep its bounds behind some filters.
@@ -259,19 +258,21 @@ def _compare_filters(
         ]
         largest = min(each[0].acceleration if each else 0.0 for each in found)
         trials.append(
-            FilterTrial(
+            _Trial(
                 filter=item,
-                settling_time=finite_or_none(max(ends)),
+                settling_time=max(ends),
                 axes_acceleration=largest,
                 path_acceleration=_first_look(task, _behind(pair, item), allowed, largest),
             )
         )
     most = max(trial.path_acceleration for trial in trials)
 
-    def rank(trial: FilterTrial) -> tuple[bool, float]:
-        return trial.path_acceleration < NEARLY * most, trial.settling_time or inf
+    def rank(trial: _Trial) -> tuple[bool, float]:
+        return trial.path_acceleration < NEARLY * most, trial.settling_time
 
-    return tuple(sorted(trials, key=rank))
+    best = min(trials, key=rank)
+    leaves_all = best.path_acceleration >= ALL * best.axes_acceleration
+    return best.filter, Message("group-filter-chosen" if leaves_all else "group-filter-binds")
 
 
 def _filters_to_try(

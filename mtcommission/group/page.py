@@ -328,7 +328,9 @@ def _reversals(record: GroupRecord, axis: Follower) -> list[dict[str, Any]]:
 
 
 def _fields(record: GroupRecord, words: Catalogue) -> tuple[Field, ...]:
-    fastest = max(record.feed, *(one.feed for one in record.feed_over_radius))
+    fastest = max(
+        record.feed, *((one.without_peaks or one).feed for one in record.feed_over_radius)
+    )
     radii = [one.radius for one in record.feed_over_radius]
     return tuple(
         Field(

@@ -11,7 +11,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import SHAPERS
 from mtcommission.group.contours import CornerSpeed, Pair, PathLimits, tell_corner
 from mtcommission.group.follow import Circles, follow
-from mtcommission.group.group import BY_CONTOUR, FilterTrial, Group, GroupAxis
+from mtcommission.group.group import BY_CONTOUR, Group, GroupAxis
 from mtcommission.group.judged import (
     Circle,
     FeedOverRadius,
@@ -139,7 +139,7 @@ class GroupRecord:
     feed_over_radius: list[FeedOverRadius]
     speed_over_angle: list[CornerSpeed]
     corner_rule: RuleEntry
-    filters: list[FilterTrial]  # that were compared, the one in use first
+    filter_reason: Words  # why that filter
     tolerance: float
     allowed: float  # of that for circles and corners
     feed: float
@@ -208,7 +208,7 @@ def build_group_record(group: Group, *, created: str) -> GroupRecord:
         feed_over_radius=feeds_over_radius(group, circles),
         speed_over_angle=list(corners),
         corner_rule=entry_of(RuleEntry, control.corner, name=control.corner_name, value=told),
-        filters=list(group.trials),
+        filter_reason=group.filter_reason,
         tolerance=task.tolerance,
         allowed=group.allowed,
         feed=task.feed,

@@ -128,7 +128,7 @@ def compose_group(record: GroupRecord, pair: Pair, words: Catalogue) -> Document
 
 
 def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
-    """Yield verdict, what to enter, filters beside each other, requirements, on what it rests."""
+    """Yield verdict, what to enter, requirements, on what it rests."""
     yield headline(record, words)
     if record.warnings:
         yield Bullets(items=tuple(map(words.say, record.warnings)), tone=Tone.WARNING)
@@ -140,7 +140,6 @@ def first_page(record: GroupRecord, words: Catalogue) -> Iterator[Block]:
         yield Paragraph(text=why, tone=Tone.WARNING)
     yield _entries(record, parts, words)
     yield note(" ".join(_bounds(record, words)))
-    yield _filters(record, words)
     yield _checks(record, words)
     yield pairs(
         words,
@@ -188,13 +187,6 @@ def _paths(record: GroupRecord) -> Sequence[tuple[str, str]]:
 def _parameter(entry: Entry, words: Catalogue) -> str:
     """What the control calls it, and whether that was read in a maker's text."""
     return f"{entry_name(entry, words)}{'' if entry.row.is_verified else ' (?)'}"
-
-
-def _leads(record: GroupRecord, words: Catalogue) -> str:
-    """Why this filter: it leaves circles their acceleration, or settles first of those that do."""
-    used = record.filters[0]
-    kept = used.path_acceleration >= 0.999 * used.axes_acceleration
-    return words.text("group-filter-chosen" if kept else "group-filter-binds")
 
 
 def _bound(record: GroupRecord, name: str, words: Catalogue) -> str:
@@ -268,7 +260,7 @@ def _bounds(record: GroupRecord, words: Catalogue) -> Iterator[str]:
     for name, _ in _paths(record):
         by = _bound(record, name, words)
         yield words.text("group-bound-of", name=words.text(f"group-path-{name}"), by=by)
-    yield f"{capitalised(say_filter(record.filter, words))}: {_leads(record, words)}."
+    yield f"{capitalised(say_filter(record.filter, words))}: {words.say(record.filter_reason)}."
     yield say_corners(record, words)
 
 
@@ -278,19 +270,6 @@ def say_corners(record: GroupRecord, words: Catalogue) -> str:
     if told.value and told.name:
         return words.text("group-corner-told", kind=told.kind, name=told.name, value=told.value)
     return words.text("group-corner-no-arc" if told.kind == "arc" else "group-corner-no-value")
-
-
-def _filters(record: GroupRecord, words: Catalogue) -> Table:
-    columns = (
-        Quantity("setpoint-filter", lambda one: say_filter(one.filter, words), width=1.9),
-        Quantity("group-settling-slowest", "settling_time", "s", "not-settled", width=1.2),
-        Quantity("group-axes-acceleration", "axes_acceleration", "m/s^2", width=1.2),
-        Quantity("group-path-acceleration", "path_acceleration", "m/s^2", width=1.2),
-    )
-    first = record.filters[0]
-    return table(
-        words, "group-filters-caption", columns, record.filters, strong=lambda one: one is first
-    )
 
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
