@@ -19,9 +19,8 @@ import pypdfium2
 import pytest
 
 from mtcommission.cli.group_view import describe_group
-from mtcommission.group.contours import find_entries, worst_circle
+from mtcommission.group.contours import find_entries, trace_circles, worst_circle
 from mtcommission.group.export import export_group
-from mtcommission.group.page import trace_circles
 from mtcommission.group.record import GroupRecord, build_group_record, read_pair
 from mtcommission.group.sheet import compose_group, print_group, words_of
 from mtcommission.machine.profile.read import profile_text_hash

@@ -21,7 +21,7 @@ of the project), held to by tests.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import atan2, ceil, cos, hypot, inf, pi, radians, sin, sqrt, tan
 
@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.controls.control import Corner, CornerRule
-from mtcommission.group.follow import Follower, starts_of
+from mtcommission.group.follow import AFTER, Circles, Follower, starts_of
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
@@ -167,6 +167,65 @@ def _in_directions(C_x: Complex, C_y: Complex) -> Iterator[Complex]:
     """The tool in the path's own directions, from the axes' answers to it, entered in each."""
     for turn in DIRECTIONS:
         yield np.conj(turn) * ((turn * C_x).real + 1j * (turn * C_y).imag)
+
+
+# A circle test
+
+SINCE = AFTER * (np.arange(121) / 120) ** 1.5
+"""When after a reversal the tool is looked at, close together where it moves most [s]."""
+
+PLACES = 720
+"""Of a circle that are drawn, beside those after each reversal."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trace:
+    """A circle as a ballbar sees it: radius less the nominal one over the angle."""
+
+    angle: Array  # [rad]
+    deviation: Array  # outwards positive [m]
+
+    @property
+    def largest(self) -> float:
+        """Radial deviation F_max of ISO 230-4 [m]."""
+        return float(self.deviation.max())
+
+    @property
+    def least(self) -> float:
+        """Radial deviation F_min of ISO 230-4 [m]."""
+        return float(self.deviation.min())
+
+    @property
+    def circular(self) -> float:
+        """Circular deviation G of ISO 230-4 about the centre: largest less smallest radius [m]."""
+        return self.largest - self.least
+
+
+def trace_circles(pair: Pair, circles: Circles) -> list[Trace]:
+    """Return how the nominal machine draws circles, counterclockwise, their reversals included."""
+    every = [axis.reversals(circles)[:, 0] for axis in pair]
+    return [
+        _trace(pair, radius, feed, [off[k] for off in every])
+        for k, (radius, feed) in enumerate(circles)
+    ]
+
+
+def _trace(pair: Pair, radius: float, feed: float, offs: Sequence[Array]) -> Trace:
+    omega, quarters = feed / radius, (0.0, 0.5 * pi)
+    late = [quarter + omega * axis.reverses for axis, quarter in zip(pair, quarters, strict=True)]
+    every = [np.arange(PLACES) * 2.0 * pi / PLACES]
+    every += [half + after + omega * SINCE for after in late for half in (0.0, pi)]
+    phase = np.unique(np.concatenate(every) % (2.0 * pi))
+    path = []
+    for axis, quarter, after, off in zip(pair, quarters, late, offs, strict=True):
+        answer = axis.response(np.array([omega]))[0, 0]
+        position = radius * (answer * np.exp(1j * (phase - quarter))).real
+        # From one reversal to the next; friction throws the tool to the side it comes from.
+        halves, since = np.divmod(phase - after, pi)
+        t = axis.poles.velocity_cycle * np.arange(off.size)
+        thrown = np.interp(since / omega, t, off, right=0.0)
+        path.append(position + np.where(halves % 2 == 0, thrown, -thrown))
+    return Trace(angle=np.arctan2(path[1], path[0]), deviation=np.hypot(*path) - radius)
 
 
 # Corners

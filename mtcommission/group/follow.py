@@ -79,8 +79,12 @@ class Follower:
     @property
     def lag(self) -> Array:
         """By how much slow motion comes later than its setpoint, (n_corners,) [s]."""
-        late = self.wait + filter_lag(self.setpoint_filter)
-        return np.asarray(late - self.poles.steady[:, 0, TOOL, 1], dtype=np.float64)
+        return np.asarray(self.reverses - self.poles.steady[:, 0, TOOL, 1], dtype=np.float64)
+
+    @property
+    def reverses(self) -> float:
+        """By how much an axis reverses later than it is told, by wait and filter [s]."""
+        return self.wait + filter_lag(self.setpoint_filter)
 
     @property
     def step(self) -> float:

@@ -19,8 +19,15 @@ from numpy.typing import NDArray
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.controls.control import Corner
 from mtcommission.controls.kinds import CONTROLS
-from mtcommission.group.contours import Pair, find_entries, turnings, worst_circle
-from mtcommission.group.follow import AFTER, Circles, Follower, filter_lag
+from mtcommission.group.contours import (
+    SINCE,
+    Pair,
+    Trace,
+    find_entries,
+    turnings,
+    worst_circle,
+)
+from mtcommission.group.follow import Follower
 from mtcommission.group.record import GroupRecord
 from mtcommission.record.moves import rounded
 from mtcommission.record.shape import finite_or_none, to_plain
@@ -44,67 +51,6 @@ BESIDE = 2.0 * HALF + 26.0
 """Where the words beside the circle begin [pt]."""
 
 TURN = np.linspace(0.0, 2.0 * pi, 181)
-
-SINCE = AFTER * (np.arange(121) / 120) ** 1.5
-"""When after a reversal the tool is looked at, close together where it moves most [s]."""
-
-PLACES = 720
-"""Of a circle that are drawn, beside those after each reversal."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Trace:
-    """A circle as a ballbar sees it: radius less the nominal one over the angle."""
-
-    angle: Array  # [rad]
-    deviation: Array  # outwards positive [m]
-
-    @property
-    def largest(self) -> float:
-        """Radial deviation F_max of ISO 230-4 [m]."""
-        return float(self.deviation.max())
-
-    @property
-    def least(self) -> float:
-        """Radial deviation F_min of ISO 230-4 [m]."""
-        return float(self.deviation.min())
-
-    @property
-    def circular(self) -> float:
-        """Circular deviation G of ISO 230-4 about the centre: largest less smallest radius [m]."""
-        return self.largest - self.least
-
-
-def trace_circles(pair: Pair, circles: Circles) -> list[Trace]:
-    """Return how the nominal machine draws circles, counterclockwise, their reversals included."""
-    every = [axis.reversals(circles)[:, 0] for axis in pair]
-    return [
-        _trace(pair, radius, feed, [off[k] for off in every])
-        for k, (radius, feed) in enumerate(circles)
-    ]
-
-
-def _trace(pair: Pair, radius: float, feed: float, offs: Sequence[Array]) -> Trace:
-    omega, quarters = feed / radius, (0.0, 0.5 * pi)
-    late = [quarter + omega * reverses(axis) for axis, quarter in zip(pair, quarters, strict=True)]
-    every = [np.arange(PLACES) * 2.0 * pi / PLACES]
-    every += [half + after + omega * SINCE for after in late for half in (0.0, pi)]
-    phase = np.unique(np.concatenate(every) % (2.0 * pi))
-    path = []
-    for axis, quarter, after, off in zip(pair, quarters, late, offs, strict=True):
-        answer = axis.response(np.array([omega]))[0, 0]
-        position = radius * (answer * np.exp(1j * (phase - quarter))).real
-        # From one reversal to the next; friction throws the tool to the side it comes from.
-        halves, since = np.divmod(phase - after, pi)
-        t = axis.poles.velocity_cycle * np.arange(off.size)
-        thrown = np.interp(since / omega, t, off, right=0.0)
-        path.append(position + np.where(halves % 2 == 0, thrown, -thrown))
-    return Trace(angle=np.arctan2(path[1], path[0]), deviation=np.hypot(*path) - radius)
-
-
-def reverses(axis: Follower) -> float:
-    """Return by how much an axis reverses later than it is told, by wait and filter [s]."""
-    return axis.wait + filter_lag(axis.setpoint_filter)
 
 
 def find_division(tolerance: float, traces: Sequence[Trace]) -> float:
@@ -291,7 +237,7 @@ def draw_model(record: GroupRecord, pair: Pair) -> dict[str, Any]:
         axes.append(
             {
                 "delay": axis.delay,
-                "reverses": reverses(axis),
+                "reverses": axis.reverses,
                 "real": answers.real.tolist(),
                 "imaginary": answers.imag.tolist(),
                 "turned": np.round(turning.tool, DECIMALS).tolist(),

@@ -20,11 +20,11 @@ from mtcommission.controls.row import (
     Setting,
 )
 from mtcommission.controls.syntax import Entry
-from mtcommission.group.contours import Pair
+from mtcommission.group.contours import Pair, Trace, trace_circles
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
 from mtcommission.group.judged import GroupCheck
-from mtcommission.group.page import Trace, contour_panel, draw_ballbar, micrometres, trace_circles
+from mtcommission.group.page import contour_panel, draw_ballbar, micrometres
 from mtcommission.group.record import GroupRecord
 from mtcommission.machine.checks import filter_rows, say_filter
 from mtcommission.record.machine import say_assumed

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, to_json
-from mtcommission.group.contours import Pair, every_circle
+from mtcommission.group.contours import Pair, every_circle, trace_circles
 from mtcommission.group.judged import PEAK
-from mtcommission.group.page import trace_circles
 from mtcommission.group.record import GroupRecord, read_pair
 from mtcommission.group.recorded import CircularTrace, FittedCircle, Found, fit_circles
 from mtcommission.sheet.document import Block, Bullets, LinePlot
