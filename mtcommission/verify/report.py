@@ -17,7 +17,6 @@ from mtcommission.sheet.document import (
     BigValue,
     Block,
     Bullets,
-    Column,
     Headline,
     LinePlot,
     Paragraph,
@@ -125,7 +124,9 @@ def list_differences(told: Report, words: Catalogue) -> list[Block]:
         brings = say("verify-feedforward-brings", moves=fed.tested, before=old, after=new)
         blocks.append(note(brings))
     if told.limits is not None:
-        blocks.append(_limits(told.limits, words))
+        rows = {"old": told.limits.old, "new": told.limits.new}
+        shown = [(Message(f"verify-head-{name}"), one) for name, one in rows.items() if one]
+        blocks.append(table(words, "verify-caption-limits", LIMITS, shown))
         if told.limits.failure:
             failure = say("warning", warning=words.say(told.limits.failure))
             blocks.append(Paragraph(text=failure, tone=Tone.WARNING))
@@ -157,27 +158,17 @@ def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Tab
 
 
 LIMITS = (
-    Quantity("verify-limit-acceleration", "acceleration", "m/s^2"),
-    Quantity("verify-limit-jerk", "jerk", "m/s^3"),
-    Quantity("verify-limit-settling", "settling_time", "s", "not-settled"),
-    Quantity("verify-limit-met", "meets_requirements"),
+    Quantity("", itemgetter(0), width=1.4),
+    *(
+        one.within(itemgetter(1))
+        for one in (
+            Quantity("verify-limit-acceleration", "acceleration", "m/s^2"),
+            Quantity("verify-limit-jerk", "jerk", "m/s^3"),
+            Quantity("verify-limit-settling", "settling_time", "s", "not-settled"),
+            Quantity("verify-limit-met", "meets_requirements"),
+        )
+    ),
 )
-
-
-def _limits(limits: NewLimits, words: Catalogue) -> Table:
-    """Acceleration, jerk, settling time and verdict, old beside new."""
-    both, heads = (limits.old, limits.new), ("verify-head-old", "verify-head-new")
-    return Table(
-        caption=words.text("verify-caption-limits"),
-        columns=(
-            Column(head="", width=1.4),
-            *(Column(head=words.text(head), is_number=True) for head in heads),
-        ),
-        rows=tuple(
-            (one.head(words), *(one.show(own, words) if own else DASH for own in both))
-            for one in LIMITS
-        ),
-    )
 
 
 def verification_entry(told: Report) -> Entry:
