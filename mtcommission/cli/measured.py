@@ -70,31 +70,25 @@ def identify(
     ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
     given = _read_given(sensor, input_, constant, measured, columns or [], profile)
     axes = by_axis([split_name(one).name for one in files])
-    if len(axes) == 1:
-        jobs = [_Job(files, profile, output, page, json_file, next(iter(axes)))]
-    else:
-        if profile is not None or "-" in (output, page, json_file):
-            raise InputError.at("FILE", Message("identify-several-axes", axes=", ".join(axes)))
-        jobs = [
-            _Job(
-                [one for one in files if split_name(one).name in own],
-                None,
-                of_axis(output, axis),
-                of_axis(page, axis),
-                of_axis(json_file, axis),
-                axis,
-            )
-            for axis, own in axes.items()
-        ]
+    is_one = len(axes) == 1
+    if not is_one and (profile is not None or "-" in (output, page, json_file)):
+        raise InputError.at("FILE", Message("identify-several-axes", axes=", ".join(axes)))
+    jobs = []
+    for axis, own in axes.items():
+        chosen = [one for one in files if split_name(one).name in own]
+        new, shown, entry = (
+            of_axis(one, "" if is_one else axis) for one in (output, page, json_file)
+        )
+        jobs.append(_Job(chosen, profile, new, shown, entry, axis))
     for job in jobs:
         inputs = [Path(split_name(one).name) for one in job.files]
         require_writable(job.beside, job.page, job.output, inputs=inputs)
         _keep_others(job.output, job.profile)
-    written = [
+    sound = [
         _identify(job, given, language, ratio=ratio, force=force, band_hz=limits, count=count)
         for job in jobs
     ]
-    raise typer.Exit(0 if all(written) else 1)
+    raise typer.Exit(0 if all(sound) else 1)
 
 
 class _Job(NamedTuple):
@@ -252,9 +246,6 @@ def read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
     return found
 
 
-EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
-
-
 def verify(
     record: Path = RECORD,
     traces: list[str] = argument("TRACE...", "Recorded moves, or circles."),
@@ -303,7 +294,7 @@ def verify(
             print_written(output, files)
         if renewed:
             print_written(Path(), [renewed])
-    raise typer.Exit(EXIT_BY_VERDICT[told.verdict])
+    raise typer.Exit(0 if told.verdict == "holds" else 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -165,9 +165,11 @@ def by_axis(files: Sequence[str]) -> dict[str, list[str]]:
 
 
 def of_axis(file: str, axis: str) -> str:
-    """Return the name of a file that is written for one of several axes."""
+    """Return the name of a file that is written for one of several axes; "": for the only one."""
     path = PurePath(file)
-    return str(path.with_name(f"{path.stem}-{axis.lower()}{path.suffix}")) if file else ""
+    return (
+        str(path.with_name(f"{path.stem}-{axis.lower()}{path.suffix}")) if file and axis else file
+    )
 
 
 _OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")

@@ -325,6 +325,8 @@ MASS_TOLERANCE = 0.05
 """Relative difference of two sensors' masses that is told."""
 LEAST_REVERSED = 0.01
 """Share of the time in which an axis moves backwards, below which friction kept its sign."""
+LEAST_SHIFT = 3e-3
+"""Of a frequency: repeats of one set-up differ by 0.4 %, so that less is not worth a word."""
 LARGEST_MODEL_ERROR = 0.05
 """Share of |H| that the model may miss without a word."""
 MOST_INCOHERENT = 0.15
@@ -353,7 +355,6 @@ def _list_doubts(
     if part.moving_mass is None:
         yield Message(f"identify-no-{'force' if part.base_excited else 'rigid-body'}")
         return
-    yield Message("identify-friction-small-amplitude")
     if not any(fit.has(Sensor.TCP) for fit in fits):
         yield Message("identify-no-tool-sensor", bound=1.0 / part.moving_mass.value)
 
@@ -414,7 +415,7 @@ def _of_friction(fit: Fitted, records: Sequence[TimeRecord]) -> Iterator[Message
         for f in (mode.frequency_hz for mode in fit.modes)
     ]
     shift, f = max(shifts, key=lambda one: one[0] * one[1].value / max(one[1].sigma, 1e-12))
-    if shift * f.value <= 2.0 * f.sigma:
+    if shift < LEAST_SHIFT or shift * f.value <= 2.0 * f.sigma:
         return
     file, values = ", ".join(sorted(files)), {"frequency": f.value, "shift": shift}
     values["interval"] = 2.0 * f.sigma / f.value

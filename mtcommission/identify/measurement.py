@@ -331,11 +331,9 @@ class FileContents:
     remarks: tuple[Message, ...] = ()  # What was left out, and what the file says that matters
 
 
-def refuse(
-    where: str, kind: str, /, *, line: int = 0, key: str = "", **values: Value
-) -> InputError:
+def refuse(where: str, kind: str, /, **values: Value) -> InputError:
     """Return the error of a file that cannot be used, to be raised."""
-    return InputError([Fault(where=where, line=line, key=key, message=Message(kind, **values))])
+    return InputError.at(where, Message(kind, **values))
 
 
 def broken(kind: str, /, *, line: int = 0, **values: Value) -> InputError:

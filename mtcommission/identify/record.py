@@ -475,16 +475,12 @@ def read_spectrum(
 
 def _require_good_lines(f: Array, lines: Lines, *, coherence: Array | None = None) -> None:
     """Refuse frequencies that do not rise, are too few or out of range, and such a coherence."""
-
-    def line(row: int) -> int:
-        return int(lines[row]) if lines.size else 0
-
     if f.size < LEAST_LINES:
         raise broken("identify-fewer-lines-than-needed", got=f.size, least=LEAST_LINES)
     steps = np.diff(f)
     if (steps <= 0.0).any():
         row, kind = int(np.argmax(steps <= 0.0)) + 1, "identify-frequency-does-not-rise"
-        raise broken(kind, line=line(row), before=f[row - 1], after=f[row])
+        raise broken(kind, line=_line(lines, row), before=f[row - 1], after=f[row])
     first, last = float(f[0]), float(f[-1])
     if not LOWEST_HZ <= last <= HIGHEST_HZ or first < 0.0:
         kind = "identify-frequency-out-of-range"
@@ -493,7 +489,7 @@ def _require_good_lines(f: Array, lines: Lines, *, coherence: Array | None = Non
         out = (coherence < -SLACK) | (coherence > 1.0 + SLACK)
         if out.any():
             row, kind = int(np.argmax(out)), "identify-coherence-out-of-range"
-            raise broken(kind, line=line(row), got=float(coherence[row]))
+            raise broken(kind, line=_line(lines, row), got=float(coherence[row]))
 
 
 def _require_falling(response: FrequencyResponse) -> None:
