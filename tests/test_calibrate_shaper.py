@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
-from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.identify.calibrate_shaper import propose_shapers
 from mtcommission.identify.gather import by_axis, gather
@@ -21,11 +20,10 @@ from mtcommission.identify.measurement import AllDirections, Given, Spectrum
 from mtcommission.identify.profile import Writing, write_profile
 from mtcommission.identify.states import states_differ
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.profile.read import parse_profile, read_profile
+from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.record.identified import read_evidence
 from mtcommission.study.rules import compare_shapers
-from tests.test_wizard import from_answers
 
 Result = tuple[int, str, str]
 Modes = tuple[tuple[float, float, float], ...]
@@ -167,19 +165,6 @@ def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(tmp_path: Path) 
     assert each == pytest.approx(order, rel=0.02)
 
 
-def test_the_wizard_takes_the_axis_from_klippers_names_and_one_axis_only(tmp_path: Path) -> None:
-    """If it failed, Enter would make X of Y, and two axes would be one whose frequency varies."""
-    y = write(tmp_path, "resonances_y_1.csv", ONE)
-    x = write(tmp_path, "resonances_x_1.csv", TWO)
-    answers = 'wizard.measured = ["{}"]\n'
-    said = from_answers(tmp_path / "y.toml", answers.format(y))
-    assert read_profile(tmp_path / "y.toml").axis == "Y"
-    assert "at full acceleration" in said
-    with pytest.raises(InputError, match=r"measured on several axes \(X, Y\)"):
-        from_answers(tmp_path / "both.toml", answers.format(f'{x}", "{y}'))
-    assert not (tmp_path / "both.toml").exists()
-
-
 def _run(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str | Path
 ) -> Result:
@@ -239,7 +224,7 @@ def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
     found = identify(gather([str(file)], Given()), created="2026-11-23")
     part = found.part
     how = Writing(file="x.toml", words=lambda _: Catalogue())
-    machine = parse_profile(write_profile(found, how), where="x.toml")
+    machine = parse_profile(write_profile(found, how).profile, where="x.toml")
     first, *others = compare_shapers(machine, tune_loop(machine))
     assert first.name is not None
     assert first.name.kind == "shaper-of-calibration"

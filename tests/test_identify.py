@@ -62,7 +62,7 @@ def encoder(tmp_path_factory):
 
 
 def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> None:
-    text = write_profile(both, _how())
+    text = write_profile(both, _how()).profile
     data = tomllib.loads(text)
     assert float(data["plant"]["moving_mass"].split()[0]) == pytest.approx(made.MASS, rel=0.01)
     for mode, (hertz, zeta, own, tool) in zip(data["plant"]["modes"], made.MODES, strict=True):
@@ -75,7 +75,7 @@ def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> No
 
 
 def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumption(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, _how()))
+    data = tomllib.loads(write_profile(encoder, _how()).profile)
     gain = float(data["plant"]["modes"][0]["tcp_gain"].split()[0])
     assert gain == pytest.approx(-1.0 / made.MASS, rel=0.01)
     assert "plant.modes[1].tcp_gain" in data["machine"]["assumed"]
@@ -83,7 +83,7 @@ def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumpti
 
 
 def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, _how(tool_ratio=-1.5)))
+    data = tomllib.loads(write_profile(encoder, _how(tool_ratio=-1.5)).profile)
     mode = data["plant"]["modes"][0]
     own, tool = (float(mode[key].split()[0]) for key in ("measured_gain", "tcp_gain"))
     assert tool == pytest.approx(-1.5 * own, rel=1e-3)

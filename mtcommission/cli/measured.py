@@ -120,28 +120,25 @@ def _identify(
     before = read_profile_text(job.profile) if job.profile else ""
 
     from mtcommission.cli.identified_view import describe_identified, refusal
-    from mtcommission.identify.profile import Writing, identify_files, name_from
+    from mtcommission.identify.gather import gather
+    from mtcommission.identify.identified import identify
+    from mtcommission.identify.profile import Writing, merge_profile, name_from, write_profile
 
     output, beside = job.output, job.beside
+    how = Writing(
+        file=output or str(job.profile or "machine.toml"),
+        words=lambda rotary: words(rotary=rotary),
+        evidence=name_from(output, beside),
+        axis=job.axis or "X",
+        tool_ratio=ratio,
+    )
     with show_stage() as progress:
         progress(Message("identify-stage"))
-        axis = identify_files(
-            job.files,
-            given,
-            Writing(
-                file=output or str(job.profile or "machine.toml"),
-                words=lambda rotary: words(rotary=rotary),
-                evidence=name_from(output, beside),
-                axis=job.axis or "X",
-                tool_ratio=ratio,
-            ),
-            created=now(),
-            before=before,
-            forced=force,
-            **fit,
-        )
+        axis = identify(gather(job.files, given), created=now(), **fit)
     is_sound = axis.doubt is None or force
-    if not is_sound:
+    if is_sound:
+        axis = merge_profile(before, axis, how) if before else write_profile(axis, how)
+    else:
         beside, output = job.json_file, ""
     if job.page:
         from mtcommission.identify.page import print_identified
@@ -160,8 +157,8 @@ def _identify(
     if written := [name for name in (output, job.page, beside) if name]:
         print_written(Path(), written)
     if output:
-        how = "-run" if axis.part.proposals else "-check" if job.profile else ""
-        print_said(f"identify-next{how}", file=output)
+        then = "-run" if axis.part.proposals else "-check" if job.profile else ""
+        print_said(f"identify-next{then}", file=output)
     return is_sound
 
 

@@ -15,9 +15,7 @@ from mtcommission.base import __version__
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import LINEAR, ROTARY, AxisUnits
-from mtcommission.identify.gather import gather
-from mtcommission.identify.identified import Identified, identify
-from mtcommission.identify.measurement import Given
+from mtcommission.identify.identified import Identified
 from mtcommission.identify.states import FARTHEST, states_differ
 from mtcommission.machine.identified import (
     LONGEST_FILE,
@@ -75,30 +73,6 @@ class Writing:
     axis: str = "X"  # Letter
 
 
-def identify_files(
-    files: Sequence[str],
-    given: Given,
-    how: Writing,
-    *,
-    created: str,
-    before: str = "",
-    band_hz: tuple[float, float] | None = None,
-    count: int | None = None,
-    forced: bool = False,
-) -> Identified:
-    """Return what files say of an axis, merged into the profile ``before`` where there is one.
-
-    ``forced``: write a profile although no model fits. Raise InputError where a file cannot be
-    read, or leaves open what its columns are; or the profile is not valid.
-    """
-    found = identify(gather(files, given), created=created, band_hz=band_hz, count=count)
-    if found.doubt and not forced:
-        return found
-    if before:
-        return merge_profile(before, found, how)
-    return replace(found, profile=write_profile(found, how))
-
-
 def name_from(profile: str, evidence: str) -> str:
     """Return the name of a file as a profile states it; "" where one of them is no file."""
     if {profile, evidence} & {"", "-"}:
@@ -112,8 +86,8 @@ def evidence_file(profile: str) -> str:
     return str(PurePath(profile).with_suffix(".identified.json"))
 
 
-def write_profile(found: Identified, how: Writing) -> str:
-    """Return a new profile: what is known with its intervals, the rest as open questions."""
+def write_profile(found: Identified, how: Writing) -> Identified:
+    """Return what was found with a new profile: what is known, the rest as open questions."""
     part = found.part
     text = how.words(part.rotary).text
     document: Any = tomlkit.document()
@@ -154,7 +128,7 @@ def write_profile(found: Identified, how: Writing) -> str:
     if not part.proposals:
         question = text("identify-document-open", file=how.file)
         whole += "\n".join(["", f"# {question}", *(f"#   {key}" for key in asked), ""])
-    return _heading(found, how) + "\n" + whole
+    return replace(found, profile=f"{_heading(found, how)}\n{whole}")
 
 
 def _source(found: Identified, how: Writing) -> str:
