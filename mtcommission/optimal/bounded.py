@@ -159,7 +159,7 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     for seen in refined(problem, first):
         guess = detect_sequence(problem, seen.structure, seen.dual, seen.mesh)
         # Newton's method on a long sequence that is not yet right costs more than a finer program.
-        if seen.gap > 0.5 * gap or len(guess.pieces) <= LONG or seen.gap < CERTAIN:
+        if seen.gap > 0.5 * gap or len(guess) <= LONG or seen.gap < CERTAIN:
             found = solve_exactly(problem, guess)
             if found is not None:
                 return found

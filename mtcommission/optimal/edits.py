@@ -7,8 +7,9 @@ besides is not searched for: finer cells show it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import log
 
 import numpy as np
@@ -21,11 +22,12 @@ from mtcommission.optimal.problem import Atom, BoundedProblem
 from mtcommission.optimal.proof import EXCESS, Found, prove
 from mtcommission.optimal.sequence import (
     Piece,
-    Sequence,
+    Pieces,
+    final_time,
     piece_end,
-    place_touches,
     sequence_arcs,
     touch_points,
+    with_touches,
 )
 
 Array = NDArray[np.float64]
@@ -41,28 +43,29 @@ MOST_GROWTH = 10.0
 """Growth of the motion over an arc, as exponent of e, from which no digits are left."""
 
 
-def holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
+def holds_high_order(problem: BoundedProblem, guess: Pieces) -> bool:
     """Return whether a sequence holds a bound of an order above 2, for which it has no end."""
-    return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
+    return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess)
 
 
-def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
+def solve_exactly(problem: BoundedProblem, guess: Pieces) -> Found | None:
     """Return the accepted extremal of a sequence, or of that with one touch point less."""
     found = _solve_edited(problem, guess)
     # Ripple of the multipliers may show one touch point as two, or one where there is none.
-    for left_out in guess.touches if len(guess.touches) <= FEW else ():
+    touched = [i for i, piece in enumerate(guess) if piece.touch]
+    for i in touched if len(touched) <= FEW else ():
         if found is None:
-            rest = tuple(touch for touch in guess.touches if touch is not left_out)
-            found = _solve_edited(problem, replace(guess, touches=rest))
+            longer = replace(guess[i - 1], duration=guess[i - 1].duration + guess[i].duration)
+            found = _solve_edited(problem, (*guess[: i - 1], longer, *guess[i + 1 :]))
     return found
 
 
-def _solve_edited(problem: BoundedProblem, guess: Sequence) -> Found | None:
+def _solve_edited(problem: BoundedProblem, guess: Pieces) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     best: Found | None = None
     # Arcs that a guess drives over each other, as where a force turns before it is on its bound.
-    shared = _joined([piece for piece in _shared(guess.pieces) if piece.duration != 0.0])
-    following: Sequence | None = replace(guess, pieces=tuple(shared))
+    shared = _whole(piece for piece in _shared(_whole(guess)) if piece.duration != 0.0)
+    following: Pieces | None = with_touches(problem, shared, touch_points(guess))
     for _ in range(EDITS):
         if following is None or not _may_be_solved(problem, following):
             break
@@ -78,48 +81,43 @@ def _solve_edited(problem: BoundedProblem, guess: Sequence) -> Found | None:
     return best
 
 
-def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
+def _may_be_solved(problem: BoundedProblem, guess: Pieces) -> bool:
     """Return whether there are equations for all pieces, and digits enough to solve them."""
-    if holds_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
+    if holds_high_order(problem, guess) or guess[-1].limit >= 0:
         return False
-    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
+    arcs = [piece for piece in guess if piece.limit >= 0]
     return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
 
 
 def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
     """Return the control of a solved sequence with its proof, or None."""
-    sequence = extremal.sequence
-    if extremal.residual > RESIDUAL or min(p.duration for p in sequence.pieces) <= 0.0:
+    pieces = extremal.pieces
+    if extremal.residual > RESIDUAL or min(p.duration for p in _whole(pieces)) <= 0.0:
         return None
-    arcs = sequence_arcs(problem, sequence)
-    return prove(problem, arcs, extremal.measure, touch_points(sequence), is_exact=True)
+    arcs = sequence_arcs(problem, pieces)
+    return prove(problem, arcs, extremal.measure, touch_points(pieces), is_exact=True)
 
 
-def _pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
+def _pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Pieces | None:
     """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
-    sequence = extremal.sequence
-    shared = _shared(sequence.pieces)
-    pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
-    points = touch_points(sequence)
+    whole, points = _whole(extremal.pieces), touch_points(extremal.pieces)
+    near = least * final_time(whole)
+    pieces = _whole([p for p in _shared(whole) if p.duration > near])
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
-    t_f = sum(piece.duration for piece in pieces)
+    t_f = final_time(pieces)
     inside = tuple(
         at
         for at in points
         if weights.get(at.remaining, 0.0) * at.side >= 0.0
         and 0.0 < at.remaining < t_f
-        and not _at_arc(sequence, at, near=least * t_f)
+        and not _at_arc(whole, at, near=near)
     )
-    if len(pieces) == len(sequence.pieces) and len(inside) == len(points):
+    if len(pieces) == len(whole) and len(inside) == len(points):
         return None
-    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
+    return with_touches(problem, pieces, inside)
 
 
-def _kind(piece: Piece) -> tuple[int, int]:
-    return piece.limit, piece.side
-
-
-def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
+def _shared(pieces: Pieces) -> list[Piece]:
     """Return the pieces with half of each negative duration taken from the pieces beside it."""
     spans = [piece.duration for piece in pieces]
     for i in range(1, len(spans) - 1):
@@ -129,22 +127,22 @@ def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
     return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
 
 
-def _at_arc(sequence: Sequence, point: Atom, *, near: float) -> bool:
+def _at_arc(whole: Pieces, point: Atom, *, near: float) -> bool:
     """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
-    ends = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
+    ends = final_time(whole) - np.cumsum([0.0, *(piece.duration for piece in whole)])
     return any(
         piece.limit == point.limit and np.abs(ends[i : i + 2] - point.remaining).min() <= near
-        for i, piece in enumerate(sequence.pieces)
+        for i, piece in enumerate(whole)
     )
 
 
-def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:
     """Return the sequence with an arc where a bound of order 1 is exceeded most; None if nowhere.
 
     Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and
     must be held there, however short.
     """
-    plant, pieces = problem.plant, list(extremal.sequence.pieces)
+    plant, pieces = problem.plant, list(_whole(extremal.pieces))
     first = np.array([limit.order for limit in problem.limits]) == 1
     state, worst, most = np.zeros(plant.order), None, 1.0 + EXCESS
     for index, (piece, after) in enumerate(pairwise(pieces)):
@@ -166,18 +164,13 @@ def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | N
         Piece(limit=k, side=side, duration=2.0 * half),
         replace(after, duration=after.duration - half),
     ]
-    touches = touch_points(extremal.sequence)
-    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
+    return with_touches(problem, tuple(pieces), touch_points(extremal.pieces))
 
 
-def _joined(pieces: list[Piece]) -> list[Piece]:
-    joined: list[Piece] = []
-    for piece in pieces:
-        if joined and _kind(joined[-1]) == _kind(piece):
-            joined[-1] = replace(joined[-1], duration=joined[-1].duration + piece.duration)
-        else:
-            joined.append(piece)
-    return joined
+def _whole(pieces: Iterable[Piece]) -> Pieces:
+    """Return the pieces without touch points, those in a row that do the same as one."""
+    runs = [tuple(run) for _, run in groupby(pieces, key=lambda piece: (piece.limit, piece.side))]
+    return tuple(replace(run[0], duration=final_time(run), touch=None) for run in runs)
 
 
 TIGHT = 0.97
@@ -204,7 +197,7 @@ def swift_plant(problem: BoundedProblem, index: int) -> Plant:
     return replace(plant, force_lag=lag, A=A, B=plant.B * (plant.force_lag / lag))
 
 
-def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -> Sequence:
+def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -> Pieces:
     """Return the sequence that follows the arcs of the swift plant."""
     f = problem.limits[index].bound.value
     short = PASSING * 0.5 * _ramp(problem, -f, f)
@@ -221,7 +214,7 @@ def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -
         span = sum(swing.duration for swing in ramp)
         pieces += [*ramp, replace(piece, limit=hold, duration=piece.duration - span)]
         level = target
-    return Sequence(pieces=(*pieces, *_swing(problem, level, 0.0)), touches=())
+    return (*pieces, *_swing(problem, level, 0.0))
 
 
 def _piece(problem: BoundedProblem, arc: Arc) -> Piece:

@@ -7,7 +7,7 @@ for every sequence whose boundary arcs have order 1 or 2 (docs/optimal-control.m
 section 8); arcs of higher order are joined by infinitely many touch points and have no such
 sequence.
 
-Every derivative is exact: on each leg the state and the adjoint follow linear flows, so the
+Every derivative is exact: on each piece the state and the adjoint follow linear flows, so the
 derivative of a flow with respect to its duration is the flow times its generator.
 """
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.modes import step_response, transition
 from mtcommission.optimal.problem import ArcInterior, Atom, BoundedProblem
 from mtcommission.optimal.proof import Measure
-from mtcommission.optimal.sequence import Sequence, Touch
+from mtcommission.optimal.sequence import Pieces, final_time
 
 Array = NDArray[np.float64]
 
@@ -40,44 +40,32 @@ SINGULAR = 1e-13
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Extremal:
-    """A sequence with the multipliers that go with it."""
+    """Pieces with the multipliers that go with them."""
 
-    sequence: Sequence  # Durations and touch points
+    pieces: Pieces
     measure: Measure  # Dual point
     residual: float  # Largest scaled residual of all conditions
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Leg:
-    """A piece from one touch point to the next.
-
-    ``piece`` is the index of its piece, ``touch`` the touch point at its start, ``ends`` whether
-    the piece ends with it, ``atom`` the number of the atom at its start or -1.
-    """
-
-    piece: int
-    limit: int
-    side: int
-    touch: Touch | None
-    ends: bool
-    atom: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _System:
     problem: BoundedProblem
-    legs: tuple[_Leg, ...]
-    start: Array
-    scale: float
+    pieces: Pieces
+    scale: float  # Unit of the durations [s]
+    atoms: tuple[int, ...]  # Number of the atom where a piece begins; -1 without one
 
     @property
     def width(self) -> int:
         """Number of durations and terminal multipliers; the atoms come behind them."""
-        return len(self.legs) + self.problem.fixed.size
+        return len(self.pieces) + self.problem.fixed.size
 
     @property
     def size(self) -> int:
-        return self.width + 1 + max(leg.atom for leg in self.legs)
+        return self.width + 1 + max(self.atoms)
+
+    def is_last(self, index: int) -> bool:
+        """Return whether an arc ends with a piece, and not just at a touch point."""
+        return index + 1 == len(self.pieces) or self.pieces[index + 1].touch is None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,7 +76,7 @@ class _Point:
     residual: Array
     jacobian: Array
     primal: int
-    exits: dict[int, float]  # Atoms at the ends of legs, where σ' is not 0 before
+    exits: dict[int, float]  # Atoms at the ends of pieces, where σ' is not 0 before
 
     @property
     def norm(self) -> float:
@@ -99,12 +87,18 @@ Condition = tuple[Array, Array]
 """Scaled values that must vanish, shape (k,), and their derivatives, shape (k, n_unknowns)."""
 
 
-def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
-    """Return the extremal of a given sequence by Newton's method."""
-    system = _system(problem, guess)
+def solve_sequence(problem: BoundedProblem, guess: Pieces) -> Extremal:
+    """Return the extremal of given pieces by Newton's method."""
+    orders = [0 if piece.limit < 0 else problem.limits[piece.limit].order for piece in guess]
+    has_atom = [p.touch is not None or order == 2 for p, order in zip(guess, orders, strict=True)]
+    atoms = np.where(has_atom, np.cumsum(has_atom) - 1, -1)
+    scale = final_time(guess)
+    system = _System(problem=problem, pieces=guess, scale=scale, atoms=tuple(atoms.tolist()))
     point = _solved(system, _first_point(system))
+    durations = (point.unknowns[: len(guess)] * scale).tolist()
+    solved = zip(guess, durations, strict=True)
     return Extremal(
-        sequence=_placed(system, guess, point.unknowns),
+        pieces=tuple(replace(piece, duration=duration) for piece, duration in solved),
         measure=_measure(system, point),
         residual=float(np.abs(point.residual).max()),
     )
@@ -126,10 +120,10 @@ def _solved(system: _System, point: _Point) -> _Point:
 
 
 def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
-    legs = len(system.legs)
+    count = len(system.pieces)
     unknowns = point.unknowns - step
-    back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
-    if float(np.abs(step[:legs]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
+    back = -float(unknowns[:count].min()) * system.scale * system.problem.rate
+    if float(np.abs(step[:count]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
         return None
     return _point(system, unknowns)
 
@@ -143,52 +137,10 @@ def _step(system: _System, point: _Point, damping: float) -> Array:
     return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
 
 
-def _system(problem: BoundedProblem, guess: Sequence) -> _System:
-    legs: list[_Leg] = []
-    durations: list[float] = []
-    atoms = 0
-    for i, piece in enumerate(guess.pieces):
-        touches = sorted((t for t in guess.touches if t.piece == i), key=lambda t: t.offset)
-        ends = [*(touch.offset for touch in touches), piece.duration]
-        for k, touch in enumerate([None, *touches]):
-            entered = touch is None and piece.limit >= 0 and problem.limits[piece.limit].order == 2
-            has_atom = touch is not None or entered
-            legs.append(
-                _Leg(
-                    piece=i,
-                    limit=piece.limit,
-                    side=piece.side,
-                    touch=touch,
-                    ends=k == len(touches),
-                    atom=atoms if has_atom else -1,
-                )
-            )
-            durations.append(ends[k] - (ends[k - 1] if k else 0.0))
-            atoms += has_atom
-    scale = guess.t_f
-    return _System(
-        problem=problem, legs=tuple(legs), start=np.array(durations) / scale, scale=scale
-    )
-
-
-def _placed(system: _System, guess: Sequence, unknowns: Array) -> Sequence:
-    lengths = np.zeros(len(guess.pieces))
-    touches: list[Touch] = []
-    for leg, length in zip(system.legs, (unknowns * system.scale).tolist(), strict=False):
-        if leg.touch is not None:
-            offset = float(lengths[leg.piece])
-            touches.append(replace(leg.touch, offset=offset))
-        lengths[leg.piece] += length
-    pieces = tuple(
-        replace(piece, duration=length)
-        for piece, length in zip(guess.pieces, lengths.tolist(), strict=True)
-    )
-    return Sequence(pieces=pieces, touches=tuple(touches))
-
-
 def _first_point(system: _System) -> _Point:
-    unknowns = np.append(system.start, np.zeros(system.size - system.start.size))
-    point, times = _point(system, unknowns), system.start.size
+    unknowns, times = np.zeros(system.size), len(system.pieces)
+    unknowns[:times] = [piece.duration / system.scale for piece in system.pieces]
+    point = _point(system, unknowns)
     rows, right = point.jacobian[point.primal :, times:], -point.residual[point.primal :]
     unknowns[times:] = np.linalg.lstsq(rows, right, rcond=None)[0]
     return _point(system, unknowns)
@@ -218,7 +170,7 @@ def _point(system: _System, unknowns: Array) -> _Point:
 
 
 def _bang_flows(system: _System, durations: Array) -> tuple[Array, Array]:
-    """Return the flows and pushes of all legs as if they were bang arcs."""
+    """Return the flows and pushes of all pieces as if they were bang arcs."""
     plant, force = system.problem.plant, system.problem.force_limit
     # Newton's trial durations may be negative: the response then runs backwards.
     return transition(plant, durations), step_response(plant, durations) * force
@@ -227,27 +179,27 @@ def _bang_flows(system: _System, durations: Array) -> tuple[Array, Array]:
 def _primal(system: _System, unknowns: Array) -> tuple[list[Condition], Array, Array]:
     """Return the conditions on the state, and dx/dt at the end with its derivative."""
     problem, plant = system.problem, system.problem.plant
-    durations = unknowns[: len(system.legs)] * system.scale
+    durations = unknowns[: len(system.pieces)] * system.scale
     flows, pushes = _bang_flows(system, durations)
     state, slope = np.zeros(plant.order), np.zeros((plant.order, unknowns.size))
     rows = list[Condition]()
-    for j, leg in enumerate(system.legs):
-        held = None if leg.limit < 0 else problem.limits[leg.limit]
+    for j, piece in enumerate(system.pieces):
+        held = None if piece.limit < 0 else problem.limits[piece.limit]
         generator = plant.A if held is None else held.boundary_flow.matrix
-        push = plant.B * (leg.side * problem.force_limit if held is None else 0.0)
-        if leg.touch is not None:
-            row = problem.limits[leg.touch.limit].row
+        push = plant.B * (piece.side * problem.force_limit if held is None else 0.0)
+        if piece.touch is not None:
+            row = problem.limits[piece.touch.limit].row
             rate = row @ generator / problem.rate
-            value = [row @ state - leg.touch.side, rate @ state + row @ push / problem.rate]
+            value = [row @ state - piece.touch.side, rate @ state + row @ push / problem.rate]
             rows.append((np.array(value), np.array([row @ slope, rate @ slope])))
         elif held is not None:
-            levels = held.missed(state, leg.side)
+            levels = held.missed(state, piece.side)
             moves = held.output_chain @ slope
             rows.append((levels, moves))
             # What is missed here is counted once: carried on, it would grow over the whole arc.
             state, slope = state - held.impulses @ levels, slope - held.impulses @ moves
         if held is None:
-            state = flows[j] @ state + pushes[j] * leg.side
+            state = flows[j] @ state + pushes[j] * piece.side
             slope = flows[j] @ slope
         else:
             flow = held.boundary_flow.over(float(durations[j]))
@@ -264,21 +216,21 @@ def _dual(
     """Return the conditions on the adjoint: normalisation, then σ = 0 at the switches; exits."""
     problem, plant = system.problem, system.problem.plant
     to_sigma = problem.force_limit * plant.B * system.scale
-    durations = unknowns[: len(system.legs)] * system.scale
+    durations = unknowns[: len(system.pieces)] * system.scale
     flows, _ = _bang_flows(system, durations)
     adjoint, slope = _terminal(system, unknowns), np.zeros((plant.order, unknowns.size))
-    first = len(system.legs)
+    first = len(system.pieces)
     slope[problem.fixed, first + np.arange(problem.fixed.size)] = (
         1.0 / problem.state_scale[problem.fixed]
     )
     value = float(adjoint @ final_rate) * system.scale - 1.0
     moves = (final_rate @ slope + adjoint @ rate_slope) * system.scale
     rows, exits = [(np.array([value]), moves[np.newaxis])], dict[int, float]()
-    for j in range(len(system.legs) - 1, -1, -1):
-        leg = system.legs[j]
-        held = None if leg.limit < 0 else problem.limits[leg.limit]
+    for j in range(len(system.pieces) - 1, -1, -1):
+        piece, atom = system.pieces[j], system.atoms[j]
+        held = None if piece.limit < 0 else problem.limits[piece.limit]
         generator = plant.A if held is None else held.adjoint_flow.matrix.T
-        if held is not None and leg.ends:
+        if held is not None and system.is_last(j):
             rows.append((adjoint[np.newaxis] @ to_sigma, (to_sigma @ slope)[np.newaxis]))
             # The atom of order 2 lets σ' = 0; here, too, a σ that is missed is not carried on.
             slope = slope - held.output_chain.T @ (held.impulses.T @ slope)
@@ -288,23 +240,19 @@ def _dual(
         flow = flows[j] if held is None else held.adjoint_flow.over(float(durations[j])).T
         adjoint, slope = adjoint @ flow, flow.T @ slope
         slope[:, j] = adjoint @ generator * system.scale
-        if leg.atom >= 0:
-            row = _jump_row(problem, leg)
-            slope[:, system.width + leg.atom] -= row
-            adjoint = adjoint - unknowns[system.width + leg.atom] * row
-        elif held is None and j > 0 and system.legs[j - 1].limit < 0:
+        if atom >= 0:
+            # The jump of Λ for a unit atom.
+            at = piece.touch or piece
+            row = problem.limits[at.limit].row * at.side
+            slope[:, system.width + atom] -= row
+            adjoint = adjoint - unknowns[system.width + atom] * row
+        elif held is None and j > 0 and system.pieces[j - 1].limit < 0:
             rows.append((adjoint[np.newaxis] @ to_sigma, (to_sigma @ slope)[np.newaxis]))
     return rows, exits
 
 
-def _jump_row(problem: BoundedProblem, leg: _Leg) -> Array:
-    """Return the jump of Λ for a unit atom at the start of a leg: the row times the side."""
-    limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)
-    return problem.limits[limit].row * side
-
-
 def _terminal(system: _System, unknowns: Array) -> Array:
-    problem, first = system.problem, len(system.legs)
+    problem, first = system.problem, len(system.pieces)
     terminal = np.zeros(problem.plant.order)
     multipliers = unknowns[first : first + problem.fixed.size]
     terminal[problem.fixed] = multipliers / problem.state_scale[problem.fixed]
@@ -312,23 +260,22 @@ def _terminal(system: _System, unknowns: Array) -> Array:
 
 
 def _measure(system: _System, point: _Point) -> Measure:
-    durations = point.unknowns[: len(system.legs)] * system.scale
+    durations = point.unknowns[: len(system.pieces)] * system.scale
     starts = np.append(np.cumsum(durations[::-1])[::-1], 0.0).tolist()
     atoms, interiors = list[Atom](), list[ArcInterior]()
-    for j, leg in enumerate(system.legs):
-        if leg.atom >= 0:
-            weight = float(point.unknowns[system.width + leg.atom])
-            at = leg.touch or leg
+    begin = 0
+    for j, (piece, number) in enumerate(zip(system.pieces, system.atoms, strict=True)):
+        if number >= 0:
+            weight = float(point.unknowns[system.width + number])
+            at = piece.touch or piece
             atoms.append(Atom(remaining=starts[j], limit=at.limit, weight=at.side * weight))
         if j in point.exits:
-            atoms.append(Atom(remaining=starts[j + 1], limit=leg.limit, weight=point.exits[j]))
-        if leg.limit >= 0 and leg.touch is None:
-            ends = [k for k, other in enumerate(system.legs) if other.piece == leg.piece]
-            interiors.append(
-                ArcInterior(
-                    start=starts[j], end=starts[ends[-1] + 1], limit=leg.limit, side=leg.side
-                )
-            )
+            atoms.append(Atom(remaining=starts[j + 1], limit=piece.limit, weight=point.exits[j]))
+        begin = begin if piece.touch else j
+        if piece.limit >= 0 and system.is_last(j):
+            start, end = starts[begin], starts[j + 1]
+            held = ArcInterior(start=start, end=end, limit=piece.limit, side=piece.side)
+            interiors.append(held)
     return Measure(
         t_f=starts[0],
         terminal=_terminal(system, point.unknowns),

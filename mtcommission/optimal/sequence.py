@@ -1,4 +1,4 @@
-"""What a bounded control is made of, how multipliers show it, and how a sequence is mended.
+"""What a bounded control is made of, and how multipliers show it.
 
 Points where a bound acts and that follow each other cell by cell are a boundary arc, single
 ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
@@ -8,8 +8,8 @@ from the bound, an arc of order 1 is entered by driving towards it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence as Items
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -23,36 +23,31 @@ from mtcommission.optimal.proof import Dual, Stretch, sigma_sign
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Piece:
-    """A bang arc or a boundary arc."""
-
-    limit: int  # Index of the bound held; -1 on a bang arc
-    side: int  # Sign of the force, or of the bounded signal
-    duration: float  # [s]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Touch:
-    """A touch point inside a bang arc, or inside a boundary arc of order 1."""
+    """A bound that is touched and left at once."""
 
-    piece: int  # Index of the arc
-    offset: float  # Time since its start [s]
     limit: int  # Index of the bound
     side: int  # +1 or -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sequence:
-    """Pieces in order of time, with the touch points."""
+class Piece:
+    """A bang arc or a boundary arc, or what is left of it from a touch point on."""
 
-    pieces: tuple[Piece, ...]  # Bang and boundary arcs
-    touches: tuple[Touch, ...]  # Touch points
+    limit: int  # Index of the bound held; -1 on a bang arc
+    side: int  # Sign of the force, or of the bounded signal
+    duration: float  # [s]
+    touch: Touch | None = None  # Where it begins, if it goes on as the piece before
 
-    @property
-    def t_f(self) -> float:
-        """Sum of the durations [s]."""
-        return sum(piece.duration for piece in self.pieces)
+
+Pieces = tuple[Piece, ...]
+"""Of a control, in order of time."""
+
+
+def final_time(pieces: Pieces) -> float:
+    """Return the sum of the durations [s]."""
+    return sum(piece.duration for piece in pieces)
 
 
 def piece_end(problem: BoundedProblem, piece: Piece, state: Array) -> Array:
@@ -63,26 +58,24 @@ def piece_end(problem: BoundedProblem, piece: Piece, state: Array) -> Array:
     return driven(problem.plant, state, force, since)
 
 
-def touch_points(sequence: Sequence) -> tuple[Atom, ...]:
-    """Return the touch points of a sequence by remaining time."""
-    ends = np.cumsum([piece.duration for piece in sequence.pieces])
-    starts = ends - [piece.duration for piece in sequence.pieces]
+def touch_points(pieces: Pieces) -> tuple[Atom, ...]:
+    """Return the touch points of a control by remaining time."""
+    remaining = np.cumsum([piece.duration for piece in reversed(pieces)])[::-1].tolist()
     return tuple(
-        Atom(
-            remaining=float(ends[-1] - (starts[touch.piece] + touch.offset)),
-            limit=touch.limit,
-            weight=float(touch.side),
-        )
-        for touch in sequence.touches
+        Atom(remaining=at, limit=piece.touch.limit, weight=float(piece.touch.side))
+        for at, piece in zip(remaining, pieces, strict=True)
+        if piece.touch
     )
 
 
-def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...]:
-    """Return the arcs of a sequence of bang and boundary arcs."""
+def sequence_arcs(problem: BoundedProblem, pieces: Pieces) -> tuple[Arc, ...]:
+    """Return the bang and boundary arcs of a control; a touch point lies inside of one."""
     state, start, arcs = np.zeros(problem.plant.order), 0.0, list[Arc]()
-    for piece in sequence.pieces:
+    for piece in pieces:
         end = start + piece.duration
-        if piece.limit < 0:
+        if piece.touch:
+            arcs[-1] = replace(arcs[-1], t_end=end)
+        elif piece.limit < 0:
             force = piece.side * problem.force_limit
             arcs.append(constant_arc(start, end, control=Bang(piece.side), force=force))
         else:
@@ -124,7 +117,9 @@ class Structure:
     touches: tuple[Atom, ...]  # Single points, one for each cluster
 
 
-def detect_structure(active: Items[Atom], mesh: Array, held: Items[ArcInterior] = ()) -> Structure:
+def detect_structure(
+    active: Sequence[Atom], mesh: Array, held: Sequence[ArcInterior] = ()
+) -> Structure:
     """Return the arcs and touch points that active points form, with the interiors held."""
     arcs: list[ArcInterior] = []
     touches: list[Atom] = []
@@ -185,8 +180,8 @@ def detect_sequence(
     structure: Structure,
     dual: Dual,
     mesh: Array,
-) -> Sequence:
-    """Return the sequence of pieces that a dual point shows."""
+) -> Pieces:
+    """Return the pieces that a dual point shows."""
     pieces: list[Piece] = []
     parts, zeros = dual.parts, dual.zeros
     position = parts[0].start
@@ -203,9 +198,7 @@ def detect_sequence(
         position, after = arc.end, -towards
     edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
     pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
-    return Sequence(
-        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), structure.touches)
-    )
+    return with_touches(problem, tuple(pieces), structure.touches)
 
 
 def _driven(bangs: list[Piece], towards: int) -> list[Piece]:
@@ -243,19 +236,18 @@ def _bang_pieces(
     return pieces
 
 
-def place_touches(
-    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[Atom, ...]
-) -> tuple[Touch, ...]:
-    """Return the points as touch points of the arcs in which they lie."""
-    ends = np.cumsum([piece.duration for piece in pieces])
-    touches = []
+def with_touches(problem: BoundedProblem, pieces: Pieces, points: tuple[Atom, ...]) -> Pieces:
+    """Return the pieces, parted at those points that can be touched inside of them."""
     for point in points:
+        ends = np.cumsum([piece.duration for piece in pieces])
         t = float(ends[-1]) - point.remaining
-        index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
-        held = pieces[index].limit
+        i = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
+        one, after = pieces[i], float(ends[i]) - t
         # An atom of order 1 would turn the force; inside an arc it may not disturb σ = 0.
-        least = 1 if held < 0 else problem.limits[held].order
+        least = 1 if one.limit < 0 else problem.limits[one.limit].order
         if problem.limits[point.limit].order > least:
-            offset = t - float(ends[index]) + pieces[index].duration
-            touches.append(Touch(piece=index, offset=offset, limit=point.limit, side=point.side))
-    return tuple(touches)
+            touch = Touch(point.limit, point.side)
+            first = replace(one, duration=one.duration - after)
+            second = replace(one, duration=after, touch=touch)
+            pieces = (*pieces[:i], first, second, *pieces[i + 1 :])
+    return pieces
