@@ -27,7 +27,7 @@ from mtcommission.optimal.modes import impulse_response, step_response, transiti
 from mtcommission.optimal.newton import solve_sequence
 from mtcommission.optimal.problem import Atom, BoundedProblem, bounded_problem
 from mtcommission.optimal.proof import Measure, weigh
-from mtcommission.optimal.sequence import Piece, Sequence
+from mtcommission.optimal.sequence import Piece, Pieces
 from tests.machines import paper_machine, random_modal_machine
 
 PAPER_STEP = VelocityStep(velocity_step=0.1)
@@ -300,7 +300,7 @@ def dual_total(problem: BoundedProblem, measure: Measure) -> float:
     return float(values.sum()) + sum(abs(atom.weight) for atom in measure.atoms)
 
 
-def touching_extremal() -> tuple[BoundedProblem, Sequence]:
+def touching_extremal() -> tuple[BoundedProblem, Pieces]:
     pieces = tuple(
         Piece(limit=limit, side=side, duration=duration * 1e-6)
         for limit, side, duration in [
@@ -308,7 +308,7 @@ def touching_extremal() -> tuple[BoundedProblem, Sequence]:
             (-1, 1, 2100.0), (0, -1, 564.0), (-1, 1, 2273.0), (-1, -1, 1496.0),
         ]
     )  # fmt: skip
-    return paper_problem("v_phi", 0.02), Sequence(pieces=pieces, touches=())
+    return paper_problem("v_phi", 0.02), pieces
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -326,7 +326,7 @@ def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
     measure = replace(
         found.measure, terminal=found.measure.terminal * noise, atoms=(*atoms, extra), interiors=()
     )
-    assert weigh(problem, measure).lower_bound < found.sequence.t_f
+    assert weigh(problem, measure).lower_bound < found.measure.t_f
 
 
 def test_dual_value_is_the_integral_of_the_switching_function() -> None:
@@ -407,7 +407,7 @@ modes = [
     zeros = np.roots(-0.002215 * second + 0.002242 * first)
     assert problem.limits[0].growth == pytest.approx(zeros.real.max(), rel=1e-6)
     pieces = (Piece(limit=-1, side=1, duration=1e-3), Piece(limit=0, side=1, duration=0.05))
-    held = Sequence(pieces=(*pieces, Piece(limit=-1, side=-1, duration=1e-3)), touches=())
+    held = (*pieces, Piece(limit=-1, side=-1, duration=1e-3))
     assert solve_exactly(problem, held) is None
 
 

@@ -123,10 +123,7 @@ def find_robust_force(
             chosen += more
             problem, plan, start = asked(), cells.plan, cells.basis
         elif rounds < ROUNDS:
-            plan, rounds = (
-                finer(problem, observe(problem, cells), room=1.0),
-                rounds + 1,
-            )
+            plan, rounds = finer(problem, observe(problem, cells)), rounds + 1
         else:
             found = _force(problem, move, cells, band=band, width=room)
             return replace(found, machines=len(plants), peak=float(peaks.max()) * band)

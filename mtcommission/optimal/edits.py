@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.optimal.control import Arc, Boundary, Interior
 from mtcommission.optimal.newton import RESIDUAL, Extremal, solve_sequence
-from mtcommission.optimal.problem import Atom, BoundedProblem
+from mtcommission.optimal.problem import BoundedProblem
 from mtcommission.optimal.proof import EXCESS, Found, prove
 from mtcommission.optimal.sequence import (
     Piece,
@@ -32,13 +32,10 @@ from mtcommission.optimal.sequence import (
 
 Array = NDArray[np.float64]
 
-EDITS, FEW = 12, 4
-"""Changes of a sequence in one go, and touch points of which each is left out, if that fails."""
-CLOSED_GAP = 1e-9
-"""Gap below which the simpler one of two sequences is the better one."""
-VANISHED, SLIVER = 1e-8, 1e-6
-"""Shares of t_f below which a piece is taken out: of a solved sequence; of one that can be solved
-without it."""
+EDITS = 12
+"""Changes of a sequence in one go."""
+VANISHED = 1e-6
+"""Share of t_f below which a piece is taken out."""
 MOST_GROWTH = 10.0
 """Growth of the motion over an arc, as exponent of e, from which no digits are left."""
 
@@ -49,33 +46,17 @@ def holds_high_order(problem: BoundedProblem, guess: Pieces) -> bool:
 
 
 def solve_exactly(problem: BoundedProblem, guess: Pieces) -> Found | None:
-    """Return the accepted extremal of a sequence, or of that with one touch point less."""
-    found = _solve_edited(problem, guess)
-    # Ripple of the multipliers may show one touch point as two, or one where there is none.
-    touched = [i for i, piece in enumerate(guess) if piece.touch]
-    for i in touched if len(touched) <= FEW else ():
-        if found is None:
-            longer = replace(guess[i - 1], duration=guess[i - 1].duration + guess[i].duration)
-            found = _solve_edited(problem, (*guess[: i - 1], longer, *guess[i + 1 :]))
-    return found
-
-
-def _solve_edited(problem: BoundedProblem, guess: Pieces) -> Found | None:
     """Return the accepted extremal of a sequence, edited while its conditions call for it."""
     best: Found | None = None
-    # Arcs that a guess drives over each other, as where a force turns before it is on its bound.
-    shared = _whole(piece for piece in _shared(_whole(guess)) if piece.duration != 0.0)
-    following: Pieces | None = with_touches(problem, shared, touch_points(guess))
+    # A guess may drive arcs over each other, as where a force turns before it is on its bound.
+    following: Pieces | None = with_touches(problem, _shared(_whole(guess)), touch_points(guess))
     for _ in range(EDITS):
         if following is None or not _may_be_solved(problem, following):
             break
         extremal = solve_sequence(problem, following)
         found = _accepted(problem, extremal)
-        if found is not None and (best is None or found.gap < max(best.gap, CLOSED_GAP)):
-            best = found
-        following = _pruned(problem, extremal, least=VANISHED)
-        if following is None and found is not None:  # it may hold slivers at no cost
-            following = _pruned(problem, extremal, least=SLIVER)
+        best = found or best
+        following = _pruned(problem, extremal)
         if following is None and extremal.residual <= RESIDUAL:
             following = _with_short_arc(problem, extremal)
     return best
@@ -98,42 +79,35 @@ def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
     return prove(problem, arcs, extremal.measure, touch_points(pieces), is_exact=True)
 
 
-def _pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Pieces | None:
+def _pruned(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:
     """Return the sequence without vanishing pieces and wrong touch points; None if it has none."""
-    whole, points = _whole(extremal.pieces), touch_points(extremal.pieces)
-    near = least * final_time(whole)
-    pieces = _whole([p for p in _shared(whole) if p.duration > near])
+    pieces, near = extremal.pieces, VANISHED * final_time(extremal.pieces)
+    whole, points = _whole(pieces), touch_points(pieces)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
-    t_f = final_time(pieces)
-    inside = tuple(
-        at
-        for at in points
-        if weights.get(at.remaining, 0.0) * at.side >= 0.0
-        and 0.0 < at.remaining < t_f
-        and not _at_arc(whole, at, near=near)
+    beside = [
+        min(abs(one.duration), abs(two.duration)) for one, two in pairwise(pieces) if two.touch
+    ]
+    # A touch point that has come to an end of its piece is the atom of an arc there.
+    right = tuple(
+        point
+        for point, room in zip(points, beside, strict=True)
+        if weights.get(point.remaining, 0.0) * point.side >= 0.0 and room > near
     )
-    if len(pieces) == len(whole) and len(inside) == len(points):
+    kept = _whole(piece for piece in _shared(whole) if piece.duration > near)
+    if len(kept) == len(whole) and len(right) == len(points):
         return None
-    return with_touches(problem, pieces, inside)
+    return with_touches(problem, kept, right)
 
 
-def _shared(pieces: Pieces) -> list[Piece]:
+def _shared(pieces: Pieces) -> Pieces:
     """Return the pieces with half of each negative duration taken from the pieces beside it."""
     spans = [piece.duration for piece in pieces]
     for i in range(1, len(spans) - 1):
         half = 0.5 * spans[i]
         if half < 0.0 and min(spans[i - 1], spans[i + 1]) > -half:
             spans[i - 1], spans[i], spans[i + 1] = spans[i - 1] + half, 0.0, spans[i + 1] + half
-    return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
-
-
-def _at_arc(whole: Pieces, point: Atom, *, near: float) -> bool:
-    """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
-    ends = final_time(whole) - np.cumsum([0.0, *(piece.duration for piece in whole)])
-    return any(
-        piece.limit == point.limit and np.abs(ends[i : i + 2] - point.remaining).min() <= near
-        for i, piece in enumerate(whole)
-    )
+    shared = zip(pieces, spans, strict=True)
+    return _whole(replace(piece, duration=span) for piece, span in shared if span != 0.0)
 
 
 def _with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Pieces | None:

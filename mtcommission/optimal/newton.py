@@ -27,13 +27,11 @@ Array = NDArray[np.float64]
 
 STEPS, DAMPINGS = 20, 6
 """Newton steps at most, and raised dampings tried in one."""
-RESIDUAL = 1e-10
-"""Scaled residual below which a sequence counts as solved; rounding leaves 1e-15 ... 1e-12."""
-LARGEST_STEP = 0.2
-"""Largest change of a duration in one step, as a share of t_f."""
 FURTHEST_BACK = 100.0
 """Longest negative duration that is tried, in radians of the fastest rate: the responses run
 backwards grow with its exponential."""
+RESIDUAL = 1e-10
+"""Scaled residual below which a sequence counts as solved; rounding leaves 1e-15 ... 1e-12."""
 SINGULAR = 1e-13
 """Share of the largest singular value below which a direction is left alone."""
 
@@ -119,15 +117,6 @@ def _solved(system: _System, point: _Point) -> _Point:
     return point
 
 
-def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
-    count = len(system.pieces)
-    unknowns = point.unknowns - step
-    back = -float(unknowns[:count].min()) * system.scale * system.problem.rate
-    if float(np.abs(step[:count]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
-        return None
-    return _point(system, unknowns)
-
-
 def _step(system: _System, point: _Point, damping: float) -> Array:
     """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
     size = np.linalg.norm(point.jacobian, axis=0)
@@ -149,8 +138,10 @@ def _first_point(system: _System) -> _Point:
 def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
     # Where rounding is all that is left, damping cannot help.
     for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
-        trial = _tried(system, point, _step(system, point, damping))
-        if trial is not None and trial.norm < point.norm:
+        unknowns = point.unknowns - _step(system, point, damping)
+        back = -float(unknowns[: len(system.pieces)].min()) * system.scale * system.problem.rate
+        trial = _point(system, unknowns) if back < FURTHEST_BACK else point
+        if trial.norm < point.norm:
             return trial, damping * 1e-3
         damping = max(damping, 1e-12) * 30.0
     return point, damping

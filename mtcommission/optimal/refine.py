@@ -42,15 +42,13 @@ ROUNDS = 10
 """Programs on finer and finer cells."""
 MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
-PATIENCE = 2
-"""Programs in succession that prove less than the best one, after which the search ends."""
 LOST, BLIND = 0.05, 1
 """Distance of the reach from 1 at which a program has not even found the time, and how many of the
 first ones may end so: their cells are too long for the bounds then."""
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """What the programs of the rounds may miss of bounds and target; the last from there on."""
-LEAST_HIDDEN, LARGE_SHARE = 3e-10, 0.01
-"""Share of the time that a zero of σ hides in its cell, and of the largest, from which its cell is
+LARGE_SHARE = 0.01
+"""Of the largest share of the time that a zero of σ hides in its cell, from which that is
 divided."""
 BESIDE = 1.0 / 8.0
 """Distance from a zero of further edges, in its cell: it moves when the program is solved again."""
@@ -63,15 +61,9 @@ LEAST_ARCS = (0.0, 0.06)
 """Share of t_f from which an arc has an interior, by order as before."""
 JUNCTIONS, BEYOND = (6, 30), 0.3
 """Even cells at an end of an arc from its interior on, by order, and how far they go beyond."""
-WIDER, SETBACK = 4.0, 3.0
-"""Factor on that after a program that proves less than one before, and on the gap from which the
-one before is refined instead."""
 INSIDES, APART = 8, 0.3
 """Edges inside an interior from each end on, for what looks at its cells, and the share of one that
 others keep from its ends."""
-WRONG, PARTING = 1e-6, 1e-6
-"""Share of the largest density that counts as none, and excess over another bound that parts an
-arc."""
 MOST_GROWTH = 10.0
 """Growth of the motion over an interior, as exponent of e, from which no digits are left."""
 SEVERAL = 2
@@ -107,29 +99,20 @@ def refined(problem: BoundedProblem, first: Cells) -> Iterator[Seen]:
         MOVE_TOO_LONG; BEYOND_HORIZON where first cells are too long for the bounds.
     """
     require_followable(first.t_f, problem.rate, most=MOST_RADIANS)
-    best, room, worse, edges = observe(problem, first), 1.0, 0, first.plan.edges
-    plan = _planned(problem, best, edges, first.acting, room=room)
+    seen, edges = observe(problem, first), first.plan.edges
+    plan = _planned(problem, seen, edges, first.acting)
     for i in range(ROUNDS):
         cells = exchange(problem, plan, tolerance=TOLERANCES[min(i, len(TOLERANCES) - 1)])
         if cells is None or abs(cells.reach - 1.0) > LOST:
-            if best.cells is first and i >= BLIND:
+            if seen.cells is first and i >= BLIND:
                 raise beyond_time(problem, first)
             # The arcs that it holds are not those of the optimum: shorter cells show them.
             edges = np.union1d(edges, 0.5 * (edges[1:] + edges[:-1]))
-            plan = Plan(edges=edges, points=best.cells.acting)
+            plan = Plan(edges=edges, points=seen.cells.acting)
         else:
             seen = observe(problem, cells)
             yield seen
-            if seen.gap < best.gap or best.cells is first:
-                best, worse = seen, 0
-            else:
-                # Points that crowd towards an arc look like its end: an interior there is too long.
-                room, worse = room * WIDER, worse + 1
-            if worse == PATIENCE:
-                return
-            base = best if seen.gap > SETBACK * best.gap else seen
-            plan = finer(problem, base, room=room)
-            edges = plan.edges
+            plan, edges = finer(problem, seen), seen.mesh
         if plan.edges.size * max(plan.points.limit.size, plan.edges.size) > MOST_ENTRIES:
             return
 
@@ -195,15 +178,14 @@ def _rightly_held(
         part = next(part for part in parts if part.end <= middle <= part.start)
         density = one.side * densities(problem, part)[0]
         tau = np.linspace(part.end, part.start, density.size)
-        right = density > -WRONG * np.abs(density).max()
-        turns = np.flatnonzero(np.diff(np.pad(right.astype(np.int8), 1)))
+        turns = np.flatnonzero(np.diff(np.pad((density >= 0.0).astype(np.int8), 1)))
         for first, stop in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
             if stop - first > 1:
                 found.append(replace(one, end=float(tau[first]), start=float(tau[stop - 1])))
     return found
 
 
-def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
+def finer(problem: BoundedProblem, seen: Seen) -> Plan:
     """Return the next program: cells divided where σ changes sign.
 
     The force may then switch there. About ends of arcs and touch points cells are halved.
@@ -214,7 +196,7 @@ def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
     on_arc, hidden = np.zeros(zeros.size, dtype=bool), seen.hidden
     for arc in arcs:
         on_arc |= (arc.end <= zeros) & (zeros <= arc.start)
-    large = hidden > max(LEAST_HIDDEN, LARGE_SHARE * float(hidden.max(initial=0.0)))
+    large = hidden > LARGE_SHARE * float(hidden.max(initial=0.0))
     moving = zeros[large & ~on_arc], BESIDE * around[large & ~on_arc]
     points = seen.cells.acting
     touched = [touch.remaining for touch in seen.structure.touches]
@@ -234,12 +216,10 @@ def finer(problem: BoundedProblem, seen: Seen, *, room: float) -> Plan:
             far = np.abs(finer[1:-1, np.newaxis] - own).min(axis=1)
             near = finer[1:-1][far < NEARBY * np.maximum(*map(np.diff, (finer[1:], finer[:-1])))]
             points = points.joined(near, np.full(near.size, k))
-    return _planned(problem, seen, finer, points, room=room)
+    return _planned(problem, seen, finer, points)
 
 
-def _planned(
-    problem: BoundedProblem, seen: Seen, edges: Array, points: Points, *, room: float
-) -> Plan:
+def _planned(problem: BoundedProblem, seen: Seen, edges: Array, points: Points) -> Plan:
     """Return a plan that holds the arcs well inside their ends."""
     interiors, junctions, t_f = [], list[Array](), float(edges[-1])
     for one in seen.cells.plan.interiors:
@@ -247,11 +227,11 @@ def _planned(
         count = int((one.start - one.end) * problem.vibration_rate / RADIANS_PER_CELL)
         junctions.append(np.linspace(one.end, one.start, max(count, JUNCTIONS[1]) + 1))
         points = points.joined(junctions[-1], np.full(junctions[-1].size, one.limit))
-    for arc in _parted(problem, seen) if len(problem.tails) < SEVERAL else ():
+    for arc in seen.structure.arcs if len(problem.tails) < SEVERAL else ():
         limit, length = problem.limits[arc.limit], arc.start - arc.end
         is_high = limit.order > 2
         early, late = (
-            room * MARGINS[is_high] * local_cell(seen.mesh, end) for end in (arc.start, arc.end)
+            MARGINS[is_high] * local_cell(seen.mesh, end) for end in (arc.start, arc.end)
         )
         if is_high:
             early, late = min(early, 0.25 * length), min(late, 0.25 * length)
@@ -275,28 +255,6 @@ def _planned(
         points = points.joined(np.array([one.start, one.end]), np.full(2, one.limit))
     edges = np.unique(np.concatenate([edges, ends]))
     return Plan(edges=edges, points=points, interiors=tuple(interiors))
-
-
-def _parted(problem: BoundedProblem, seen: Seen) -> list[ArcInterior]:
-    """Return the arcs between the places of other bounds that no interior may hold."""
-    cells, parts = seen.cells, list[ArcInterior]()
-    peaks = find_peaks(problem, cells)
-    over = excess(problem, cells, peaks) > PARTING
-    acting = cells.acting
-    for arc in seen.structure.arcs:
-        order = problem.limits[arc.limit].order
-        cuts = [
-            at
-            for limits, places in (
-                (peaks.limit[over], peaks.remaining[over]),
-                (acting.limit, acting.remaining),
-            )
-            for k, at in zip(limits.tolist(), places.tolist(), strict=True)
-            if arc.end < at < arc.start and k != arc.limit and problem.limits[k].order <= order
-        ]
-        stops = [arc.start, *sorted(cuts, reverse=True), arc.end]
-        parts += [replace(arc, start=start, end=end) for start, end in pairwise(stops)]
-    return parts
 
 
 def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:

@@ -190,26 +190,12 @@ def detect_sequence(
         towards = int(np.sign(problem.limits[arc.limit].gain)) * arc.side
         before = towards if problem.limits[arc.limit].order % 2 else -towards
         edges = _edges(zeros, position, arc.start, mesh, first=not pieces)
-        bangs = _bang_pieces(problem, parts, edges, after=after, before=before)
-        if not pieces and before == -towards:
-            bangs = _driven(bangs, towards)
-        pieces += bangs
+        pieces += _bang_pieces(problem, parts, edges, after=after, before=before)
         pieces.append(Piece(limit=arc.limit, side=arc.side, duration=arc.start - arc.end))
         position, after = arc.end, -towards
     edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
     pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
     return with_touches(problem, tuple(pieces), structure.touches)
-
-
-def _driven(bangs: list[Piece], towards: int) -> list[Piece]:
-    """Return the bang arcs before a first arc of order 2; from rest, braking alone leads nowhere.
-
-    On a coarse mesh the switch between driving and braking lies in the cell of the arc's entry.
-    """
-    if any(piece.side == towards for piece in bangs):
-        return bangs
-    half = 0.5 * sum(piece.duration for piece in bangs)
-    return [Piece(limit=-1, side=side, duration=half) for side in (towards, -towards)]
 
 
 def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) -> Array:
