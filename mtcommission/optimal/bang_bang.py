@@ -21,11 +21,7 @@ from scipy.sparse.linalg import splu
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
-from mtcommission.optimal.modes import (
-    TINY,
-    MomentProblem,
-    independence,
-)
+from mtcommission.optimal.modes import TINY, MomentProblem
 from mtcommission.optimal.switching import ROUNDOFF, Control, Mesh, build_mesh, prove_time, tabulate
 
 Array = NDArray[np.float64]
@@ -219,13 +215,9 @@ def _smooth_sign(sigma: Array, mesh: Mesh, horizon: float) -> Array:
     return np.asarray(sigma / (np.hypot(sigma, FIRST_SMOOTHING * mean) + TINY))
 
 
-NEWTON_STEPS = 12
-FINISHING_STEPS = 24
-"""Five are usual; the second limit is for feasible controls, whose last digits may take their
-time where hundreds of pairs of zeros nearly meet."""
-HOPEFUL_STEPS = 5
-HOPELESS = 0.5
-"""Share of the first residual: what is above it after these steps never converged (empirical)."""
+NEWTON_STEPS = 24
+"""Five are usual; the last digits may take their time where hundreds of pairs of zeros nearly
+meet."""
 CONVERGED = 1e-14
 """Moments against ∫|φ| that count as zero (empirical: reaches 1e-16)."""
 ON_ZERO = 1e-12
@@ -267,8 +259,8 @@ def _refine_control(mesh: Mesh, start: Control, *, span: float) -> Control | Non
     target[-1] = 1.0
     differentiation = problem.differentiation * inverse * scale[:, np.newaxis]
     ends, weights = np.concatenate((start.zeros, (start.horizon,))), start.weights * scale / span
-    best, first, least = None, nan, np.inf
-    for steps in range(FINISHING_STEPS):
+    best, least = None, np.inf
+    for _ in range(NEWTON_STEPS):
         if not _largest(weights) < LARGEST_MULTIPLIER:
             break
         functions, integrals = problem.values_and_integrals(ends)
@@ -277,13 +269,10 @@ def _refine_control(mesh: Mesh, start: Control, *, span: float) -> Control | Non
         sigma, residual = weights.dot(functions[:, :k]), _largest(missed)
         if not np.isfinite(residual):
             break
-        first = residual if steps == 0 else first
         if residual < least:
             best, least = (ends, weights), residual
         size = abs(float(functions[-1, -1]))
-        is_solved = residual <= CONVERGED and _largest(sigma) <= ON_ZERO * size
-        is_lost = steps >= HOPEFUL_STEPS and least > HOPELESS * first
-        if is_solved or is_lost or (steps >= NEWTON_STEPS and least > FEASIBLE):
+        if residual <= CONVERGED and _largest(sigma) <= ON_ZERO * size:
             break
         slopes = differentiation.dot(weights).dot(functions[:, :k])
         solve = _solve_sparsely if ends.size > MOST_DENSE else _solve
@@ -343,19 +332,15 @@ def _largest(values: Array) -> float:
     return float(np.maximum.reduce(np.abs(values), initial=0.0))
 
 
-AGREEMENT = 1e-12
-"""Relative distance of time and bound at which the search ends at once."""
-SUFFICIENT = 1e-10
-"""Distance that no finer start is tried for: rounding, not the start, is what is left."""
-ROUNDING = 1e-9
-"""Doubt about t_f that rounding alone may leave for a refinement to be tried."""
+AGREEMENT = 1e-11
+"""Relative distance of time and bound at which the search ends: some digits above rounding."""
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
-TOLERANCES = (5e-3, 1e-4, 1e-6)
-"""Gaps of the starts on the first cells: with two modes five of six attempts succeed from the
-first, the next one gives the structure where pairs of zeros are close (empirical)."""
-REFINEMENTS = 8
-"""Divisions; the last has cells of 1e-5 of the fastest period where σ is near zero."""
+WHOLE = 3
+TOLERANCES = (5e-3, 1e-4, *(1e-6 / PARTS**k for k in range(9)))
+"""Gaps of the starts, of which so many are on the first cells: with two modes five of six attempts
+succeed from the first, the next ones show the structure where pairs of zeros are close; the last
+one has cells of 1e-5 of the fastest period where σ is near zero (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -385,21 +370,13 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         certificate.
     """
     cells = _start_force(problem, span=span, tolerance=TOLERANCES[0])
-    best = exchange_zeros(cells.mesh, cells.control, span)
-    for tolerance in TOLERANCES[1:]:
+    best = attempt(cells.mesh, cells.control, span=span)
+    for number, tolerance in enumerate(TOLERANCES[1:], start=1):
         if best and best.gap <= AGREEMENT:
-            return best
-        cells = _improve(cells, span=span, tolerance=tolerance)
-        best = _better(best, exchange_zeros(cells.mesh, cells.control, span))
-    # Finer starts help the structure, not the digits that nearly dependent functions cost.
-    is_worth = ROUNDING * independence(problem, cells.horizon) > ROUNDOFF
-    for refinement in range(REFINEMENTS if is_worth else 0):
-        if best and best.gap <= SUFFICIENT:
             break
-        for start in (cells.control, prove_time(cells.mesh, cells.control, span=span)):
-            best = _better(best, exchange_zeros(cells.mesh, start, span))
-        tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
-        cells = _improve(_refine_cells(cells), span=span, tolerance=tolerance)
+        cells = cells if number < WHOLE else _refine_cells(cells)
+        cells = _improve(cells, span=span, tolerance=tolerance)
+        best = _better(best, attempt(cells.mesh, cells.control, span=span))
     if best is None:
         detail = Message("no-control-reaches-rest", span=span, t_f=cells.horizon)
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
@@ -412,24 +389,19 @@ def _better(one: Attempt | None, other: Attempt | None) -> Attempt | None:
     return one if one.gap <= other.gap else other
 
 
-def exchange_zeros(mesh: Mesh, start: Control, span: float) -> Attempt | None:
-    """Refine; where the multipliers then show other zeros than the control has, do so with those.
+def attempt(mesh: Mesh, start: Control, *, span: float) -> Attempt | None:
+    """Return the stationary control next to another with what it proves, if there is a feasible.
 
-    Next to the birth of an arc this is what adds two zeros; where no control has the zeros of the
-    start, the two that are closest are dropped.
+    Where its multipliers show other zeros than it has, as next to the birth of an arc, those are
+    the start of the next one.
     """
     best = None
     for _ in range(EXCHANGES):
         control = _refine_control(mesh, start, span=span)
         if control is None:
-            if best or start.zeros.size < 2:
-                break
-            closest = int(np.diff(start.zeros).argmin())
-            start = replace(start, zeros=np.delete(start.zeros, (closest, closest + 1)))
-            continue
+            break
         start = prove_time(mesh, control, span=span)
-        attempt = Attempt(control=control, proved=start, mesh=mesh)
-        best = _better(best, attempt)
-        if attempt.gap <= AGREEMENT or start.zeros.size == control.zeros.size:
+        best = _better(best, Attempt(control=control, proved=start, mesh=mesh))
+        if start.zeros.size == control.zeros.size:
             break
     return best

@@ -24,7 +24,7 @@ from mtcommission.optimal.bang_bang import (
     LEAST_SHARE,
     MARGIN,
     Attempt,
-    exchange_zeros,
+    attempt,
     find_bang_bang,
     guess_horizon,
 )
@@ -139,7 +139,7 @@ def solve_forces(
             mesh, horizon = near.mesh, near.control.horizon
             if horizon < LEAST_SHARE * mesh.horizon:
                 mesh = build_mesh(problem, MARGIN * horizon)
-            found = exchange_zeros(mesh, near.control, span)
+            found = attempt(mesh, near.control, span=span)
         if found is None or found.gap > AGREEMENT:
             try:
                 found = find_bang_bang(problem, span=span)
