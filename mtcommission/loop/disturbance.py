@@ -139,8 +139,12 @@ def _step_response(loop: SampledLoop, entry: Array, handed_down: Array, duration
         state, pushed = cycle @ state, cycle @ pushed + entry
     pushed[loop.held :] = handed_down
     states = np.zeros((ceil(duration / loop.controller.position_cycle), size))
-    for k in range(1, len(states)):
-        states[k] = A @ states[k - 1] + pushed
+    known, power = 1, A  # the states so far, and what takes them on by as many cycles
+    while known < len(states):
+        after = A @ states[known - 1] + pushed
+        more = states[known : 2 * known]
+        more[:] = states[: len(more)] @ power.T + after
+        known, power = 2 * known, power @ power
     found = states @ np.vstack(seen).T + np.concatenate(added)
     return np.asarray(found.reshape(-1, len(rows)))
 

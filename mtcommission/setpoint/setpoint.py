@@ -65,7 +65,7 @@ class Pieces:
     knots: Array  # in rising order, shape (n_knots, n_setpoints) [s]
     values: Array
     """Position and its derivatives just after each knot, before the first at first: at rest; shape
-    (n_knots + 1, order + 1, n_setpoints)."""
+    (order + 1, n_knots + 1, n_setpoints)."""
 
     def sample(
         self, t: Array, *, derivatives: int, setpoint: NDArray[np.int64] | None = None
@@ -83,7 +83,8 @@ class Pieces:
         piece = np.searchsorted(every, t + apart * own, side="right") - count * own
         piece = np.clip(piece, 0, count)
         age = t - self.knots[np.maximum(piece - 1, 0), own]
-        values = [self.values[piece, k, own] for k in range(self.values.shape[1])]
+        every_piece = self.values.reshape(len(self.values), -1)
+        values = list(every_piece.take(piece * self.values.shape[2] + own, axis=1))
         result = np.zeros((derivatives, *t.shape))
         for k in range(min(derivatives, len(values))):
             result[k] = _taylor(values[k:], age)
@@ -111,15 +112,18 @@ def cut(times: Array, steps: Array, *, order: int) -> Pieces:
         values[i + 1] = (shift[i] @ values[i, :, :, None])[..., 0]
         values[i + 1, :, order] += size
     values[-1, :, 2:] = 0.0
-    return Pieces(knots=knots, values=values.transpose(0, 2, 1))
+    return Pieces(knots=knots, values=np.ascontiguousarray(values.transpose(2, 0, 1)))
 
 
 def _taylor(derivatives: list[Array], age: Array) -> Array:
     """A quantity ``age`` [s] later from it and its derivatives, each of that shape."""
     total = np.zeros_like(age)
     for k in range(len(derivatives) - 1, 0, -1):
-        total = (total + derivatives[k]) * age / k
-    return np.asarray(derivatives[0] + total)
+        total += derivatives[k]
+        total *= age
+        total /= k
+    total += derivatives[0]
+    return total
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -231,9 +235,9 @@ def _pieces(setpoint: Setpoint) -> Pieces:
     steps = setpoint.steps
     pieces = cut(steps.times, steps.steps, order=steps.order)
     if isinstance(setpoint.move, Positioning):
-        pieces.values[-1, :2, 0] = setpoint.move.distance, 0.0
+        pieces.values[:2, -1, 0] = setpoint.move.distance, 0.0
     else:
-        pieces.values[-1, 1, 0] = setpoint.move.velocity_step
+        pieces.values[1, -1, 0] = setpoint.move.velocity_step
     return pieces
 
 

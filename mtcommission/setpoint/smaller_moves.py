@@ -72,7 +72,7 @@ def lay_sizes(
             lay(t_j, listed / a, spacing, lambda T: a * T)
     else:
         fastest = move.max_velocity
-        longest = min(t_j, (0.5 * listed / j) ** (1.0 / 3.0), _root(fastest / j))
+        longest = min(t_j, (0.5 * listed / j) ** (1.0 / 3.0), sqrt(fastest / j))
         lay(0.0, longest, pointed_spacing, lambda t: 2.0 * j * t**3)
         held = 0.5 * (sqrt(t_j**2 + 4.0 * listed / a) - t_j)
         held = min(held, fastest / a)
@@ -104,10 +104,6 @@ def _passing(times: Array, start: float, stop: float, cycle: float) -> Array:
     at = np.concatenate(found) if found else np.zeros(0)
     both = np.concatenate([at - BESIDE, at + BESIDE])
     return np.asarray(both[(both > start) & (both < stop)])
-
-
-def _root(value: float) -> float:
-    return sqrt(value) if isfinite(value) else np.inf
 
 
 def plan_sizes(move: Move, sizes: Array, limits: MotionLimits) -> JerkSteps:
