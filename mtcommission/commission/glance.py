@@ -54,7 +54,8 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
     length = machine.axis_units.length.si
     f, text = spoken.format, spoken.text
     heads = [text("limits-name"), "a", "j", text("setpoint-filter")]
-    heads += [text(f"terminal-head-{key}") for key in ("settling", "residual", "peak", "met")]
+    judged = ("settling-time", "residual", "peak-deviation", "meets")
+    heads += [text(f"terminal-head-{key}") for key in judged]
     rows = [
         [
             spoken.say(name),
@@ -82,7 +83,7 @@ def show_html(machine: Machine, limits: Sequence[Named], figure: Figure) -> str:
         f"<p><b>{escape(machine.name)}, {text('axis')} {escape(machine.axis)}</b><br>"
         f"{escape(text(_verdict(best)))}</p>",
         _table(heads, rows),
-        _table([*columns, text("terminal-head-met")], checks),
+        _table([*columns, text("terminal-head-meets")], checks),
         _picture(figure, text("glance-alt")),
     ]
     return "<div>" + "".join(parts) + "</div>"
