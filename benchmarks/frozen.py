@@ -145,7 +145,7 @@ def keep(file: Path, folder: Path, *, is_brief: bool) -> None:
     """Keep a file that a command wrote, as what can be compared: JSON or text."""
     match file.suffix:
         case ".json" if is_brief:
-            kept = without(json.loads(file.read_text("utf-8")), {"series", "landscape"})
+            kept = without(json.loads(file.read_text("utf-8")), {"series"})
             write(folder / file.name, json.dumps(kept))
         case ".json" | ".toml":
             write(folder / file.name, file.read_text("utf-8"))

@@ -163,9 +163,6 @@ def parts(repeats: int) -> list[Job]:
     calls: dict[str, Callable[[], object]] = {
         "tune the cascade": lambda: tune_loop(machine),
         "search for limits": lambda: choose_limits(machine, tuned),
-        "search for limits and the map to be printed": lambda: (
-            choose_limits(machine, tuned).landscape
-        ),
     }
     return [_job(name, "part", _times(call, repeats)) for name, call in calls.items()]
 

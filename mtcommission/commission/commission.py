@@ -65,7 +65,7 @@ class Commissioning:
     within_band: tuple[WithinBand, ...]  # the fastest controls that leave the tool in the band
     loop: LoopChoice  # the one that is used, and its variants
     disturbed: dict[str, DisturbanceStep]  # the answer to a step of force, by name of the loop
-    choice: Choice  # recommended limits, judged, each move with them, and the landscape
+    choice: Choice  # recommended limits, judged, and each move with them
     listed: Candidate | None  # what would serve the listed sizes best; None: only these count
     alternatives: tuple[Candidate, ...]  # limits condensed from the optima
     rules: tuple[Candidate, ...]  # the makers' and textbooks' rules, and the control's shapers

@@ -16,7 +16,6 @@ from mtcommission.base.messages.message import Message, join_by_and
 from mtcommission.limits.every_size import judge_sizes
 from mtcommission.limits.explore import Found
 from mtcommission.limits.judge import Candidate, MoveResult, evaluate_moves, simulate_moves
-from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.requirements import Requirement, Yields, keep_reserve, requirements_of
 from mtcommission.limits.typed import Typed, find_typed, type_in_at_least
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -108,11 +107,6 @@ class Choice:
             slowest = int(np.max(times, axis=0).argmax())
             return _in_state(Message("bound-by-settling-later"), tuned.corners[slowest].state)
         return Message("bound-by-requirements", requirements=join_by_and(named))
-
-    @cached_property
-    def landscape(self) -> Landscape:
-        """Settling time, residual deviation and use of force over all limits."""
-        return chart_landscape(self.machine, self.tuned, self.limits)
 
 
 def choose_limits(

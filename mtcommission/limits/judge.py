@@ -16,8 +16,8 @@ from mtcommission.limits.every_size import SizeCheck, judge_sizes
 from mtcommission.limits.requirements import Requirement, requirements_of
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.simulate import LoopResponse, simulate_corners
-from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import NOMINAL, Corner, Machine
+from mtcommission.loop.tuning.tuned import TunedLoop, describe_corner
+from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -124,16 +124,7 @@ def describe_place(move: int, corner: Corner, n_moves: int, size: Message | None
     """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies × 0.95``."""
     parts = [Message("place-move", number=move)] if n_moves > 1 else []
     parts += [size] if size else []
-    if corner == NOMINAL:
-        return Message("place", parts=(*parts, Message("place-nominal")))
-    if corner.state:
-        parts.append(Message("place-state", name=corner.state))
-    parts.append(Message("place-payload", payload=corner.payload))
-    if corner.frequency_factor != 1.0:
-        parts.append(Message("place-frequencies", factor=corner.frequency_factor))
-    if corner.damping_factor != 1.0:
-        parts.append(Message("place-damping", factor=corner.damping_factor))
-    return Message("place", parts=tuple(parts))
+    return Message("place", parts=(*parts, *describe_corner(corner)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -160,18 +160,6 @@ class RuleText:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Landscape:
-    """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
-
-    acceleration: list[float]
-    jerk_time: list[float]
-    settling_time: list[list[float | None]] = of(_plotted("settling_time"))
-    residual_deviation: list[list[float | None]] = of(_plotted("residual_deviation"))
-    # Share of the limits of force and bounded peaks [-].
-    usage: list[list[float | None]] = of(_plotted("usage"))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ModeLimitsEntry:
     """Limits for one machining mode, from a band of its own; None where ``reason`` says why."""
 
@@ -251,7 +239,6 @@ class LimitsPart:
     alternatives: list[Alternative]
     rules: list[Alternative]
     rule: RuleText
-    landscape: Landscape = of("choice.landscape")
     warnings: list[Words]  # part of the record's warnings, too
     would_bring: list[ImprovementEntry]
 

@@ -21,7 +21,7 @@ from mtcommission.loop.analysis import (
 )
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import INTERPOLATED, Controller
-from mtcommission.machine.machine import Corner, Machine, corners, vary
+from mtcommission.machine.machine import NOMINAL, Corner, Machine, corners, vary
 from mtcommission.machine.plant.plant import Plant, build_plant
 
 
@@ -182,6 +182,19 @@ def corner_plants(machine: Machine) -> CornerPlants:
     return CornerPlants(
         corners=places, plants=tuple(build_plant(vary(machine, corner)) for corner in places)
     )
+
+
+def describe_corner(corner: Corner) -> tuple[Message, ...]:
+    """Return what makes a corner, e.g. payload 100 kg and frequencies × 0.95."""
+    if corner == NOMINAL:
+        return (Message("place-nominal"),)
+    parts = [Message("place-state", name=corner.state)] if corner.state else []
+    parts.append(Message("place-payload", payload=corner.payload))
+    if corner.frequency_factor != 1.0:
+        parts.append(Message("place-frequencies", factor=corner.frequency_factor))
+    if corner.damping_factor != 1.0:
+        parts.append(Message("place-damping", factor=corner.damping_factor))
+    return tuple(parts)
 
 
 def close_loop(

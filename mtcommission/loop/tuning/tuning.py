@@ -39,11 +39,12 @@ from mtcommission.loop.tuning.tuned import (
     TunedLoop,
     close_loop,
     corner_plants,
+    describe_corner,
     describe_margins,
     follow,
 )
 from mtcommission.machine.control import StateFeedback
-from mtcommission.machine.machine import NOMINAL, Corner, Machine
+from mtcommission.machine.machine import Machine
 
 
 def tune_loop(machine: Machine) -> TunedLoop:
@@ -212,7 +213,7 @@ def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
         cure = _name_cure(family)
         for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True):
             if not analysis.is_stable:
-                gains, where = tuned.controller, _name_corner(corner)
+                gains, where = tuned.controller, describe_corner(corner)
                 Kv, Kp, Tn = gains.position_gain, gains.velocity_gain, gains.integral_time
                 detail = Message("loop-unstable", Kv=Kv, Kp=Kp, Tn=Tn, corner=where, cure=cure)
                 raise ComputationError(Outcome.UNSTABLE_LOOP, detail)
@@ -227,20 +228,6 @@ def _judge_given(family: LoopFamily, tuned: TunedLoop) -> Iterator[Message]:
     reached, wanted = tuned.least_bandwidth_hz, control.minimum_bandwidth_hz
     if reached < wanted:
         yield Message("loop-given-gains-slow", reached=reached, wanted=wanted)
-
-
-def _name_corner(corner: Corner) -> tuple[Message, ...]:
-    """What distinguishes a corner from the nominal machine."""
-    if corner == NOMINAL:
-        return (Message("loop-nominal-machine"),)
-    found = {
-        "loop-corner-payload": (corner.payload, 0.0),
-        "loop-corner-frequencies": (corner.frequency_factor, 1.0),
-        "loop-corner-damping": (corner.damping_factor, 1.0),
-    }
-    state = (Message("place-state", name=corner.state),) if corner.state else ()
-    others = (Message(kind, value=value) for kind, (value, own) in found.items() if value != own)
-    return (*state, *others)
 
 
 CURES = {

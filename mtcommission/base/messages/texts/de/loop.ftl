@@ -37,11 +37,7 @@ loop-cure-kp-from = Kp ab { NUMBER($value) } { $axis ->
 }
 loop-cure-tn = Tn ab { TIME($value) }
 
-loop-unstable = mit Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s an { $corner }. { $cure }
-loop-nominal-machine = der Nennmaschine
-loop-corner-payload = Zuladung { SI($value, "MASS") }
-loop-corner-frequencies = Frequenzen × { NUMBER($value) }
-loop-corner-damping = Dämpfung × { NUMBER($value) }
+loop-unstable = mit Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s ({ $corner }). { $cure }
 loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { SHARE($share) } des symmetrischen Optimums, gibt es { $margins }
 loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
 loop-hidden-states = Zustandsrückführung von { $states }

@@ -53,11 +53,7 @@ loop-cure-kp-from = Kp from { NUMBER($value) } { $axis ->
 loop-cure-tn = Tn from { TIME($value) } on
 
 # Details of outcomes that end the tuning
-loop-unstable = with Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s on { $corner }. { $cure }
-loop-nominal-machine = the nominal machine
-loop-corner-payload = payload { SI($value, "MASS") }
-loop-corner-frequencies = frequencies × { NUMBER($value) }
-loop-corner-damping = damping × { NUMBER($value) }
+loop-unstable = with Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s ({ $corner }). { $cure }
 loop-no-margins = at Kp = { SI($Kp, "DAMPING") }, { SHARE($share) } of the symmetrical optimum, there are { $margins }
 loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has damping ratio 0
 loop-hidden-states = state feedback of { $states }
