@@ -211,7 +211,15 @@ def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
     again = tmp_path / "again.toml"
     code, _, errors = run("identify", *files, "--profile", str(profile), "-o", str(again))
     assert code == 0, errors
-    data = tomllib.loads(again.read_text())
+    text = again.read_text()
+    data = tomllib.loads(text)
+    # The worst case at the tool was an assumption: it follows the mass that was measured now.
+    for mode in data["plant"]["modes"]:
+        mass = float(data["plant"]["moving_mass"].split()[0])
+        assert float(mode["tcp_gain"].split()[0]) == pytest.approx(-1.0 / mass, rel=1e-4)
+    assert len(data["machine"]["assumed"]) == 2
+    assert data["machine"]["source"].startswith("identified from e2.csv on ")
+    assert text.count("SHA-256") == 1
     assert [one["name"] for one in data["identified"]["modes"]] == ["beam", "mode2"]
     assert [one["name"].rpartition("/")[2] for one in data["identified"]["files"]] == ["e2.csv"]
     assert data["identified"]["evidence"] == "again.identified.json"

@@ -114,4 +114,7 @@ max_velocity = "0.5 m/s"
     code, out, _ = run("limits", profile)
     assert code == 0
     told = " ".join(out.split())
+    code, again, _ = run("identify", files[0], "--profile", profile)
+    assert code == 0
+    assert "one alone: empty.csv, full.csv." in " ".join(again.split())
     assert "Bound by: residual deviation (state full.csv) and set force (state full.csv)" in told

@@ -57,6 +57,8 @@ OF_EXAMPLE = (
     *("drive.", "control.", "requirements.frequency_spread", "requirements.damping_spread"),
 )
 """How keys begin with which an example describes a machine; moves and tolerances are a wish."""
+HEADING = re.compile(r"\A(?:#.*\n)??#.*\n(?:#   .*SHA-256 [0-9a-f]{64}\n)+#.*\n")
+"""What ``_heading`` wrote above a profile, of an earlier measurement."""
 Stated = dict[str, tuple[Estimate, str, int]]
 """Estimates of a mode by their keys in a profile, with their unit there and digits."""
 
@@ -143,11 +145,11 @@ def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
 
     A mode that is near a measured one keeps its name; one outside the measured band stays, one
     within it that does not show goes. What is stated of a measured mode and no sensor showed stays
-    as an assumption. The numbers of an example are no knowledge of the machine: where its mass and
-    modes were measured it is an example no more, its other modes and shares at the tool go, and
-    what it says of drive and control is an assumption.
+    as an assumption; what was one already is chosen anew. The numbers of an example are no
+    knowledge of the machine: where its mass and modes were measured it is an example no more, its
+    other modes and shares at the tool go, and what it says of drive and control is an assumption.
     """
-    document: Any = tomlkit.parse(text)
+    document: Any = tomlkit.parse(HEADING.sub("", text))
     machine = document.setdefault("machine", tomlkit.table())
     follows = document.get("drive", {}).get("kind") == "position_source"
     if found.part.base_excited and not follows:
@@ -160,8 +162,11 @@ def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
     if "plant" not in document or kind != "modal":
         document["plant"] = tomlkit.table()
         document["plant"]["kind"] = "modal"
-    measured = ("plant.moving_mass", "plant.modes", "requirements.frequency_spread")
-    assumed = [key for key in map(str, machine.get("assumed", [])) if not key.startswith(measured)]
+    gone = ("plant.",) if kind != "modal" else ()
+    assumed = [key for key in map(str, machine.get("assumed", [])) if not key.startswith(gone)]
+    before = document.get("identified", {}).get("files", [])
+    if any(Path(str(one["name"])).name in str(machine.get("source")) for one in before):
+        machine["source"] = _source(found, how)
     if machine.get("illustrative") and found.part.modes and (found.part.moving_mass or follows):
         del machine["illustrative"]
         machine["source"] = _source(found, how)
@@ -172,12 +177,15 @@ def merge_profile(text: str, found: Identified, how: Writing) -> Identified:
             if not low <= _frequency(modes[place]) <= high:
                 del modes[place]
         stated = map(show_key, find_key_lines(tomlkit.dumps(document)))
-        examples = (key for key in stated if key.startswith(OF_EXAMPLE))
-        assumed = list(dict.fromkeys([*assumed, *examples]))
+        examples = [key for key in stated if key.startswith(OF_EXAMPLE)]
+        others = (key for key in assumed if not key.startswith(("plant.modes", *examples)))
+        assumed = [*others, *examples]
+    states = tuple(str(one["name"]) for one in document.get("machine_states", []))
+    if states and not states_differ(found.part.states, found.part.modes):
+        found = _warned(found, Message("identify-states-stay", states=states))
     found = _merge(document, found, how, assumed)
     merged = how.words(found.part.rotary).text("identify-document-merged")
-    whole = f"{_heading(found, how)}# {merged}\n{tomlkit.dumps(document)}"
-    return replace(found, profile=whole)
+    return replace(found, profile=_heading(found, how, merged) + tomlkit.dumps(document))
 
 
 def _warned(found: Identified, warning: Message) -> Identified:
@@ -191,10 +199,11 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: Sequence[str
     if found.part.moving_mass:
         _set_estimate(document["plant"], "moving_mass", found.part.moving_mass, unit.mass.si, 6)
     names: dict[str, str] = {}
-    gains = _merge_modes(document["plant"], found.part, how, names)
+    gains = _merge_modes(document["plant"], found.part, how, names, assumed)
     if stay := tuple(f"{key} = {value}" for key, value in gains.items() if value):
         found = _warned(found, Message("identify-gains-stay", gains=stay))
-    part, keys = found.part, [*assumed, *gains]
+    of_plant = ("plant.modes", *(["plant.moving_mass"] if found.part.moving_mass else []))
+    part, keys = found.part, [*(one for one in assumed if not one.startswith(of_plant)), *gains]
     if states_differ(part.states, part.modes):
         document["machine_states"] = _state_tables(part, names)
     document["identified"] = _statement(part, how.evidence, names)
@@ -215,42 +224,52 @@ def _merge(document: Any, found: Identified, how: Writing, assumed: Sequence[str
 
 
 def _merge_modes(
-    plant: Any, part: IdentifiedPart, how: Writing, names: dict[str, str]
+    plant: Any,
+    part: IdentifiedPart,
+    how: Writing,
+    names: dict[str, str],
+    before: Sequence[str],
 ) -> dict[str, str]:
     """Put the measured modes among those of a profile; return the keys that are assumptions.
 
-    With each what the profile stated already; "" where it is chosen here.
+    With each what the profile stated already; "" where it is chosen here. ``before``: keys that
+    were assumptions.
     """
-    tables = list(plant.get("modes", []))
-    free = [table for table in tables if _frequency(table)]
-    taken = {str(table.get("name")) for table in tables}
+    tables = {f"plant.modes[{n}]": one for n, one in enumerate(plant.get("modes", []), start=1)}
+    free = {key: table for key, table in tables.items() if _frequency(table)}
+    taken = {str(table.get("name")) for table in tables.values()}
     merged: list[Any] = []
     assumed: dict[str, str] = {}
     for mode in _kept(part):
         f = mode.frequency_hz.value
-        near = min(free, key=lambda table: abs(log(_frequency(table) / f)), default=None)
-        if near is not None and abs(log(_frequency(near) / f)) < FARTHEST:
-            free.remove(near)
+        near = min(free, key=lambda key: abs(log(_frequency(free[key]) / f)), default=None)
+        if near is not None and abs(log(_frequency(free[near]) / f)) < FARTHEST:
+            table = free.pop(near)
+            if f"{near}.tcp_gain" in before:
+                del table["tcp_gain"]
         else:
-            near = tomlkit.table()
+            table = tomlkit.table()
             name = mode.name
             while name in taken:
                 name += "_measured"
-            near["name"] = name
-        stated = {key: str(near[key]) for key in ("tcp_gain", "measured_gain") if key in near}
-        for key in _set_mode(near, mode, part, how):
-            value = str(near[key])
-            assumed[f"plant.modes[{len(merged) + 1}].{key}"] = (
-                value if stated.get(key) == value else ""
-            )
-        names[mode.name] = str(near["name"])
-        merged.append(near)
+            table["name"] = name
+        stated = {key: str(table[key]) for key in ("tcp_gain", "measured_gain") if key in table}
+        for key in _set_mode(table, mode, part, how):
+            value = str(table[key])
+            kept = value if stated.get(key) == value else ""
+            assumed[f"plant.modes[{len(merged) + 1}].{key}"] = kept
+        names[mode.name] = str(table["name"])
+        merged.append(table)
     low, high = part.band_hz or (0.0, 0.0)
-    merged += [table for table in free if not low <= _frequency(table) <= high]
+    for key, table in free.items():
+        if len(merged) < MOST_MODES and not low <= _frequency(table) <= high:
+            merged.append(table)
+            own = (one for one in before if one.startswith(f"{key}."))
+            assumed |= {one.replace(key, f"plant.modes[{len(merged)}]"): "" for one in own}
     plant.pop("modes", None)
     if merged:
         plant["modes"] = tomlkit.aot()
-    for table in merged[:MOST_MODES]:
+    for table in merged:
         plant["modes"].append(table)
     return assumed
 
@@ -410,7 +429,7 @@ def _pair(one: Estimate, unit: str, *, most: float | None = None) -> list[Any]:
     return [_written(one.value, unit, 6), _written(sigma, unit, 3)]
 
 
-def _heading(found: Identified, how: Writing) -> str:
+def _heading(found: Identified, how: Writing, more: str = "") -> str:
     """Comments above a profile: who wrote it, from which files, and why with --force."""
     part = found.part
     words = how.words(part.rotary)
@@ -418,7 +437,8 @@ def _heading(found: Identified, how: Writing) -> str:
     if found.doubt:
         forced = text("identify-forced", **found.doubt.values)
         lines.append(f"{forced} {words.say(found.doubt)}")
-    lines.append(text("identify-document-head", version=__version__, date=part.created[:10]))
+    head = text("identify-document-head", version=__version__, date=part.created[:10])
+    lines.append(f"{head} {more}".rstrip())
     for file, source in found.files.items():
         dated = {"date": source.measured_on} if source.measured_on else {}
         kind = "identify-document-file-dated" if dated else "identify-document-file"
