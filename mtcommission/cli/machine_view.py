@@ -84,7 +84,7 @@ def _limits(machine: Machine, plant: Plant, spoken: Catalogue) -> Iterator[list[
 def _basis(machine: Machine, assumed: Sequence[str], spoken: Catalogue) -> Iterator[list[str]]:
     """The control with its loop, what is assumed, and what is neglected."""
     control = machine.control
-    name = name_control(control.kind.key, spoken)
+    name = spoken.say(name_control(control.kind.key))
     where = "" if machine.drive.follows else control.position_loop.value
     loop = say_loop(where, control.position_cycle, control.velocity_cycle, spoken)
     keys = OF_LOOP[1:2] if machine.drive.follows else OF_LOOP

@@ -6,15 +6,11 @@ from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kinds import KINDS, STATE_SPACE
+from mtcommission.machine.checks import name_control
 from mtcommission.machine.readers import propose
 
 CONTROL_KEYS = tuple(key for key in KINDS if key != STATE_SPACE.key)
 """What ``--control`` takes: every kind but the free controller, which has no syntax of its own."""
-
-
-def name_control(key: str) -> Message:
-    """Return maker and products of a control by its key."""
-    return Message(f"control-{key}")
 
 
 def describe_controls(words: Catalogue) -> str:

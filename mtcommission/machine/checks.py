@@ -238,9 +238,9 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
     yield Message("neglected-travel")
 
 
-def name_control(kind: str, words: Catalogue) -> str:
-    """Return the name of a kind of control."""
-    return words.known(f"control-{kind}", kind)
+def name_control(key: str) -> Message:
+    """Return maker and products of a control by its key."""
+    return Message(f"control-{key}")
 
 
 def filter_rows(item: SetpointFilter | None, words: Catalogue) -> list[tuple[str, str]]:

@@ -496,7 +496,7 @@ def kept_sentence(record: Record, words: Catalogue) -> str:
 
 def _control(record: Record, words: Catalogue) -> str:
     loop = record.loop
-    name = _marked(record, "control.kind", name_control(loop.kind, words), words)
+    name = _marked(record, "control.kind", words.say(name_control(loop.kind)), words)
     keys = [item.key for item in record.data if item.key in OF_LOOP]
     assumed = [key for key in keys if is_assumed(record, key)]
     place = "" if record.machine.follows else loop.position_loop

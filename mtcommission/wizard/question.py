@@ -116,7 +116,7 @@ class Question:
 def title(choice: str, words: Catalogue) -> str:
     """Return how a choice is shown; what is kept is the choice itself."""
     if choice in KINDS:
-        return name_control(choice, words)
+        return words.say(name_control(choice))
     slug = re.sub(r"[^a-z]+", "-", choice.lower()).strip("-")
     return words.known(f"choice-{slug}", words.known(choice, choice))
 
