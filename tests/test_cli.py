@@ -299,20 +299,6 @@ def test_what_cannot_work_is_refused_before_computing(
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"\x00\xff\x00", b"schema = 1\n[machine", b'schema = 1\nplanet = "mars"\n']
-)
-def test_bad_profile_writes_nothing(run: Run, tmp_path: Path, content: bytes) -> None:
-    profile = tmp_path / "bad.toml"
-    profile.write_bytes(content)
-    for command in (["run", profile, "-o", tmp_path / "out"], ["check", profile]):
-        code, out, err = run(*command)
-        assert code == 2
-        assert "bad.toml" in err
-        assert out == ""
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
     ("language", "missing", "no_record"),
     [
         ("en", "there is no such file; check the name", "its contents are not JSON"),
