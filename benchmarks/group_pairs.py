@@ -25,7 +25,8 @@ from mtcommission.group.judged import circle_test, corner_speeds, draw_circles, 
 from mtcommission.group.task import Task
 from mtcommission.machine.machine import Corner, Machine, moving_mass, vary
 from mtcommission.machine.profile.read import ProfileSource, parse_profile
-from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
+from tests.group_record import driven
+from tests.independent_circle import circle_off, corner_off, entry_off, line_off
 
 ROUNDING = 1.005
 """What a promise may be exceeded by, as the second program looks at few instants."""
@@ -63,15 +64,6 @@ def task_of(machines: tuple[Machine, Machine], seed: int) -> Task:
         feed=float(np.exp(generator.uniform(*np.log([0.02, 0.2])))),
         radius=None,
     )
-
-
-def driven(group: Group, corners: tuple[int, int]) -> list[Driven]:
-    found = []
-    for axis, corner in zip(group.drawn, corners, strict=True):
-        machine, tuned = axis.machine, axis.follower.tuned
-        place = tuned.corners[corner]
-        found.append((vary(machine, place), machine, tuned.controller, axis.follower.wait))
-    return found
 
 
 def refuted(group: Group, seed: int) -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from mtcommission.group.group import Group, join
 from mtcommission.group.record import GroupRecord, build_group_record
 from mtcommission.group.task import read_task
+from mtcommission.machine.machine import vary
 from mtcommission.machine.profile.read import (
     ProfileSource,
     parse_profile,
@@ -15,6 +16,7 @@ from mtcommission.machine.profile.read import (
     read_source,
 )
 from mtcommission.record.shape import dump_json
+from tests.independent_circle import Driven
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 
@@ -50,6 +52,16 @@ def printer_record() -> GroupRecord:
         )
     group = _join(sources, tolerance="50um", feed="6m/min")
     return build_group_record(group, created="2026-01-02T03:04:05+00:00")
+
+
+def driven(group: Group, corners: tuple[int, int] = (0, 0)) -> list[Driven]:
+    """Return the axes of the plane for the second program, in one corner of each."""
+    found = []
+    for axis, corner in zip(group.drawn, corners, strict=True):
+        machine, tuned = axis.machine, axis.follower.tuned
+        place = vary(machine, tuned.corners[corner])
+        found.append((place, machine, tuned.controller, axis.follower.wait))
+    return found
 
 
 def _join(sources: list[ProfileSource], **options: str) -> Group:

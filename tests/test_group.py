@@ -32,13 +32,12 @@ from mtcommission.group.judged import (
 )
 from mtcommission.group.record import build_group_record
 from mtcommission.group.task import Task, read_task
-from mtcommission.machine.machine import vary
 from mtcommission.machine.moves import Positioning
 from mtcommission.machine.profile.read import parse_profile, read_source
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.study.variations import Row, choose
-from tests.group_record import PROFILES, mill
-from tests.independent_circle import Driven, circle_off, corner_off, entry_off, line_off
+from tests.group_record import PROFILES, driven, mill
+from tests.independent_circle import circle_off, corner_off, entry_off, line_off
 
 X, Y = PROFILES / "mill-x.toml", PROFILES / "mill-y.toml"
 
@@ -65,16 +64,6 @@ def joined() -> Group:
 
 
 WITHOUT_CONTOUR = ('contour_deviation = "20 um"\ncontour_feed = "6 m/min"\n', "")
-
-
-def driven(group: Group, corner: int = 0) -> list[Driven]:
-    """The axes of the plane for the second program, in one corner of each."""
-    found = []
-    for axis in group.drawn:
-        machine, tuned = axis.machine, axis.follower.tuned
-        place = vary(machine, tuned.corners[corner])
-        found.append((place, machine, tuned.controller, axis.follower.wait))
-    return found
 
 
 # Closed forms
@@ -153,7 +142,7 @@ def test_circles_come_out_as_the_second_program_drives_them(joined: Group) -> No
     circle = draw_circles(joined, ((radius, feed),))[0]
     _, worst = worst_circle(joined.pair, np.array([feed / radius]))
     corners = divmod(int(worst[0]), len(joined.pair[1].tuned.corners))
-    axes = [driven(joined, corner)[number] for number, corner in enumerate(corners)]
+    axes = driven(joined, corners)
     off, _ = circle_off(axes, joined.setpoint_filter, radius=radius, feed=feed)
     assert off.mean() == pytest.approx(circle.radius_deviation, rel=0.01, abs=0.1e-6)
     assert np.ptp(off) == pytest.approx(circle.form_deviation, rel=0.01, abs=0.1e-6)
@@ -202,7 +191,11 @@ def test_entries_are_those_of_the_second_program(joined: Group) -> None:
         ours = radius * np.interp(feed / radius, first.omega, joined.entries)
         offs = [
             entry_off(
-                driven(joined, corner), joined.setpoint_filter, radius=radius, feed=feed, turned=d
+                driven(joined, (corner, corner)),
+                joined.setpoint_filter,
+                radius=radius,
+                feed=feed,
+                turned=d,
             )
             for d, corner in ((0.0, 5), (0.5 * pi, 3), (0.5 * pi, 0))
         ]
@@ -248,7 +241,7 @@ def test_lines_in_every_direction_keep_what_was_judged_in_the_second_program(
     assert along[1].max() > 1.05 * min(path.jerks)
     offs = [
         line_off(
-            driven(joined, corner),
+            driven(joined, (corner, corner)),
             joined.setpoint_filter,
             feed=feed,
             acceleration=a,

@@ -133,43 +133,28 @@ def _scale(column: Column, *, is_angle: bool, where: str) -> float:
 
 # What it shows
 
-NEAR = 0.02
-"""Share of the radius within which a sample belongs to the circle (design choice)."""
 
-SAME_TRAVEL = 0.1
-"""By how much the travel of an axis may differ from its setpoint's; more is a wrong unit or column
-(design choice)."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """What counts as a circle, as a turn and as a peak (design choices)."""
 
-STEADY = 0.05
-"""Share of the feed within which it is constant."""
+    near: float = 0.02  # share of the radius within which a sample belongs to the circle
+    same_travel: float = 0.1  # by which an axis may travel otherwise than told; else a wrong unit
+    steady: float = 0.05  # share of the feed within which it is constant
+    smoothed: float = 2.5 * pi / 180.0  # angle to either side over which the feed is seen
+    settled: float = 0.2  # left out where a constant feed begins, if a turn remains [s]
+    turn: float = 2.0 * pi * (1.0 - 1e-3)  # what counts as a whole one
+    before: float = 2.0 * pi / 180.0  # angle before a reversal that belongs to its peak
+    behind: float = 40.0 * pi / 180.0  # the same behind it, at most
+    seen: int = 5  # samples about a reversal without which its peak is not told
+    sigmas: float = 2.0  # standard deviations of an uncertainty
+    whole: float = 1e-3  # of what a radius is a multiple where no setpoint was recorded [m]
+    filtered: float = 20e-6  # by which a recorded setpoint may be smaller, behind its filter [m]
+    largest: float = 2.0  # radius of a circle test; others are a wrong unit [m]
+    smallest: float = 0.5e-3
 
-SMOOTHED = 2.5 * pi / 180.0
-"""Angle to either side over which the feed is seen."""
 
-SETTLED = 0.2
-"""From the beginning of a constant feed on, what is left out where a turn remains [s]."""
-
-TURN = 2.0 * pi * (1.0 - 1e-3)
-"""What counts as a whole turn."""
-
-BEFORE, BEHIND = 2.0 * pi / 180.0, 40.0 * pi / 180.0
-"""Angle before a reversal, and at most behind it, that belongs to its peak."""
-
-SEEN = 5
-"""Samples about a reversal without which its peak is not told (design choice)."""
-
-SIGMAS = 2.0
-"""Standard deviations of an uncertainty."""
-
-WHOLE = 1e-3
-"""Of what a radius is taken to be a multiple where no setpoint was recorded [m]."""
-
-FILTERED = 20e-6
-"""By how much the radius of a recorded setpoint may be off a whole one, for it is recorded behind
-the setpoint filter (design choice) [m]."""
-
-LARGEST, SMALLEST = 2.0, 0.5e-3
-"""Radii of circle tests; others are a wrong unit [m]."""
+SETTINGS = Settings()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -216,11 +201,11 @@ class FittedCircle:
         and by what lies between two of these.
         """
         own = _behind(self.angle, axis, self.direction)
-        inside = (own <= min(AFTER * self.omega, BEHIND)) | (own >= pi - BEFORE)
+        inside = (own <= min(AFTER * self.omega, SETTINGS.behind)) | (own >= pi - SETTINGS.before)
         off = self.deviation - self.fitted
         # The first and the last stretch may be cut.
         whole = [slice(*ends) for ends in runs(inside) if ends[0] > 0 and ends[1] < inside.size]
-        whole = [k for k in whole if k.stop - k.start >= SEEN]
+        whole = [k for k in whole if k.stop - k.start >= SETTINGS.seen]
         if not whole:
             return None
         found, between = np.array([_largest(off[k]) for k in whole]).T
@@ -251,10 +236,10 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
     """
     told = trace.points if trace.reference is None else trace.reference
     centre, radius = _find_circle(told)
-    if not SMALLEST <= radius <= LARGEST:
+    if not SETTINGS.smallest <= radius <= SETTINGS.largest:
         raise refuse(trace.file, "group-trace-size", radius=radius)
     off = np.abs(np.hypot(*(told - centre).T) - radius)
-    on = off <= NEAR * radius
+    on = off <= SETTINGS.near * radius
     if on.mean() < 0.5:
         worst = int(off.argmax())
         raise refuse(
@@ -268,14 +253,14 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
     for sign in (1.0, -1.0):
         moving = on & (sign * rate > fast)
         usual = float(np.median(rate[moving])) if moving.any() else 0.0
-        steady = moving & (np.abs(rate - usual) <= STEADY * abs(usual))
+        steady = moving & (np.abs(rate - usual) <= SETTINGS.steady * abs(usual))
         part = slice(*max(runs(steady), key=lambda ends: ends[1] - ends[0], default=(0, 1)))
         turned = np.abs(angle[part.stop - 1] - angle[part])
         longest = max(longest, (float(turned[0]), part.stop - 1))
-        settled = int(np.searchsorted(trace.t[part], trace.t[part.start] + SETTLED))
-        if settled < turned.size and turned[settled] >= TURN:
+        settled = int(np.searchsorted(trace.t[part], trace.t[part.start] + SETTINGS.settled))
+        if settled < turned.size and turned[settled] >= SETTINGS.turn:
             part = slice(part.start + settled, part.stop)
-        if turned[0] >= TURN:
+        if turned[0] >= SETTINGS.turn:
             found.append(_fit(trace, part, centre, radius, angle))
     if not found:
         got, last = longest
@@ -292,7 +277,7 @@ def _require_same_travel(trace: CircularTrace, on: NDArray[np.bool_]) -> None:
     names = list(trace.columns.values())
     travels = np.ptp(trace.points[on], axis=0) / np.ptp(trace.reference[on], axis=0)
     for name, reference, ratio in zip(names[:2], names[2:4], travels, strict=True):
-        if abs(ratio - 1.0) > SAME_TRAVEL:
+        if abs(ratio - 1.0) > SETTINGS.same_travel:
             raise refuse(
                 trace.file,
                 "verify-other-travel",
@@ -308,7 +293,7 @@ def _find_circle(points: Array) -> tuple[Array, float]:
     radius = 0.25 * float(np.ptp(points, axis=0).sum())
     for _ in range(4):
         distance = np.hypot(*(points - centre).T)
-        near = np.abs(distance - radius) <= NEAR * radius
+        near = np.abs(distance - radius) <= SETTINGS.near * radius
         if near.sum() < 3:
             break
         own = points[near] - centre
@@ -321,7 +306,7 @@ def _find_circle(points: Array) -> tuple[Array, float]:
 def _rate(t: Array, angle: Array) -> Array:
     """Angular velocity, over a few degrees at each sample [rad/s]."""
     step = float(np.abs(np.diff(angle)).mean())
-    width = int(np.clip(round(SMOOTHED / max(step, 1e-9)), 1, max(angle.size // 8, 1)))
+    width = int(np.clip(round(SETTINGS.smoothed / max(step, 1e-9)), 1, max(angle.size // 8, 1)))
     n = np.arange(angle.size)
     before, behind = np.maximum(n - width, 0), np.minimum(n + width, angle.size - 1)
     return np.asarray((angle[behind] - angle[before]) / (t[behind] - t[before]))
@@ -332,16 +317,17 @@ def _fit(
 ) -> FittedCircle:
     turned = float(told[part][-1] - told[part][0])
     direction = 1 if turned > 0.0 else -1
-    whole, is_assumed = max(round(radius / WHOLE), 1) * WHOLE, trace.reference is None
-    nominal = whole if is_assumed or abs(radius - whole) <= FILTERED else radius
+    is_assumed = trace.reference is None
+    whole = max(round(radius / SETTINGS.whole), 1) * SETTINGS.whole
+    nominal = whole if is_assumed or abs(radius - whole) <= SETTINGS.filtered else radius
     feed = nominal * abs(turned) / float(trace.t[part][-1] - trace.t[part][0])
-    window = min(AFTER * feed / nominal, BEHIND)
+    window = min(AFTER * feed / nominal, SETTINGS.behind)
     middle = centre
     for _ in range(4):  # What is left of the centre is seen to first order.
         own = trace.points[part] - middle
         angle, off = np.unwrap(np.arctan2(own[:, 1], own[:, 0])), np.hypot(*own.T) - nominal
         behind = [_behind(angle, axis, direction) for axis in (0, 1)]
-        kept = np.all([(b > window) & (b < pi - BEFORE) for b in behind], axis=0)
+        kept = np.all([(b > window) & (b < pi - SETTINGS.before) for b in behind], axis=0)
         waves = [f(k * angle) for k in (1, 2) for f in (np.cos, np.sin)]
         A = np.column_stack([np.ones(angle.size), *waves])
         design = np.zeros((A.shape[1], angle.size))
@@ -366,5 +352,5 @@ def _fit(
         noise=float(np.std(np.diff(rest))) / sqrt(2.0),
         design=design,
         found=found,
-        uncertainty=SIGMAS * np.sqrt(variance * (design**2).sum(axis=1)),
+        uncertainty=SETTINGS.sigmas * np.sqrt(variance * (design**2).sum(axis=1)),
     )
