@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import inf, isclose
+from math import isclose
 from typing import Any
 
 from mtcommission.base.errors import InputError
@@ -23,7 +23,6 @@ from mtcommission.controls.syntax import Entry
 from mtcommission.group.contours import Pair, Trace, trace_circles
 from mtcommission.group.export import Part, type_in_group
 from mtcommission.group.group import UNBOUND
-from mtcommission.group.judged import GroupCheck
 from mtcommission.group.page import contour_panel, draw_ballbar, micrometres
 from mtcommission.group.record import GroupRecord
 from mtcommission.machine.checks import filter_rows, say_filter
@@ -46,7 +45,7 @@ from mtcommission.sheet.document import (
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.tables import DASH, Quantity, capitalised, pairs, show, table, words_for
-from mtcommission.sheet.verdict import entry_name, show_typed
+from mtcommission.sheet.verdict import check_columns, entry_name, show_typed
 
 JUST_BELOW = 0.999
 """Of a ceiling that bounds nothing, for it was rounded."""
@@ -273,31 +272,10 @@ def say_corners(record: GroupRecord, words: Catalogue) -> str:
 
 
 def _checks(record: GroupRecord, words: Catalogue) -> Table:
-    """Of each requirement the axis that keeps it least, and whatever is not kept."""
-    least: dict[str, GroupCheck] = {}
-    names = tuple(f" {axis.name}" for axis in record.axes)
-    for check in record.assessment.checks:
-        own = next((name for name in names if check.name.endswith(name)), "")
-        kind = check.name.removesuffix(own)
-        if kind not in least or (_share_used(check) or inf) > (_share_used(least[kind]) or inf):
-            least[kind] = check
-    shown = [one for one in record.assessment.checks if one in least.values() or not one.met]
-
-    def unit_of(check: GroupCheck) -> str:
-        return check.unit
-
-    columns = (
-        Quantity("check", "label", width=2.9),
-        Quantity("found", "value", unit_of, "not-settled", width=1.35),
-        Quantity("permitted", "limit", unit_of, width=1.35),
-        Quantity("share-used", _share_used, "%", width=1.05),
-        Quantity("where", "where", width=9.4),
-    )
-    return table(words, "group-checks-caption", columns, shown, strong=lambda check: not check.met)
-
-
-def _share_used(check: GroupCheck) -> float | None:
-    return None if check.value is None else check.value / check.limit
+    name, where = Quantity("check", "label", width=2.6), Quantity("where", "where", width=8.8)
+    # Rows that are not kept stand out; that leaves room for the place.
+    columns, checks = (name, *check_columns(words)[:-1], where), record.assessment.checks
+    return table(words, "checks-caption", columns, checks, strong=lambda check: not check.met)
 
 
 def _rests_on(record: GroupRecord, words: Catalogue) -> list[tuple[str, str]]:

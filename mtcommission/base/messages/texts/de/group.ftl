@@ -157,7 +157,6 @@ group-settles = Einschwingzeit (Bahn)
 group-rise-time = Hochlaufzeit
 group-feedforward = Vorsteuerung
 group-balancing = Sollwertverzögerung
-group-checks-caption = Anforderungen: von jeder die Achse, die sie am knappsten einhält
 group-circle-caption = Kreisformtest, wie er bei der nominellen Maschine ausfällt, Radius { LENGTH($radius) }
 group-circle-alt = Kreise mit Radius { LENGTH($radius) } bei { $feeds }, die Abweichung vergrößert: ein Teilstrich ist { LENGTH($division) }, die Toleranz { LENGTH($tolerance) } nach beiden Seiten.
 group-circle-band = Toleranz ± { LENGTH($tolerance) }

@@ -157,7 +157,6 @@ group-settles = Settling with path limits
 group-rise-time = Rise time
 group-feedforward = Feed-forward
 group-balancing = Delay of setpoint
-group-checks-caption = Requirements: of each the axis that keeps it least
 group-circle-caption = Circle test as it comes out in the nominal machine, radius { LENGTH($radius) }
 group-circle-alt = Circles of radius { LENGTH($radius) } at { $feeds }, the deviation magnified: one division is { LENGTH($division) }, the tolerance { LENGTH($tolerance) } on either side.
 group-circle-band = Tolerance ± { LENGTH($tolerance) }
