@@ -13,7 +13,7 @@ from math import inf, isclose
 
 import numpy as np
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Control, Corner
@@ -272,7 +272,7 @@ def _merge(parts: Sequence[Part], target: Control) -> list[Entry]:
             if entry.row.setting not in ONE_FOR_ALL:
                 control, names = name_control(target.key), (name, part.name)
                 message = Message("group-export-same-name", names=names, control=control)
-                raise InputError([Fault(where="--control", message=message)])
+                raise InputError.at("--control", message)
             if first.value != entry.value:
                 least = min(first, entry, key=lambda one: Decimal(one.value))
                 merged[place] = name, least

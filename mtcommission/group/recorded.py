@@ -20,6 +20,7 @@ from math import log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.group.follow import AFTER
 from mtcommission.identify.columns import read_signal_unit
@@ -242,9 +243,8 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
     on = off <= SETTINGS.near * radius
     if on.mean() < 0.5:
         worst = int(off.argmax())
-        raise refuse(
-            trace.file, "group-trace-no-circle", line=trace.line(worst), off=float(off[worst])
-        )
+        message = Message("group-trace-no-circle", off=float(off[worst]))
+        raise InputError.at(trace.file, message, line=trace.line(worst))
     angle = np.unwrap(np.arctan2(*(told - centre).T[::-1]))
     rate = _rate(trace.t, angle)
     _require_same_travel(trace, on)
@@ -264,9 +264,8 @@ def fit_circles(trace: CircularTrace) -> list[FittedCircle]:
             found.append(_fit(trace, part, centre, radius, angle))
     if not found:
         got, last = longest
-        raise refuse(
-            trace.file, "group-trace-arc", line=trace.line(last), got=round(got * 180.0 / pi)
-        )
+        message = Message("group-trace-arc", got=round(got * 180.0 / pi))
+        raise InputError.at(trace.file, message, line=trace.line(last))
     return found
 
 
