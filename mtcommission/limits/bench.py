@@ -18,16 +18,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements import Asked, Mean, Requirement, Swings, sort_requirements
+from mtcommission.limits.requirements import COARSELY, Asked, Mean, Requirement, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, worst_noise
 from mtcommission.loop.mean_response import MeanResponse, average_phases
 from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.respond import (
-    extremes,
-    free_motion,
-    lay_grid,
-    set_in_motion,
-)
+from mtcommission.loop.respond import free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
@@ -37,10 +32,6 @@ from mtcommission.setpoint.smaller_moves import size_of
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Cycles = NDArray[np.int64]
-
-SAMPLES = 12
-"""Samples to a period, of free motion and of the free times (empirical: 3 % of a swing's peak)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -155,7 +146,7 @@ class Use:
     def _share_exactly(self, steps: JerkSteps) -> Array:
         """The same at the very phases at which the steps fall."""
         motions = set_in_motion(self.bench.poles, filter_steps(steps, self.item))
-        grid = lay_grid(self.bench.poles, SAMPLES)
+        grid = lay_grid(self.bench.poles, COARSELY)
         found = [
             free_motion(motions, grid, signal=signal).residual.max(axis=1)
             for _, signal in self.bench.asked.after
@@ -271,17 +262,10 @@ class Use:
             if np.all(most < left):
                 continue
             for move in swings.moves:
-                worst = self._worst_during(swings, self._sizes(move, shares, a, t_j))
+                steps = filter_steps(self._sizes(move, shares, a, t_j), self.item)
+                worst = swings.largest(bench.poles, steps)
                 used = max(used, float((worst / left).max()))
         return used
-
-    def _worst_during(self, swings: Swings, steps: JerkSteps) -> Array:
-        """Largest of swings looked at together, worst corner, (n_setpoints, n_rows)."""
-        poles, parts = swings.where_to_look(self.bench.poles)
-        motions = set_in_motion(poles, filter_steps(steps, self.item))
-        grid = lay_grid(poles, SAMPLES)
-        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less)
-        return np.asarray(found.max(axis=1))
 
     def _sizes(self, move: Move, shares: Array, a: float, t_j: float) -> JerkSteps:
         """Some sizes of a move, and those that just reach the acceleration."""

@@ -23,16 +23,10 @@ from math import ceil, inf, isfinite, nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.requirements import Mean, Requirement, Swings, sort_requirements
+from mtcommission.limits.requirements import COARSELY, Mean, Requirement, Swings, sort_requirements
 from mtcommission.loop.disturbance import EncoderNoise, encoder_noise, worst_noise
 from mtcommission.loop.poles import LoopPoles, find_poles
-from mtcommission.loop.respond import (
-    Signal,
-    extremes,
-    free_motion,
-    lay_grid,
-    set_in_motion,
-)
+from mtcommission.loop.respond import Signal, extremes, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Corner, Machine
 from mtcommission.machine.moves import Move, Positioning
@@ -212,16 +206,11 @@ class _Sizes:
 
     def worst_during(self, place: int, swings: Swings) -> list[SizeCheck]:
         """Return the worst of swings looked at together, of some sizes."""
-        steps, (own, parts) = self._some(swings.moves[place]), swings.where_to_look(self.poles)
-        motions, grid = set_in_motion(own, steps), lay_grid(own, 12)
-        found = extremes(motions, grid, swings.rows, parts=parts, less=swings.less).max(axis=1)
-        grid, every, checks = lay_grid(self.poles, 12), np.arange(self.poles.cycles), []
+        steps, every = self._some(swings.moves[place]), np.arange(self.poles.cycles)
+        found, grid, checks = swings.largest(self.poles, steps), lay_grid(self.poles, COARSELY), []
         for k, requirement in enumerate(swings.requirements):
-            worst = int(found[:, k].argmax())
-            alone, row = (
-                set_in_motion(self.poles, steps.only([worst])),
-                swings.rows[k : k + 1],
-            )
+            worst, row = int(found[:, k].argmax()), swings.rows[k : k + 1]
+            alone = set_in_motion(self.poles, steps.only([worst]))
             peaks = extremes(alone, grid, row, parts=every, less=swings.less)
             values = requirement.noisy(peaks[0, :, 0], self.noises)
             checks.append(self._check(place, requirement, values, worst))

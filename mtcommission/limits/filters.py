@@ -9,13 +9,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from mtcommission.controls.kind import (
-    MOVING_AVERAGE,
-    SHAPERS,
-    TWO_AVERAGES,
-    FilterChoice,
-    Jerk,
-)
+from mtcommission.controls.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, FilterChoice, Jerk
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter, frequencies_told_apart

@@ -22,6 +22,8 @@ from mtcommission.loop.respond import (
     FORCE,
     OUTPUTS,
     Signal,
+    extremes,
+    lay_grid,
     output_of_states,
     outputs_at,
     set_in_motion,
@@ -349,6 +351,10 @@ def keep_reserve(machine: Machine) -> Machine:
     return replace(strict, requirements=replace(strict.requirements, reserve=NO_RESERVE))
 
 
+COARSELY = 12
+"""Samples to a period, of free motion and of free times (empirical: 3 % of a swing's peak)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Swings:
     """Requirements on signals of the same moves, less the same derivative of the setpoint."""
@@ -363,6 +369,13 @@ class Swings:
         if self.less is None:
             return where_signals_lead(poles, self.rows)
         return poles, np.zeros(1, np.int64)
+
+    def largest(self, poles: LoopPoles, steps: JerkSteps) -> Array:
+        """Return the largest magnitudes where it is looked, (n_setpoints, n_requirements)."""
+        own, parts = self.where_to_look(poles)
+        motions, grid = set_in_motion(own, steps), lay_grid(own, COARSELY)
+        found = extremes(motions, grid, self.rows, parts=parts, less=self.less)
+        return np.asarray(found.max(axis=1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
