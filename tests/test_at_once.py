@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
-from itertools import pairwise
-from math import acos, cos, inf, pi, sqrt
+from math import acos, cos, pi, sqrt
 
 import numpy as np
 import pytest
@@ -14,17 +12,12 @@ from scipy.optimize import brentq
 
 from mtcommission.base.errors import InputError
 from mtcommission.limits.optima import find_optima, find_time_optimum
-from mtcommission.machine.drive import Drive
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.moves import Positioning, VelocityStep
-from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.plant.plant import build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
-from mtcommission.machine.requirements import Modes, Requirements
 from mtcommission.optimal.band import find_band_optimum
 from mtcommission.optimal.control import Arc, Bound, TimeOptimum
-from mtcommission.optimal.free import solve_forces
 from mtcommission.optimal.transcription import transcribe_damping_optimal
 from mtcommission.optimal.transcription_settings import TranscriptionSettings
 from mtcommission.record.optima import optimum_entry
@@ -139,34 +132,6 @@ def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
         assert max(swing[1::2]) < 1e-8 * largest
 
 
-def test_a_vanishing_lag_leads_to_the_same_time() -> None:
-    """A servo of mass 1 with the same modes tends to it from above: what passes a lag can be done.
-
-    Two ways through the solver, with and without the moment of the lag.
-    """
-    machine, modes, a = random_axis(3)
-    move = Positioning(distance=0.004)
-    least = find_time_optimum(build_plant(machine), move, force_limit=a, bounds=()).t_f
-    flexible = tuple(
-        FlexibleMode(name=f"m{n}", natural_frequency=2 * pi * f, damping_ratio=zeta, tcp_gain=gain)
-        for n, (f, zeta, gain) in enumerate(modes)
-    )
-    needs = Requirements(tcp_deviation=1e-5, modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5))
-    excess = []
-    for lag in (1e-3, 1e-4, 1e-5, 1e-6):
-        servo = replace(
-            machine,
-            mechanics=Modal(moving_mass=1.0, modes=flexible),
-            drive=Drive(force_lag=lag, max_force=a),
-            requirements=needs,
-        )
-        found = find_time_optimum(build_plant(servo), move, force_limit=a, bounds=())
-        excess.append(found.t_f / least - 1.0)
-    assert all(value > 0.0 for value in excess)
-    assert all(later < 0.2 * earlier for earlier, later in pairwise(excess))
-    assert excess[-1] < 1e-4
-
-
 def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
     """Else bounding F as a peak ends in an error, or is not kept."""
     machine = axis([(45.0, 0.05, 1.0)], 20.0)
@@ -214,21 +179,6 @@ def test_band_is_reached_before_exact_rest() -> None:
         times.append(found.t_f)
     assert times[0] < times[1] < at_rest * (1.0 + 1e-4)
     assert times[1] == pytest.approx(at_rest, rel=1e-4)
-
-
-def test_many_limits_at_once_are_those_one_by_one() -> None:
-    """Else a sweep over the acceleration shows other times than the sheet."""
-    machine, *_ = random_axis(7)
-    plant, move = build_plant(machine), Positioning(distance=0.01, max_velocity=inf)
-    limits = np.geomspace(3.0, 60.0, 9)
-    found = solve_forces(driven_at_once(plant), move, limits)
-    for limit, solved in zip(limits.tolist(), found, strict=True):
-        alone = find_time_optimum(plant, move, force_limit=limit, bounds=())
-        assert solved is not None
-        assert solved[0].t_f == pytest.approx(alone.t_f, rel=1e-11)
-        expected = np.delete(alone.peaks, plant.force)
-        assert solved[0].peaks == pytest.approx(expected, rel=1e-8)
-        assert alone.peaks[plant.force] == limit
 
 
 def test_a_weight_of_the_acceleration_is_refused_with_the_way_out() -> None:

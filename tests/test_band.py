@@ -18,7 +18,7 @@ from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.band import BandForce, find_band_optimum
-from mtcommission.optimal.modes import free_peaks, free_row, free_waves, in_moments
+from mtcommission.optimal.modes import free_peaks
 from tests.machines import paper_machine, random_modal_machine
 
 
@@ -152,25 +152,6 @@ def test_a_wider_band_never_takes_longer_and_a_narrow_one_is_exact_rest() -> Non
     rest, _ = optimum_of(machine, move, band=5e-6)
     assert times[0].t_f == pytest.approx(rest, rel=1e-4)
     assert all(later.lower_bound < earlier.t_f for earlier, later in pairwise(times))
-
-
-def test_peaks_of_the_free_motion_are_seen_between_all_samples() -> None:
-    """The exchange lives on this: what rows at some instants allow between them."""
-    plant = build_plant(paper_machine())
-    row = free_row(plant, plant.row("tcp"))
-    state = np.random.default_rng(3).normal(size=plant.order)
-    dt, count = 1e-6, 200_000
-    flow, seen = expm(plant.A * dt), np.empty(count)
-    x = state
-    for i in range(count):
-        seen[i] = abs(float(row @ x) - 1e-9)
-        x = flow @ x
-    level = 0.3 * float(seen.max())
-    weights = free_waves(plant, row[np.newaxis], state) / level
-    rates = in_moments(plant).functions.rates[np.newaxis]
-    _, s, heights = free_peaks(rates, weights, offset=1e-9 / level)
-    assert heights.max() * level == pytest.approx(float(seen.max()), rel=1e-7)
-    assert s[heights.argmax()] == pytest.approx(dt * float(seen.argmax()), abs=dt)
 
 
 def test_a_motion_that_rings_for_ever_is_a_named_outcome() -> None:

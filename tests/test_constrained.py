@@ -19,7 +19,6 @@ from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
-from mtcommission.optimal.cells import first_cells
 from mtcommission.optimal.control import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.optimal.edits import solve_exactly
 from mtcommission.optimal.free import solve_time_optimal
@@ -261,13 +260,6 @@ def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
         assert (reach(bound("x_s", factor * least), 0.11, n=600) >= 1.0) is reached
 
 
-def test_long_cruise_is_solved_exactly() -> None:
-    move = Positioning(distance=0.1, max_velocity=0.1)
-    optimum = solve_bounded_time_optimal(paper_plant(), move, force_limit=600.0, bounds=())
-    assert optimum.certificate.relative_gap < 1e-9
-    check_motion(paper_plant(), optimum)
-
-
 def paper_problem(name: str, value: float) -> BoundedProblem:
     return bounded_problem(
         paper_plant(), PAPER_STEP, force_limit=2e3, bounds=bound(name, value), horizon=0.05
@@ -409,12 +401,3 @@ modes = [
     pieces = (Piece(limit=-1, side=1, duration=1e-3), Piece(limit=0, side=1, duration=0.05))
     held = (*pieces, Piece(limit=-1, side=-1, duration=1e-3))
     assert solve_exactly(problem, held) is None
-
-
-@pytest.mark.parametrize(("name", "value"), [("v_phi", 0.005), ("phi", 5e-5)])
-def test_multipliers_of_a_program_prove_no_more_than_the_optimum(name: str, value: float) -> None:
-    """The printed gap is what a user goes by where no exact sequence is found."""
-    problem, optimum = paper_problem(name, value), paper_optimum(bound(name, value))
-    measure = first_cells(problem, t_free=0.0435).measure
-    lower = weigh(problem, measure).lower_bound
-    assert 0.99 * optimum.t_f < lower < optimum.t_f * (1.0 + 1e-12)

@@ -129,13 +129,6 @@ def test_a_transcription_claims_no_proof() -> None:
     assert not certificate.relative_gap < 1e-6
 
 
-def test_bound_is_kept_on_the_grid_and_costs_time() -> None:
-    best = shortest(400, bounds=(Bound(name="v_phi", value=0.005),))
-    assert best.t_f == pytest.approx(0.0523, abs=1e-4)  # the paper: 0.0522
-    assert best.peaks[5] < 0.005 * 1.002
-    assert best.certificate.switching_law_holds
-
-
 def test_bound_that_no_time_can_meet() -> None:
     with pytest.raises(ComputationError) as caught:
         shortest(50, bounds=(Bound(name="v_s", value=0.05),))

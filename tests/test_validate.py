@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import fsolve
 
 from mtcommission import cli
 from mtcommission.base.messages import LANGUAGES
@@ -23,8 +22,7 @@ from mtcommission.cli.terminal import fold
 from mtcommission.cli.validation_view import describe_validation
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import Plant, build_plant
-from mtcommission.optimal.control import Bang, constant_arc, follow_control, propagate
-from mtcommission.optimal.free import solve_time_optimal
+from mtcommission.optimal.control import follow_control
 from mtcommission.validate import page
 from mtcommission.validate.adjoint import (
     law_residual,
@@ -153,33 +151,6 @@ def test_printed_control_integrated_by_a_general_solver(plant: Plant) -> None:
     x[1], x[4] = 0.0, x[4] - 0.1
     assert printed_control_error(plant) == pytest.approx(x, rel=1e-6, abs=1e-12)
     assert x[[4, 6, 3]] == pytest.approx([2.8e-5, 3.47, 3.87e-5], rel=0.02)
-
-
-def ends(plant: Plant, times: Array, force: float, scale: Array) -> Array:
-    arcs = []
-    for start, end in pairwise((0.0, *times.tolist())):
-        arcs.append(constant_arc(start, end, control=Bang(1 if force > 0.0 else -1), force=force))
-        force = -force
-    error = propagate(plant, tuple(arcs))
-    error[4] -= 0.1
-    return np.delete(error / scale, 1)
-
-
-def test_both_controls_with_five_switches_are_slower_at_1275_newton(plant: Plant) -> None:
-    """From either side of the range the five-switch family goes on, but loses."""
-    best = solve_time_optimal(plant, STEP, force_limit=1275.0)
-    assert len(best.switching_times) == 7
-    scale = best.peaks[:7]
-    delays = []
-    for outside, forces in ((1250.0, (1255, 1260, 1265, 1270, 1275)), (1296.0, (1285, 1275))):
-        start = solve_time_optimal(plant, STEP, force_limit=outside)
-        times = np.array([*start.switching_times, start.t_f])
-        for force in forces:
-            times = fsolve(lambda z, F=float(force): ends(plant, z, F, scale), times, xtol=1e-12)
-        assert np.abs(ends(plant, times, 1275.0, scale)).max() < 1e-9
-        assert np.all(np.diff(times) > 0.0)
-        delays.append(float(times[-1]) - best.t_f)
-    assert delays == pytest.approx([1.5046e-4, 6.80e-6], rel=1e-3)
 
 
 def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:

@@ -33,31 +33,15 @@ from mtcommission.optimal.program import (
 
 Array = NDArray[np.float64]
 
-LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
-"""Where the smallest possible bound is looked for, in multiples of the free optimum: it falls
-with t_f until more time does not help any more."""
-LEAST_CELLS = (400, 800)
-"""For the smallest bound: to search its time, and to refine it for a single bound."""
+LEAST_CELLS = 600
+"""For the smallest possible bound (empirical: right to some parts in a thousand)."""
 LEAST_TOLERANCE = 2e-4
-"""Relative change of the smallest bound, over time and cells, that counts as none."""
+"""By how much it is rounded up."""
 
 
-def _smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
-    """Return the factor of all bounds below which the target is out of reach at any time."""
-    least, time = inf, LEAST_TIMES[0]
-    for share in LEAST_TIMES:
-        now = _least_factor(problem, share * t_free, cells=LEAST_CELLS[0])
-        if now > least * (1.0 - LEAST_TOLERANCE):
-            break
-        least, time = now, share
-    if len(problem.limits) == 1:
-        now = _least_factor(problem, time * t_free, cells=LEAST_CELLS[1])
-        least = now if isfinite(now) else least
-    return least
-
-
-def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
+def _least_factor(problem: BoundedProblem, t_f: float) -> float:
     """Return the least factor of all bounds with which the target is reached by t_f."""
+    cells = LEAST_CELLS
     edges = np.linspace(0.0, t_f, cells + 1)
     plan = Plan(edges=edges, points=at_ends(problem, edges))
     maps = segments(problem, plan, relaxed=True)
@@ -245,7 +229,7 @@ def _out_of_reach(problem: BoundedProblem, longest: Cells, t_free: float) -> Com
     named = describe_bounds(problem.plant, problem.bounds)
     if longest.t_f > HORIZON * t_free:
         return beyond_time(problem, longest)
-    least = _smallest_factor(problem, t_free=t_free)
+    least = _least_factor(problem, longest.t_f)
     if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
         detail = Message("grid-search-stopped", t_f=longest.t_f)
         return ComputationError(Outcome.NO_CONVERGENCE, detail)

@@ -421,7 +421,7 @@ def _interior_peaks(problem: BoundedProblem, one: ArcInterior, entered: Array) -
 def _cell_peaks(problem: BoundedProblem, cells: Cells, off: NDArray[np.bool_]) -> Peaks:
     force, begin = cells.force[off], cells.start[off]
     lengths = begin - cells.end[off]
-    counts = np.ceil(lengths * problem.vibration_rate / RADIANS_PER_PART).astype(np.intp)
+    counts = 1 + (lengths * problem.vibration_rate / RADIANS_PER_PART).astype(np.intp)
     part = np.repeat(np.arange(lengths.size), counts)
     span, push = (lengths / counts)[part], force[part] * problem.force_limit
     since = span * (np.arange(part.size) - (np.cumsum(counts) - counts)[part])
