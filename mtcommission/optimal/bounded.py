@@ -47,9 +47,6 @@ from mtcommission.optimal.sequence import detect_sequence
 
 Array = NDArray[np.float64]
 
-LONG, CERTAIN = 20, 1e-5
-"""Pieces up to which every sequence is tried, and gap from which on longer ones are, if finer
-programs prove more and more."""
 ENOUGH = 7e-7
 """Gap at which cells are fine enough where no exact sequence exists."""
 SLOW = 10.0
@@ -158,11 +155,9 @@ def _search(problem: BoundedProblem, *, t_free: float) -> Found:
     first = first_cells(problem, t_free=t_free)
     for seen in refined(problem, first):
         guess = detect_sequence(problem, seen.structure, seen.dual, seen.mesh)
-        # Newton's method on a long sequence that is not yet right costs more than a finer program.
-        if seen.gap > 0.5 * gap or len(guess) <= LONG or seen.gap < CERTAIN:
-            found = solve_exactly(problem, guess)
-            if found is not None:
-                return found
+        found = solve_exactly(problem, guess)
+        if found is not None:
+            return found
         may_be_exact = seen.gap < gap and not holds_high_order(problem, guess)
         if seen.gap < gap:
             best, gap = seen, seen.gap

@@ -7,7 +7,7 @@ the smallest bound tells why.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,22 +92,29 @@ EXCHANGES = 20
 """Rounds at most in which peaks become points and t_f is corrected."""
 
 
-def later(cells: Cells, *, wanted: float = 1.0) -> float:
+def _later(cells: Cells, *, wanted: float) -> float:
     """Return the factor on t_f at which the reach should be what is wanted, within safe steps."""
     change = (wanted - cells.reach) / max(cells.slope * cells.t_f, LEAST_SLOPE)
     return 1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE))
 
 
 def exchange(
-    problem: BoundedProblem, plan: Plan, *, tolerance: float, start: Basis | None = None
+    problem: BoundedProblem,
+    plan: Plan,
+    *,
+    tolerance: float,
+    start: Basis | None = None,
+    relaxed: bool = True,
+    wanted: float = 1.0,
 ) -> Cells | None:
     """Return the solution that just reaches the target and keeps the bounds to a tolerance.
 
     What the last program has not reached or kept is less than what it was told, or told anew.
+    ``wanted``: the reach; ``relaxed``: as ``program.segments``.
     """
     found: Cells | None = None
     for _ in range(EXCHANGES):
-        following = solve_cells(problem, plan, start=start)
+        following = solve_cells(problem, plan, start=start, relaxed=relaxed)
         if following is None:
             break
         before, found = found, following
@@ -121,10 +128,10 @@ def exchange(
         more = Points(remaining=peaks.remaining, limit=peaks.limit)
         over = excess(problem, found, peaks) > tolerance
         over &= may_act(problem, replace(found.plan, points=more))
-        is_timely = abs(found.reach - 1.0) < 0.1 * tolerance
+        is_timely = abs(found.reach - wanted) < 0.1 * tolerance
         if is_timely and not over.any():
             break
-        share = 1.0 if is_timely else later(found)
+        share = 1.0 if is_timely else _later(found, wanted=wanted)
         every = found.plan.points.joined(peaks.remaining[over], peaks.limit[over])
         plan, start = replace(found.plan, points=every).scaled(share), found.basis
         if plan.edges.size * every.limit.size > MOST_ENTRIES:

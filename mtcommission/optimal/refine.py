@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.cells import MOST_ENTRIES, RADIANS_PER_CELL, beyond_time, exchange, later
+from mtcommission.optimal.cells import MOST_ENTRIES, RADIANS_PER_CELL, beyond_time, exchange
 from mtcommission.optimal.control import Arc, Bang, Interior, constant_arc
 from mtcommission.optimal.problem import ArcInterior, BoundedProblem
 from mtcommission.optimal.program import (
@@ -24,7 +23,6 @@ from mtcommission.optimal.program import (
     Points,
     excess,
     find_peaks,
-    solve_cells,
 )
 from mtcommission.optimal.proof import (
     Dual,
@@ -38,7 +36,7 @@ from mtcommission.optimal.sequence import Structure, boundary_arc, detect_struct
 
 Array = NDArray[np.float64]
 
-ROUNDS = 10
+ROUNDS = 8
 """Programs on finer and finer cells."""
 MOST_RADIANS = 3e5
 """Fastest rate times t_f up to which a control under bounds is looked for."""
@@ -70,10 +68,9 @@ SEVERAL = 2
 """Machines from which on no interiors are held: what no proof is asked of does without them."""
 LEAST_CELL = 1e-9
 """Share of t_f that new edges keep from old ones."""
-FINISHES, SPARE = 16, 2e-9
-"""Programs until a control on cells keeps everything, and the reach that it has to spare."""
-POINT_EXCESS = 3e-8
-"""Excess over a bound that calls for another point then; less is paid for by time."""
+FINISHES, SPARE = (3e-8, 1e-6), 1.2
+"""What a control on cells may exceed bounds by before its forces are divided by the reach, and the
+reach that it has to spare, over that."""
 FULL = 1.0 - 1e-9
 """Share of the force limit from which a cell is a bang arc, as is one within that of the next."""
 
@@ -262,34 +259,13 @@ def finishes(problem: BoundedProblem, cells: Cells) -> Iterator[Cells]:
 
     What exceeds a bound is paid for by reach to spare: all forces are divided by the reach.
     """
-    plan, start, slope = cells.plan, None, cells.slope
-    before: Cells | None = None
-    slower: Cells | None = None
-    for attempt in range(FINISHES):
-        found = solve_cells(problem, plan, start=start, relaxed=False)
-        if found is None:
-            break
-        # Other points change the reach as well, yet what the first cells say of it may be nothing.
-        if before is not None and found.t_f != before.t_f:
-            secant = (found.reach - before.reach) / (found.t_f - before.t_f)
-            slope = secant if secant > 0.0 else slope
-        before = found
-        peaks = find_peaks(problem, found)
-        over = excess(problem, found, peaks)
-        worst = max(float(over.max(initial=0.0)), 0.0)
-        wanted = 1.0 + worst + SPARE
-        most = wanted + 10.0 * SPARE + worst * (1.0 if attempt < FINISHES // 2 else 10.0)
-        if wanted - 0.5 * SPARE <= found.reach <= most:
-            yield found
-        elif found.reach > most and (slower is None or found.t_f < slower.t_f):
-            slower = found
-        bad = over > (POINT_EXCESS if attempt < FINISHES // 2 else inf)
-        more = found.plan.points.joined(peaks.remaining[bad], peaks.limit[bad])
-        share = later(replace(found, slope=slope), wanted=wanted + SPARE + 0.5 * worst)
-        share = 1.0 if bad.any() and abs(found.reach - 1.0) < worst else share
-        plan, start = replace(found.plan, points=more).scaled(share), found.basis
-    if slower is not None:
-        yield slower
+    for tolerance in FINISHES:
+        wanted = 1.0 + SPARE * tolerance
+        found = exchange(problem, cells.plan, tolerance=tolerance, relaxed=False, wanted=wanted)
+        if found is not None:
+            worst = float(excess(problem, found, find_peaks(problem, found)).max(initial=0.0))
+            if found.reach >= 1.0 + worst:
+                yield found
 
 
 def cell_arcs(problem: BoundedProblem, cells: Cells) -> tuple[Arc, ...]:
