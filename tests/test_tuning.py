@@ -226,6 +226,13 @@ def test_proposed_loops_keep_margins_stiffness_and_integral_gain(path: Path) -> 
         assert share >= TUNING.least_integral_share
 
 
+def test_tuned_gains_are_those_that_are_typed_in() -> None:
+    """Terminal and sheet would name two values of one gain, and the loop would be a third."""
+    found = tune_loop(paper_machine()).controller
+    for gain in (found.position_gain, found.velocity_gain, found.integral_time):
+        assert gain == float(f"{gain:.4g}")
+
+
 def test_integral_gain_is_what_a_lasting_force_displaces_over_time() -> None:
     """The area under the disturbance response, of the encoder's part: one over Kp Kv / Tn."""
     machine = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from decimal import ROUND_CEILING, ROUND_FLOOR
 from math import isclose
 
 import numpy as np
@@ -25,6 +26,7 @@ from scipy.linalg.lapack import dgees
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import PositionLoop
+from mtcommission.controls.row import round_number
 from mtcommission.loop.model.assembly import discretise
 from mtcommission.loop.model.controller import Controller, Observer, filter_delay
 from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, Shape
@@ -38,16 +40,22 @@ def build_cascade(
 ) -> Controller:
     """Return the cascade without state feedback: given gains as given, the rest by its shape.
 
-    Machine and plant are nominal; ``fraction``: f, Kp over the symmetrical optimum [-].
+    Machine and plant are nominal; ``fraction``: f, Kp over the symmetrical optimum [-]. What is not
+    given has the digits that are typed in, rounded to the soft side.
     """
     given, mass = machine.control, believed_mass(machine)
     Kp, Tn, Kv = given.velocity_gain, given.integral_time, given.position_gain
-    Kp = fraction * symmetrical_optimum(machine) if Kp is None else Kp
+    if Kp is None:
+        Kp = float(round_number(fraction * symmetrical_optimum(machine), ROUND_FLOOR))
+    if Kv is None:
+        Kv = float(round_number(shape.position_ratio * Kp / mass, ROUND_FLOOR))
+    if Tn is None:
+        Tn = float(round_number(shape.integral_ratio * mass / Kp, ROUND_CEILING))
     controller = Controller(
         position_loop=given.position_loop,
-        position_gain=shape.position_ratio * Kp / mass if Kv is None else Kv,
+        position_gain=Kv,
         velocity_gain=Kp,
-        integral_time=shape.integral_ratio * mass / Kp if Tn is None else Tn,
+        integral_time=Tn,
         reference_model_time=given.reference_model_time,
         velocity_feedforward=given.velocity_feedforward,
         acceleration_feedforward=given.acceleration_feedforward,
@@ -88,6 +96,9 @@ TN_REMARKS = "loop-tn-yaskawa", "loop-tn-searched"
 KV_REMARKS = "loop-kv-damping-one", "loop-kv-searched"
 """By the classic rule, or by another ratio."""
 
+TYPED = 2e-3
+"""What two gains of four digits may lie beside their ratio [-]."""
+
 
 def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, ...]:
     """Return by which rules the gains of a machine's controller were chosen."""
@@ -95,7 +106,10 @@ def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, 
     Kp = controller.velocity_gain
     fraction = Kp / symmetrical_optimum(machine)
     if given.velocity_gain is None:
-        is_optimum, found = isclose(fraction, 1.0), Message("loop-kp-largest", fraction=fraction)
+        is_optimum, found = (
+            isclose(fraction, 1.0, rel_tol=TYPED),
+            Message("loop-kp-largest", fraction=fraction),
+        )
         remarks.append(Message("loop-kp-symmetrical-optimum") if is_optimum else found)
     integral, position = controller.integral_time * Kp / mass, controller.position_gain * mass / Kp
     for gain, ratio, classic, rule, searched in (
@@ -104,7 +118,7 @@ def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, 
     ):
         if gain is None:
             found = Message(searched, ratio=ratio)
-            remarks.append(Message(rule) if isclose(ratio, classic) else found)
+            remarks.append(Message(rule) if isclose(ratio, classic, rel_tol=TYPED) else found)
     if given.reference_delay is None:
         remarks.append(Message("loop-reference-delay"))
     return tuple(remarks)
