@@ -264,11 +264,10 @@ def _inputs(before: Record, after: Record, words: Catalogue) -> Iterator[Change]
 
 
 def _of_the_loop(before: Record, after: Record, words: Catalogue) -> Iterator[str]:
-    """Names of changed data of the axis that the margins of a loop hang on."""
-    old, new = ({item.key: item for item in record.data} for record in (before, after))
-    for key, item in (old | new).items():
-        values = [data[key].value if key in data else None for data in (old, new)]
-        if key.startswith(OF_THE_LOOP) and values[0] != values[1]:
+    """Names of data of the axis that are new, and on which the margins of a loop hang."""
+    old = {item.key: item.value for item in before.data}
+    for item in after.data:
+        if item.key.startswith(OF_THE_LOOP) and item.value != old.get(item.key):
             yield datum_name(item, words)
 
 
