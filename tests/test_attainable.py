@@ -8,11 +8,16 @@ import pytest
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.judge import evaluate
-from mtcommission.limits.requirements import SETTLING_TIME, peak_of
+from mtcommission.limits.requirements import RESIDUAL_DEVIATION, SETTLING_TIME, peak_of
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirements import Peak
-from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
+from mtcommission.machine.requirements import Modes, Peak
+from mtcommission.study.attainable import (
+    Attainable,
+    find_attainable,
+    find_least_residual,
+    find_limits_by_mode,
+)
 from tests.machines import paper_machine
 
 
@@ -97,6 +102,23 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
         for f in (0.5, 1.5, 2.0, 4.0)
     ]
     assert sum(found.value < item.residual_deviation for item in others) >= 3
+
+
+def test_a_machining_mode_with_a_wider_band_settles_no_later_and_keeps_its_own() -> None:
+    """If it failed, roughing would be told to go more slowly than finishing, or out of its band."""
+    machine = asked()
+    modes = Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)
+    machine = replace(machine, requirements=replace(machine.requirements, modes=modes))
+    tuned = tune_loop(machine)
+    choice = choose_limits(machine, tuned)
+    found = find_limits_by_mode(machine, tuned, choice)
+    times = [mode.candidate.settling_time for mode in found]
+    assert times == sorted(times, reverse=True)
+    assert found[1].candidate is choice.candidate
+    for mode in found:
+        own = RESIDUAL_DEVIATION.with_bound(machine, mode.band)
+        assert evaluate(own, tuned, mode.candidate.limits).assessment.keeps_reserve
+        assert mode.candidate.limits.setpoint_filter == choice.limits.setpoint_filter
 
 
 def test_no_worse_than_the_recommendation_itself() -> None:

@@ -50,6 +50,7 @@ def test_each_number_is_what_the_changed_machine_gets_for_itself() -> None:
         # Kp differs by its first try; a number of another machine does more.
         assert found[kind].settling_time == pytest.approx(own.candidate.settling_time, rel=0.05)
     assert found["change-feedforward"].saved > 0.0
+    assert found["change-spread"].saved >= 0.0  # the recommended limits still hold
 
 
 def test_a_rest_that_nobody_stated_is_weighed_where_the_heat_binds() -> None:
