@@ -8,12 +8,12 @@ from math import isfinite
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.cli.terminal import Line, heading, heads, table, warn
+from mtcommission.controls.wording import name_control
 from mtcommission.machine.checks import (
     OF_LOOP,
     describe_kind,
     list_neglected,
     mark_assumed,
-    name_control,
     say_loop,
 )
 from mtcommission.machine.machine import Machine

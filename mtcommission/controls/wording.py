@@ -49,6 +49,11 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
     return Message("value-about", value=value / size, unit=shown)
 
 
+def name_control(key: str) -> Message:
+    """Return maker and products of a control by its key."""
+    return Message(f"control-{key}")
+
+
 def name_mode(key: str) -> Message:
     """Return the name of a machining mode in signs that every control reads."""
     return Message(f"export-mode-{key}")

@@ -6,7 +6,7 @@ from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kinds import KINDS, STATE_SPACE
-from mtcommission.machine.checks import name_control
+from mtcommission.controls.wording import name_control
 from mtcommission.machine.readers import propose
 
 CONTROL_KEYS = tuple(key for key in KINDS if key != STATE_SPACE.key)

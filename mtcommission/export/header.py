@@ -10,11 +10,10 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Control, Typed
 from mtcommission.controls.row import Row, Setting
-from mtcommission.controls.wording import name_mode, show_value, to_ascii
+from mtcommission.controls.wording import name_control, name_mode, show_value, to_ascii
 from mtcommission.export.held import Judged
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
-from mtcommission.machine.checks import name_control
 from mtcommission.record.limits import ModeLimitsEntry
 from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, Tool

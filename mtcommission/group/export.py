@@ -29,7 +29,7 @@ from mtcommission.controls.row import (
     Values,
 )
 from mtcommission.controls.syntax import LIST, Entry, Layout, type_in
-from mtcommission.controls.wording import show_value, to_ascii
+from mtcommission.controls.wording import name_control, show_value, to_ascii
 from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import fill_in
 from mtcommission.export.header import say_axis, say_doubts, say_notes, say_origin
@@ -47,7 +47,6 @@ from mtcommission.group.follow import follow
 from mtcommission.group.group import tell
 from mtcommission.group.judged import Circle
 from mtcommission.group.record import GroupRecord
-from mtcommission.machine.checks import name_control
 
 SLOW = 1.0 / 60.0
 """The first feed at which the text's circle is drawn [m/s]; the other is the group's."""

@@ -238,11 +238,6 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
     yield Message("neglected-travel")
 
 
-def name_control(key: str) -> Message:
-    """Return maker and products of a control by its key."""
-    return Message(f"control-{key}")
-
-
 def filter_rows(item: SetpointFilter | None, words: Catalogue) -> list[tuple[str, str]]:
     """Return a setpoint filter as it is entered: its kind, then each of its numbers."""
     text, f = words.text, words.format

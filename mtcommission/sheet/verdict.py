@@ -13,12 +13,12 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message, join_by_and, parts_of
 from mtcommission.base.messages.quantities import pretty_unit
 from mtcommission.controls.control import is_neutral
+from mtcommission.controls.wording import name_control
 from mtcommission.limits.requirements import REGISTER, Requirement, read_requirement
 from mtcommission.machine.checks import (
     OF_LOOP,
     filter_rows,
     mark_assumed,
-    name_control,
     say_filter,
     say_loop,
 )

@@ -22,7 +22,7 @@ from mtcommission.base.units.quantities import (
     parse_quantity,
 )
 from mtcommission.controls.kinds import KINDS
-from mtcommission.machine.checks import name_control
+from mtcommission.controls.wording import name_control
 from mtcommission.machine.readers import Range, read_path, show_key
 from mtcommission.wizard.answers import profile_key
 
