@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
-from typing import NamedTuple
 
 import numpy as np
 
@@ -48,11 +47,9 @@ def _by_frequency(one: AllDirections) -> Array:
     return np.asarray(one.density / shifted * fade)
 
 
-class _Tried(NamedTuple):
-    """A shaper at a frequency."""
-
-    shaper: ShaperProposal
-    score: float  # smoothing times a function of the vibration, as its source states it
+def _score(one: ShaperProposal) -> float:
+    """Smoothing times a function of the vibration, as its source states it."""
+    return float(one.smoothing * (one.vibration**1.5 + 0.2 * one.vibration + 0.01))
 
 
 def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, ...]:
@@ -60,7 +57,7 @@ def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, 
     if not measured:
         return ()
     proposals: list[ShaperProposal] = []
-    leader: _Tried | None = None
+    leader: ShaperProposal | None = None
     for kind, least in LEAST_FREQUENCIES_HZ.items():
         tried = _try(kind, least, measured)
         found = _best(tried)
@@ -68,35 +65,31 @@ def propose_shapers(measured: Sequence[AllDirections]) -> tuple[ShaperProposal, 
             leader = found
         # Any frequency of this shaper that leaves less and smooths less than the leader.
         for one in reversed(tried):
-            own, other = one.shaper, leader.shaper
-            if own.vibration < other.vibration and own.smoothing < other.smoothing:
+            if one.vibration < leader.vibration and one.smoothing < leader.smoothing:
                 found = leader = one
-        proposals.append(found.shaper)
-    best = leader.shaper if leader else proposals[0]
+        proposals.append(found)
+    best = leader or proposals[0]
     if best.shaper == "zv":
         less = (one for one in proposals[1:] if 1.1 * one.vibration < best.vibration)
         best = next(less, best)
     return tuple(replace(one, is_recommended=one is best) for one in proposals)
 
 
-def _is_better(found: _Tried, leader: _Tried) -> bool:
+def _is_better(found: ShaperProposal, leader: ShaperProposal) -> bool:
     """A fifth better by score, or a twentieth with a tenth less smoothing."""
-    much = 1.2 * found.score < leader.score
-    less = 1.1 * found.shaper.smoothing < leader.shaper.smoothing
-    return much or (1.05 * found.score < leader.score and less)
+    much = 1.2 * _score(found) < _score(leader)
+    less = 1.1 * found.smoothing < leader.smoothing
+    return much or (1.05 * _score(found) < _score(leader) and less)
 
 
-def _best(tried: Sequence[_Tried]) -> _Tried:
+def _best(tried: Sequence[ShaperProposal]) -> ShaperProposal:
     """The best score among the frequencies that leave nearly as little as the best one."""
-    chosen = min(tried, key=lambda one: one.shaper.vibration)
-    most = 1.1 * chosen.shaper.vibration + 0.0005
-    for one in reversed(tried):
-        if one.shaper.vibration < most and one.score < chosen.score:
-            chosen = one
-    return chosen
+    chosen = min(tried, key=lambda one: one.vibration)
+    most = 1.1 * chosen.vibration + 0.0005
+    return min((one for one in reversed(tried) if one.vibration < most), key=_score)
 
 
-def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> list[_Tried]:
+def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> list[ShaperProposal]:
     """A shaper at every frequency, from the highest downwards."""
     frequencies = np.arange(least, MOST_FREQUENCY_HZ, STEP_HZ)[::-1]
     unit = shape(kind, frequency_hz=1.0, damping_ratio=DESIGN_DAMPING)
@@ -120,12 +113,12 @@ def _try(kind: str, least: float, measured: Sequence[AllDirections]) -> list[_Tr
     smoothing = np.maximum(corner, 0.5 * USUAL_ACCELERATION * whole_bend)
     by_corner = 2.0 * (TARGET_SMOOTHING / sqrt(2.0) - CORNER_VELOCITY * step) / bend
     most = np.maximum(np.minimum(by_corner, 2.0 * TARGET_SMOOTHING / whole_bend), 0.0)
-    score = smoothing * (vibration**1.5 + 0.2 * vibration + 0.01)
-    rows = np.array([frequencies, vibration, smoothing, most, score]).T.tolist()
-    keys = ("frequency_hz", "vibration", "smoothing", "max_acceleration")
+    rows = np.array([frequencies, vibration, smoothing, most]).T.tolist()
     return [
-        _Tried(ShaperProposal(shaper=kind, **dict(zip(keys, row, strict=False))), row[-1])
-        for row in rows
+        ShaperProposal(
+            shaper=kind, frequency_hz=f, vibration=left, smoothing=rounded, max_acceleration=a
+        )
+        for f, left, rounded, a in rows
     ]
 
 

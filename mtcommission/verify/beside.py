@@ -1,9 +1,9 @@
 """One recorded move beside what the loop of the record makes of its setpoint; modes in the dwell.
 
 Signals and predictions are on the same clock, and go through the same smoothing. The modes are
-poles of the closed loop. Which ones matter, the prediction tells; where those that modes have
-become begin, a scan: a damped vibration hides beside a servo tail from every fit that starts blind.
-All oscillating ones are free then, since another mode moves the servo's poles, too.
+poles of the closed loop. Which ones matter, the prediction tells, and there a fit begins: a damped
+vibration hides beside a servo tail from every fit that starts blind. All oscillating ones are free,
+since another mode moves the servo's poles, too.
 """
 
 from __future__ import annotations
@@ -270,9 +270,6 @@ def _find_shift(rebuilt: Rebuilt, motion: Motion, beside: Beside) -> tuple[float
 FEWEST_TO_FIT, MOST_TO_FIT = 64, 2000
 """Samples of a dwell."""
 
-SCANNED = np.linspace(0.7, 1.3, 61)
-"""Factors on a mode's frequency at which a fit may begin."""
-
 NOTABLE = 0.01
 """Share of the largest amplitude from which on a pole takes part."""
 
@@ -290,7 +287,7 @@ ENDS = (0.8, 1.25)
 """Factors on a frequency between which it is fitted."""
 
 BELOW_NYQUIST = 0.75
-"""Share of half the sampling frequency up to which a mode is looked for, scan included."""
+"""Share of half the sampling frequency up to which a mode is looked for."""
 
 RINGS = 0.2
 """Damping ratio in the closed loop up to which a mode rings; one beyond it is part of the tail."""
@@ -313,13 +310,7 @@ def find_modes(
     if not modes:
         return none
     own = {number: complex(rebuilt.poles[0, number]) for number in modes}
-    start: dict[int, complex] = {}
-    for number, pole in own.items():
-        others = [*fixed, *start.values()]
-        tried = [factor * pole for factor in SCANNED]
-        power = [float(np.sum(weigh(t, measured, [*others, one])[1] ** 2)) for one in tried]
-        start[number] = tried[int(np.argmin(power))]
-    found = _fit(t, measured, fixed, start, noise=noise / size)
+    found = _fit(t, measured, fixed, own, noise=noise / size)
     # What the same fit makes of the prediction, whose poles are known, is its error on such a
     # dwell: poles that were left out, a tail that ends too early.
     known = _fit(t, expected, fixed, own, noise=inf)
