@@ -198,6 +198,14 @@ def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_bla
     assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
 
 
+def test_a_filter_that_leaves_little_of_the_jerk_does_not_hide_it(tmp_path: Path) -> None:
+    """A fifth of what was entered is too little for the width that would show all of it."""
+    found = verified(GANTRY, tmp_path, Spoilt(step=1e-3, setpoint_grain=1e-7))
+    jerk = find(found, "setpoint jerk")
+    assert jerk.predicted < 0.25 * limits_of(found.record).jerk
+    assert jerk.uncertainty < 0.03 * jerk.measured
+
+
 def test_a_planner_that_never_reaches_the_limits_proves_nothing(tmp_path: Path) -> None:
     found = verified(MILLING, tmp_path, Spoilt(slower=0.7))
     assert found.warnings[0].kind == "verify-planner-below"

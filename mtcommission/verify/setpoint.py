@@ -222,10 +222,8 @@ class _Stretch:
         )  # fmt: skip
 
     def _reached_by_filter(self, order: int, part: slice, *, limit: float) -> Reached:
-        """The same where a filter leaves little of the limit: wider if that tells too little."""
+        """The same where a filter leaves little of the limit."""
         rough = self._reached(order, part, wanted=WANTED * limit)
-        if rough.uncertainty <= 2.0 * WANTED * rough.value:
-            return rough
         return self._reached(order, part, wanted=WANTED * min(limit, rough.value))
 
     def _reached(self, order: int, part: slice, *, wanted: float) -> Reached:
