@@ -312,7 +312,6 @@ def _verify_moves(
     language: str,
     progress: Callable[[Message], None],
 ) -> _Told:
-    """Recorded moves beside the record of a run."""
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.profile.read import parse_profile
     from mtcommission.record.record import load_record
@@ -354,7 +353,6 @@ def _verify_circles(
     language: str,
     progress: Callable[[Message], None],
 ) -> _Told:
-    """Recorded circles beside the record of a group."""
     from mtcommission.cli.verified_view import describe_circles
     from mtcommission.group.record import load_group
     from mtcommission.group.recorded import read_circular

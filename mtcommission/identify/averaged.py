@@ -146,7 +146,6 @@ def _by_windows(signals: _Signals) -> FrequencyResponse:
 
 
 def _by_periods(signals: _Signals, period: int) -> FrequencyResponse:
-    """A response, in the excited lines, from a record that repeats."""
     count = signals.input.size // period
     first = signals.input.size - count * period
     U, Y = (

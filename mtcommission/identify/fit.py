@@ -35,6 +35,7 @@ from mtcommission.identify.projection import (
     see,
     share_frequencies,
 )
+from mtcommission.identify.record import LEAST_LINES
 from mtcommission.machine.identified import MOST_MISFIT, Estimate, MeasuredMode
 
 
@@ -106,8 +107,6 @@ class FittedSpectrum:
 
 Band = tuple[float, float]
 
-LEAST_LINES = 12
-"""Fewer lines of a response in the band tell nothing."""
 MOST_CUTS = 3
 """How often the ends of a band are cut."""
 FEW_AVERAGES = 4.0

@@ -308,7 +308,6 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
 
 
 def _too_near(poles: Poles) -> bool:
-    """Whether two poles lie in one peak."""
     order = np.argsort(poles.omega)
     omega, zeta = poles.omega[order], poles.zeta[order]
     width = 2.0 * zeta * omega

@@ -344,7 +344,6 @@ def _set_mode(table: Any, mode: MeasuredMode, part: IdentifiedPart, how: Writing
 
 
 def _state_tables(part: IdentifiedPart, names: Mapping[str, str]) -> Any:
-    """[[machine_states]]: what each state has of its own."""
     tables, taken = tomlkit.aot(), set[str]()
     kept = [mode.name for mode in _kept(part)]
     for place, state in enumerate(part.states, start=1):

@@ -303,7 +303,6 @@ def _unpack(theta: Array, n_responses: int) -> Poles:
 
 
 def _bounds(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array, Array]:
-    """Least and largest value of each parameter, and its longest step."""
     n, count, (low_hz, high_hz) = len(responses), poles.omega.size, ends_of(responses)
     slow, fast = np.log(2 * np.pi * low_hz / 2), np.log(2 * np.pi * high_hz * 3.0)
     drag = 2 * np.pi * max(3.0 * low_hz, 10.0)

@@ -345,6 +345,7 @@ def _find_unit_slip(one: Channel, other: Channel) -> Message | None:
 
 
 LEAST_LINES = 12
+"""Fewer lines of a response tell nothing."""
 LOWEST_HZ, HIGHEST_HZ = 5.0, 50_000.0
 """The last line of a response lies between, or its unit is wrong."""
 SLACK = 1e-3

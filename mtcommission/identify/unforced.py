@@ -140,7 +140,6 @@ def _begins(values: Array, start: int) -> bool:
 
 
 def _is_decay(values: Array) -> bool:
-    """Whether a signal dies away, rather than being driven on."""
     part = values.size // 4
     first, last = float(values[:part].std()), float(values[-part:].std())
     return first > LEAST_DECAY * last > 0.0

@@ -127,7 +127,6 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
 
 
 def _as_position(mode: FreeMode) -> FreeMode:
-    """A vibration seen by an accelerometer, its amplitude as a way [m]."""
     return replace(mode, amplitude=mode.amplitude / (2.0 * pi * mode.frequency_hz.value) ** 2)
 
 
@@ -162,7 +161,6 @@ def allowed_shift(rebuilt: Rebuilt, trace: Trace) -> float:
 def _lay_beside(
     rebuilt: Rebuilt, trace: Trace, motion: Motion, prediction: Prediction, *, shift: float
 ) -> Iterator[Beside]:
-    """Every recorded signal of a move beside its prediction."""
     for role in (Role.TOOL, Role.ENCODER, Role.FOLLOWING_ERROR, Role.ACCELERATION, Role.FORCE):
         channel = trace.channels.get(role)
         if channel is None or (role is Role.FOLLOWING_ERROR and Role.ENCODER in trace.channels):

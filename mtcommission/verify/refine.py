@@ -261,7 +261,6 @@ def _estimate(
 def _bodies(
     rebuilt: Rebuilt, recorded: Sequence[Recorded], machine: Machine
 ) -> tuple[tuple[Parameter, ...], float | None]:
-    """Mass and friction, and the share of the force that they leave."""
     ends: dict[Trace, float] = {}
     for one in recorded:
         ends[one.trace] = max(ends.get(one.trace, 0.0), one.motion.until)
@@ -319,7 +318,6 @@ def _mean(seen: Sequence[Estimate], factor: float, floor: float) -> Estimate:
 
 
 def _with(machine: Machine, parameters: tuple[Parameter, ...]) -> Machine:
-    """The machine with the new values of what has changed."""
     new = {one.name: one.new.value for one in parameters if one.has_changed}
     drive, mechanics = machine.drive, machine.mechanics
 

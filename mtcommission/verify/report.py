@@ -134,7 +134,6 @@ def list_differences(told: Report, words: Catalogue) -> list[Block]:
 
 
 def _parameters(kind: str, values: Sequence[Parameter], words: Catalogue) -> Table:
-    """Name, old and new value of each, and what to make of it."""
 
     def name(one: Parameter) -> str:
         what = words.text(f"verify-parameter-{one.key.replace('_', '-')}")

@@ -159,7 +159,6 @@ def _noise(x: Array) -> float:
 
 
 def _moving(x: Array, h: float, noise: float) -> NDArray[np.bool_]:
-    """Which samples are part of a move."""
     least = max(LEAST_REST_STEPS, ceil(LEAST_REST / h))
     moving = np.ones(x.size, dtype=bool)
     for first, last in runs(np.abs(np.diff(x)) <= CALM * noise):
@@ -306,7 +305,6 @@ def number_of(motion: Motion, moves: tuple[Move, ...], entered: MotionLimits) ->
 
 
 def _cruises(motion: Motion) -> bool:
-    """Whether a move stays at its largest velocity."""
     speed = np.abs(motion.sample(np.linspace(motion.begin, motion.end, 400))[:, 1])
     return float(np.mean(speed > CRUISE * speed.max())) > CRUISE_SHARE
 

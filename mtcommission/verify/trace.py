@@ -91,11 +91,8 @@ class Trace:
 def read_trace(name: str, given: Given) -> Trace:
     """Return what a file holds.
 
-    Raises
-    ------
-    InputError
-        It is no record over time, has no setpoint, nothing measured, or contradicts itself: a name
-        that is none of ours, a unit that does not fit, two columns for one role.
+    Raise InputError where it is no record over time, has no setpoint, nothing measured, or
+    contradicts itself: a name that is none of ours, a unit that does not fit, two of one role.
     """
     data = read_measured(name)
     contents = read_contents(data, given.columns, where=name)

@@ -160,7 +160,6 @@ def _unknown_moves(
 
 
 def _planner_says(checks: Iterable[Check]) -> Iterable[Message]:
-    """What the control did not obey."""
     for check in checks:
         if check.key.startswith("setpoint ") and check.verdict is Verdict.FAILS:
             above = check.reason.kind == "verify-setpoint-above"
@@ -226,6 +225,5 @@ def _moves_of(
 
 
 def _middle_shift(recorded: Sequence[Recorded]) -> float | None:
-    """By which positions come later than predicted, middle of all moves [s]."""
     known = [one.shift for one in recorded if isfinite(one.shift_error)]
     return float(np.median(known)) if known else None

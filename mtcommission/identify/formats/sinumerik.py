@@ -93,7 +93,6 @@ def _numbers(elements: Iterable[Element]) -> list[float]:
 
 
 def _decode(text: str, name: str) -> Array:
-    """The numbers of a series."""
 
     def wrong(reason: str) -> InputError:
         return broken("identify-series-broken", name=name, reason=Message(reason))
@@ -175,7 +174,6 @@ def _motor_turn(root: Element) -> float:
 
 
 def _measurement(root: Element) -> FileContents:
-    """One response by its spectra."""
     pair = next(root.iter("PrimaryFreqRespSigNodeData"), None)
     if pair is None:
         raise _missing("PrimaryFreqRespSigNodeData")

@@ -76,7 +76,6 @@ def read_twincat(lines: Sequence[str]) -> FileContents:
 
 
 def _read_rows(lines: Sequence[str], separator: str, start: int, width: int) -> Rows:
-    """The cells of each row of numbers."""
     found: Rows = {}
     for at, line in enumerate(lines[start:], start=start + 1):
         cells = [cell.strip() for cell in line.split(separator)]
@@ -103,7 +102,6 @@ def _number(cell: str) -> float:
 
 
 def _values(rows: Rows, place: int) -> Array:
-    """The numbers in a column."""
     values = np.asarray([_number(row[place]) for row in rows.values()])
     for (line, row), value in zip(rows.items(), values.tolist(), strict=True):
         if not np.isfinite(value):

@@ -96,7 +96,6 @@ def _label(one: Set) -> str:
 
 
 def _series(one: Set) -> tuple[Array, np.ndarray[Any, Any]]:
-    """Abscissa and data."""
     return np.asarray(one.get("x", ()), dtype=np.float64), np.asarray(one.get("data", ()))
 
 
