@@ -80,9 +80,10 @@ class CircleOfText:
     @property
     def is_same(self) -> bool:
         """Whether both are the record's."""
-        found = (self.radius_deviation, self.form_deviation)
-        planned = (self.planned.radius_deviation, self.planned.form_deviation)
-        pairs = zip(found, planned, strict=True)
+        pairs = (
+            (self.radius_deviation, self.planned.radius_deviation),
+            (self.form_deviation, self.planned.form_deviation),
+        )
         return all(abs(a - b) <= max(SAME, SAME_SHARE * abs(b)) for a, b in pairs)
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from mtcommission.base.errors import Fault, InputError
-from mtcommission.base.messages.message import Message
+from mtcommission.base.messages.message import Message, Value
 from mtcommission.base.units.quantities import LENGTH, VELOCITY
 from mtcommission.commission.options import Options
 from mtcommission.machine.machine import Machine, Motion
@@ -106,32 +106,28 @@ def _find_faults(machines: Sequence[Machine], sources: Sequence[ProfileSource]) 
     least, most = AXES
     first = machines[0]
     if not least <= len(machines) <= most:
-        message = Message("group-count", got=len(machines), least=least, most=most)
-        yield Fault(where=str(sources[0].path), message=message)
+        yield _fault(sources[0], "", "group-count", got=len(machines), least=least, most=most)
     seen: dict[str, str] = {}
     for machine, source in zip(machines, sources, strict=True):
-        where, control = str(source.path), machine.control
+        name, kind = machine.axis, machine.control.kind.key
         if machine.motion is not Motion.LINEAR:
-            message = Message("group-rotary", name=machine.axis)
-            yield Fault(where=where, key="machine.motion", message=message)
-        if machine.axis in seen:
-            message = Message("group-same-name", name=machine.axis, other=seen[machine.axis])
-            yield Fault(where=where, key="machine.axis", message=message)
-        seen.setdefault(machine.axis, where)
-        if control.kind.key != first.control.kind.key:
-            message = Message(
-                "group-other-control", got=control.kind.key, first=first.control.kind.key
-            )
-            yield Fault(where=where, key="control.kind", message=message)
+            yield _fault(source, "machine.motion", "group-rotary", name=name)
+        if name in seen:
+            yield _fault(source, "machine.axis", "group-same-name", name=name, other=seen[name])
+        seen.setdefault(name, str(source.path))
+        if kind != (other := first.control.kind.key):
+            yield _fault(source, "control.kind", "group-other-control", got=kind, first=other)
         if machine.drive.follows != first.drive.follows:
-            yield Fault(where=where, key="drive.kind", message=Message("group-other-drive"))
+            yield _fault(source, "drive.kind", "group-other-drive")
         for key in ("position_cycle", "velocity_cycle"):
-            got, there = getattr(control, key), getattr(first.control, key)
+            got, there = getattr(machine.control, key), getattr(first.control, key)
             if got != there:
-                message = Message("group-other-cycle", got=got, first=there)
-                yield Fault(where=where, key=f"control.{key}", message=message)
-        own, given = control.setpoint_filter, first.control.setpoint_filter
-        is_given = not (control.seeks_setpoint_filter or first.control.seeks_setpoint_filter)
-        if is_given and own != given:
-            message = Message("group-other-filter")
-            yield Fault(where=where, key="control.setpoint_filter", message=message)
+                yield _fault(source, f"control.{key}", "group-other-cycle", got=got, first=there)
+        both = machine.control, first.control
+        is_given = not any(control.seeks_setpoint_filter for control in both)
+        if is_given and both[0].setpoint_filter != both[1].setpoint_filter:
+            yield _fault(source, "control.setpoint_filter", "group-other-filter")
+
+
+def _fault(source: ProfileSource, key: str, kind: str, **values: Value) -> Fault:
+    return Fault(where=str(source.path), key=key, message=Message(kind, **values))
