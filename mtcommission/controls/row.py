@@ -137,10 +137,7 @@ class Row:
     def decode(self, text: str) -> float | str:
         """Return the value that the control takes from what is typed, in SI.
 
-        Raises
-        ------
-        InputError
-            If the control would not take it.
+        Raises InputError if the control would not take it.
         """
         try:
             if self.codes:

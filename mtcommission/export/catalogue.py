@@ -22,10 +22,7 @@ def describe_controls(words: Catalogue) -> str:
 def find_control_key(name: str) -> str:
     """Return the key of a control as somebody typed it.
 
-    Raises
-    ------
-    InputError
-        If there is no such control; with the nearest name, or the list.
+    Raises InputError if there is no such control; with the nearest name, or the list.
 
     Examples
     --------

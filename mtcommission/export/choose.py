@@ -62,10 +62,7 @@ def fill_in(subject: Subject, target: Control) -> tuple[tuple[Entry, ...], set[s
 
     With them, the machining modes that the control has.
 
-    Raises
-    ------
-    InputError
-        If the loop is unstable as typed, or the control has no number that small.
+    Raises InputError if the loop is unstable as typed, or the control has no number that small.
     """
     loop = loop_of(subject)
     own = list(target.rows(subject.axis, loop))
@@ -112,10 +109,7 @@ def choose_limits(
 ) -> Chosen:
     """Return the limits to type in.
 
-    Raises
-    ------
-    InputError
-        If the control has no number that small.
+    Raises InputError if the control has no number that small.
     """
     name = mode.name if mode else ""
     forms, rapid = {row.setting for row in rows}, subject.fastest

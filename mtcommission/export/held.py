@@ -185,10 +185,7 @@ def _number(
 def read_limits(values: Values, mode: str = "") -> MotionLimits:
     """Return the limits that a control makes of its settings.
 
-    Raises
-    ------
-    InputError
-        If one is missing.
+    Raises InputError if one is missing.
     """
     if (Setting.RISE_TIME, mode) in values:
         a = _number(values, Setting.RAPID) / _number(values, Setting.RISE_TIME, mode)
@@ -225,10 +222,7 @@ def _read_filter(values: Values) -> SetpointFilter | None:
 def hold(subject: Subject, values: Values) -> Held:
     """Return the loop that settings make: of the profile only machine, moves and requirements.
 
-    Raises
-    ------
-    InputError
-        If a setting is missing, contradicts another, or the loop is unstable.
+    Raises InputError if a setting is missing, contradicts another, or the loop is unstable.
     """
     machine = subject.machine
     if machine.drive.follows:
@@ -307,10 +301,7 @@ def judge_text(subject: Subject, values: Values, indices: Collection[str] = ()) 
 
     ``indices``: of the control's machining modes.
 
-    Raises
-    ------
-    InputError
-        If a setting is missing, contradicts another, or the loop is unstable.
+    Raises InputError if a setting is missing, contradicts another, or the loop is unstable.
     """
     held, modes = hold(subject, values), subject.record.limits.modes
     written = {index for setting, index in held.values if setting in LIMITS}

@@ -162,10 +162,7 @@ class Subject:
 def build_subject(record: AxisRecord, kind: ControlKind) -> Subject:
     """Return the axis of a record with its loop built again.
 
-    Raises
-    ------
-    InputError
-        If that is not the record's loop.
+    Raises InputError if that is not the record's loop.
     """
     machine, recommended = read_held(record), record.limits.recommended
     tuned, recorded = close_as_held(machine), np.array(record.loop.closed_loop.A)

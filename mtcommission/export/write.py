@@ -58,10 +58,7 @@ def export_own(record: Record) -> Export:
 
     In neutral words where that control cannot name the axis; the doubts say so.
 
-    Raises
-    ------
-    InputError
-        If the loop is unstable as typed, or not the one that the profile gives.
+    Raises InputError if the loop is unstable as typed, or not the one that the profile gives.
     """
     own = CONTROLS[record.loop.kind]
     try:
@@ -81,11 +78,8 @@ def export_record(
 ) -> Export:
     """Return the recommended limits and the loop of a record for a control.
 
-    Raises
-    ------
-    InputError
-        If there is no such control, it cannot take this axis, its loop is unstable, or not the one
-        that the profile gives.
+    Raises InputError if there is no such control, it cannot take this axis, its loop is unstable,
+    or not the one that the profile gives.
     """
     return _export(record, CONTROLS[find_control_key(control)], language, as_list=as_list)
 
@@ -146,10 +140,7 @@ def read_text(
 ) -> dict[Key, float | str]:
     """Return the settings that a text holds; ``beside``: rows that others read.
 
-    Raises
-    ------
-    InputError
-        If a row is missing, unknown, unreadable, or contradicts another.
+    Raises InputError if a row is missing, unknown, unreadable, or contradicts another.
     """
     known = {(row.section, row.name): row for row in (*beside, *rows)}
     found: set[tuple[str, str]] = set()

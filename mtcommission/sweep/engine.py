@@ -6,28 +6,25 @@ changes what is computed together.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
+from concurrent.futures import BrokenExecutor, CancelledError
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.base.files import replace_file
 from mtcommission.base.messages.message import Message
 from mtcommission.base.process import end_as_if_by_keyboard
-from mtcommission.sweep.lanes import Engine, Lane, NoSchedulerError, open_lane
+from mtcommission.sweep.lanes import Engine, NoSchedulerError, solve_pieces
 from mtcommission.sweep.plan import Plan, piece_size
-from mtcommission.sweep.solve import DONE, Answer, Work, cut_work, place_of_record, solve_piece
+from mtcommission.sweep.solve import DONE, Answer, Work, cut_work, place_of_record
 from mtcommission.sweep.store import Store, disk_full, hold_folder, open_store
 
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
 RESULTS = ("rows.parquet", "rows.csv", "sweep.html")
 """What a finished sweep leaves in its folder."""
-POLL = 0.5
-"""Seconds between looks at the keyboard."""
 
 Progress = Callable[[int, int, int], None]
 """Called with cases done, cases in all, and failures so far."""
@@ -104,10 +101,12 @@ class _Run:
         losses = 0
         while self.left:
             before = len(self.left)
+            works = cut_work(self.plan, sorted(self.left))
+            own = replace(engine, workers=min(engine.workers, before))
             try:
-                workers = min(engine.workers, before)
-                with open_lane(replace(engine, workers=workers)) as lane:
-                    self.work(lane)
+                with closing(solve_pieces(works, own, notice=self.notice)) as solved:
+                    for work, answers in solved:
+                        self.write(work, answers)
             except (BrokenExecutor, CancelledError) as error:
                 losses = losses + 1 if len(self.left) == before else 1
                 if losses >= LOSSES:
@@ -121,28 +120,13 @@ class _Run:
                 detail = Message("sweep-scheduler-gone", **self.counts, address=address)
                 raise ComputationError(Outcome.SCHEDULER_LOST, detail) from error
 
-    def work(self, lane: Lane) -> None:
-        """Keep a few pieces under way and write each one as it comes in."""
-        queue, running = cut_work(self.plan, sorted(self.left)), dict[Future[Any], Work]()
-        following, had_workers = next(queue, None), True
-        while following or running:
-            width = lane.width()
-            if had_workers and not width:
-                self.notice(Message("sweep-waits"))
-            had_workers = width > 0
-            while following and len(running) < width:
-                running[lane.executor.submit(solve_piece, following)] = following
-                following = next(queue, None)
-            if not running:
-                time.sleep(POLL)
-            ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
-            for future in ready:
-                work, answers = running.pop(future), future.result()
-                for number, answer in enumerate(answers):
-                    if answer.record:
-                        self.keep(work.first + number, answer.record)
-                self.store.append(work.piece, answers)
-                self.count(work.piece, answers)
+    def write(self, work: Work, answers: Sequence[Answer]) -> None:
+        """Write a piece as it comes in, the records of whole runs first."""
+        for number, answer in enumerate(answers):
+            if answer.record:
+                self.keep(work.first + number, answer.record)
+        self.store.append(work.piece, answers)
+        self.count(work.piece, answers)
 
     def keep(self, case: int, record: str) -> None:
         """Write the record of a whole run."""

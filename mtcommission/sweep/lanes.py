@@ -1,4 +1,4 @@
-"""Who computes: this process, several of it, or a Dask cluster, all through one interface.
+"""Who computes: this process, several of it, or a Dask cluster, all as an executor.
 
 A polite end of the process counts as Ctrl-C: workers end, and what is done is said. Against kill -9
 nothing helps; the workers notice it by themselves, and no row is lost.
@@ -12,23 +12,33 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from multiprocessing import resource_tracker
 from typing import Any
 
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
+from mtcommission.sweep.solve import Answer, Work, solve_piece
 
 PATIENCE = 30.0
 """Seconds that a cluster is waited for."""
+POLL = 0.5
+"""Seconds between looks at the keyboard."""
+AHEAD = 1000
+"""Pieces that a cluster gets ahead: enough for any, few enough that memory stays flat."""
 QUIET = {
-    # Matrices have some ten rows: threads inside a worker cost more than they give, and the order
-    # of summation would change with their number.
+    # Matrices have some ten rows: a worker's own threads would only take memory.
     "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
     # After kill -9 Python gives leaked semaphores back; it need not tell the user.
     "PYTHONWARNINGS": "ignore:resource_tracker",
 }
@@ -43,17 +53,6 @@ class Engine:
     scheduler: str = ""  # address; "" for none
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Lane:
-    """An executor and how many pieces it gets ahead.
-
-    Enough to keep every worker busy, few enough that memory stays flat; 0 while there is no worker.
-    """
-
-    executor: Executor
-    width: Callable[[], int]
-
-
 class NoSchedulerError(Exception):
     """A cluster's scheduler does not answer; ``why`` in words."""
 
@@ -62,32 +61,45 @@ class NoSchedulerError(Exception):
         self.why = why
 
 
-class _Immediate(Executor):
-    """The executor of one process: computes when it is asked."""
+def solve_pieces(
+    works: Iterator[Work], engine: Engine, *, notice: Callable[[Message], None]
+) -> Iterator[tuple[Work, tuple[Answer, ...]]]:
+    """Yield each piece of work with its answers, as they come in; what is dropped ends at once.
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Return the finished future of a call."""
-        future: Future[Any] = Future()
-        future.set_result(fn(*args, **kwargs))
-        return future
+    A few pieces are under way: enough to keep every worker busy, few enough that memory stays flat.
+
+    Raises InputError if the address is of no use, NoSchedulerError if nobody answers there,
+    BrokenExecutor if a worker is lost.
+    """
+    if engine.workers == 1 and not engine.scheduler:
+        for work in works:
+            yield work, solve_piece(work)
+        return
+    address = engine.scheduler
+    ahead = AHEAD if address else 2 * engine.workers
+    running: dict[Future[tuple[Answer, ...]], Work] = {}
+    with _open_cluster(address, notice) if address else _open_pool(engine.workers) as executor:
+        while True:
+            for work in islice(works, ahead - len(running)):
+                running[executor.submit(solve_piece, work)] = work
+            if not running:
+                return
+            ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+            for future in ready:
+                yield running.pop(future), future.result()
 
 
 @contextmanager
-def open_lane(engine: Engine) -> Iterator[Lane]:
-    """Yield what runs the work; what has not begun is dropped at the end.
-
-    Raises InputError if the address is of no use, NoSchedulerError if nobody answers there.
-    """
-    if engine.scheduler:
-        with _open_cluster(engine.scheduler) as lane:
-            yield lane
-        return
-    alone = engine.workers == 1
+def _open_pool(workers: int) -> Iterator[Executor]:
     others = multiprocessing.active_children()
-    executor = _Immediate() if alone else _open_pool(engine.workers)
-    width = 1 if alone else 2 * engine.workers
+    for name, value in QUIET.items():
+        os.environ.setdefault(name, value)
+    _shield_tracker()
+    executor = ProcessPoolExecutor(
+        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
+    )
     try:
-        yield Lane(executor=executor, width=lambda: width)
+        yield executor
     except BaseException:
         # Nobody waits minutes for slow cases whose rows would be dropped; workers own no files.
         for worker in multiprocessing.active_children():
@@ -96,15 +108,6 @@ def open_lane(engine: Engine) -> Iterator[Lane]:
         raise
     finally:
         executor.shutdown(wait=True, cancel_futures=True)
-
-
-def _open_pool(workers: int) -> Executor:
-    for name, value in QUIET.items():
-        os.environ.setdefault(name, value)
-    _shield_tracker()
-    return ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
-    )
 
 
 def _prepare_worker() -> None:
@@ -134,7 +137,7 @@ def _shield_tracker() -> None:
 
 
 @contextmanager
-def _open_cluster(address: str) -> Iterator[Lane]:
+def _open_cluster(address: str, notice: Callable[[Message], None]) -> Iterator[Executor]:
     try:
         from distributed import Client, KilledWorker
     except ImportError as error:
@@ -146,18 +149,12 @@ def _open_cluster(address: str) -> Iterator[Lane]:
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)
-    client = _within_patience(lambda: Client(address, timeout=10))
-
-    def width() -> int:
-        try:
-            return 2 * int(sum(client.nthreads().values()))
-        except OSError as error:
-            raise BrokenExecutor(str(error)) from error
-
-    with client:
+    with _within_patience(lambda: Client(address, timeout=10)) as client:
+        if not client.nthreads():
+            notice(Message("sweep-waits"))
         executor = client.get_executor(pure=False)
         try:
-            yield Lane(executor=executor, width=width)
+            yield executor
         except KilledWorker as error:
             raise BrokenExecutor(str(error)) from error
         finally:
@@ -180,16 +177,5 @@ def _within_patience(connect: Callable[[], Any]) -> Any:
     if not found:
         raise NoSchedulerError(Message("sweep-no-dask"))
     if isinstance(found[0], Exception):
-        raise NoSchedulerError(_last_words(found[0])) from found[0]
+        raise NoSchedulerError(str(found[0]) or type(found[0]).__name__) from found[0]
     return found[0]
-
-
-def _last_words(error: BaseException) -> str:
-    """What the innermost cause that says anything says."""
-    chain: list[BaseException] = []
-    cause: BaseException | None = error
-    while cause is not None:
-        chain.append(cause)
-        cause = cause.__cause__ or cause.__context__
-    said = [getattr(one, "strerror", None) or str(one) for one in chain]
-    return next(filter(None, reversed(said)), type(error).__name__)

@@ -30,12 +30,8 @@ def sweep(
     ``NAME=RANGE``, ``cases`` a CSV file, ``created`` the date that records bear; ``engine`` None
     is this process.
 
-    Raises
-    ------
-    InputError
-        With every fault found; if the folder holds another sweep.
-    ComputationError
-        WORKER_LOST, SCHEDULER_LOST or STOPPED.
+    Raises InputError with every fault found, or if the folder holds another sweep. Raises
+    ComputationError: WORKER_LOST, SCHEDULER_LOST or STOPPED.
 
     Examples
     --------

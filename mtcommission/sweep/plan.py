@@ -31,12 +31,8 @@ PEAKS_KEY = "requirements.peaks."
 MOST_VALUES = 1_000_000
 """Values of one key; a table of them still opens."""
 
-CURVE_PIECE = 500
-"""Neighbouring forces solved together: well below a second."""
-PIECE = 4
-"""Other time-optimal controls together: some tens of milliseconds each."""
-FEWEST = 3
-"""Cases that are worth a curve."""
+PIECE = 200
+"""Time-optimal controls computed together: milliseconds each, some tens on plants of many modes."""
 
 Settings = tuple[tuple[str, str], ...]
 """Key and text of each varied value of one case."""
@@ -120,27 +116,14 @@ def piece_size(plan: Plan) -> int:
     """
     keys = [read_key(key) for key in plan.keys]
     moves = parse_profile(plan.profile_text, where=plan.where).moves[plan.move - 1 : plan.move]
-    if (
+    takes_long = (
         plan.quantity is not Quantity.OPTIMAL
         or plan.bounds
         or any(key.startswith(PEAKS_KEY) for key in keys)
         or f"moves.{plan.move - 1}.max_velocity" in keys
         or any(isinstance(move, Positioning) and isfinite(move.max_velocity) for move in moves)
-    ):
-        return 1
-    together = _neighbours(plan)
-    return min(together, CURVE_PIECE) if together >= FEWEST else PIECE
-
-
-def _neighbours(plan: Plan) -> int:
-    """How many cases in a row differ in F_max alone, on average."""
-    axes = plan.axes if plan.is_paired else plan.axes[-1:]
-    keys = [key for axis in axes for key in axis.keys]
-    rows = [sum(row, ()) for row in zip(*(axis.rows for axis in axes), strict=True)] or [()]
-    others = {
-        tuple(text for key, text in zip(keys, row, strict=True) if key != FORCE_KEY) for row in rows
-    }
-    return len(rows) // len(others)
+    )
+    return 1 if takes_long else PIECE
 
 
 def read_axis(text: str, *, where: str) -> Axis:

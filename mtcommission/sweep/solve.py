@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
-from math import isfinite, isnan
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,14 +20,12 @@ from mtcommission.base.errors import ComputationError, InputError, MtcommissionE
 from mtcommission.base.messages.catalogue import NAME, Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.machine.machine import Machine, Motion, require_force
-from mtcommission.machine.moves import Positioning
 from mtcommission.machine.plant.plant import Plant, build_plant, driven_at_once
 from mtcommission.machine.profile.describe import unit_of_key
 from mtcommission.machine.profile.read import parse_profile, read_key
 from mtcommission.optimal.control import Bound
 from mtcommission.optimal.free import GAP_TOLERANCE, solve_forces
 from mtcommission.sweep.plan import (
-    FEWEST,
     FORCE_KEY,
     PEAKS_KEY,
     Plan,
@@ -45,6 +43,8 @@ if TYPE_CHECKING:
     from mtcommission.limits.optima import Optima
 
 DONE = "done"
+FEWEST = 3
+"""Cases that differ in F_max alone and are worth a curve."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,15 +89,12 @@ def solve_piece(work: Work) -> tuple[Answer, ...]:
     """
     with threadpool_limits(limits=1, user_api="blas"):
         found: dict[int, Answer] = {}
-        keys = [key for settings in work.settings[:1] for key, _ in settings]
-        bounded = bool(work.base.bounds) or any(key.startswith(PEAKS_KEY) for key in keys)
-        if work.base.quantity is Quantity.OPTIMAL and not bounded:
-            groups: dict[Settings, list[int]] = {}
-            for number, settings in enumerate(work.settings):
-                groups.setdefault(_without_force(settings), []).append(number)
-            for members in groups.values():
-                if len(members) >= FEWEST:
-                    found |= _solve_forces(work, members)
+        groups: dict[Settings, list[int]] = {}
+        for number, settings in enumerate(work.settings):
+            groups.setdefault(_without_force(settings), []).append(number)
+        for members in groups.values():
+            if len(members) >= FEWEST:
+                found |= _solve_forces(work, members)
         numbers = range(len(work.settings))
         return tuple(found.get(number) or solve_case(work, number) for number in numbers)
 
@@ -141,8 +138,6 @@ def _solve_optimal(work: Work, machine: Machine, plant: Plant, settings: Setting
     """One time-optimal control; bounds on peaks that vary are kept, too."""
     from mtcommission.limits.optima import find_time_optimum
 
-    if work.base.move > len(machine.moves):
-        raise IndexError(f"move {work.base.move} of {len(machine.moves)}")
     varied = {key.removeprefix(PEAKS_KEY) for key, _ in settings if key.startswith(PEAKS_KEY)}
     peaks = [peak for peak in machine.requirements.peaks if peak.name in varied]
     optimum = find_time_optimum(
@@ -210,14 +205,10 @@ def _solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         # What a profile allows of F_max is an interval, so its ends speak for all between.
         machine = _machine(work, members[int(np.argmin(forces))])
         _machine(work, members[int(np.argmax(forces))])
-        if work.base.move > len(machine.moves):
-            return {}
-        move = machine.moves[work.base.move - 1]
-        if isinstance(move, Positioning) and isfinite(move.max_velocity):
-            return {}
         plant = build_plant(machine)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case
+    move = machine.moves[work.base.move - 1]
     left = forces - (machine.drive.max_force - machine.drive.motion_force)
     found: dict[int, Answer] = {}
     order = np.argsort(left)
