@@ -15,7 +15,7 @@ from mtcommission.base.units.quantities import LINEAR, AxisUnits
 from mtcommission.controls.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
 from mtcommission.controls.row import AT_CORNERS, Key, Row, Setting, Values
 from mtcommission.controls.syntax import Layout
-from mtcommission.controls.wording import name_mode, show_value
+from mtcommission.controls.wording import show_value
 
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which controls number them."""
@@ -90,8 +90,8 @@ class Axis:
         """Return what a column of limits is for: a machining mode with its band."""
         if mode not in self.bands:
             return Message("way-recommended")
-        band = show_value(self.bands[mode], self.units.length.si, in_degrees=True)
-        return Message("limit-of-mode", mode=name_mode(mode), band=band)
+        band = show_value(self.bands[mode], self.units.length.si)
+        return Message("limit-of-mode", mode=Message(f"machining-{mode}"), band=band)
 
 
 def _refuse(kind: str, **values: Any) -> NoReturn:
@@ -145,7 +145,6 @@ class Control:
     notes: tuple[str, ...] = ()  # sentences for the header, by the kinds of their messages
     notes_of: Callable[[Axis, Typed], Iterable[Message]] = lambda _axis, _typed: ()
     """Those that depend on the axis, or on what is typed in."""
-    in_degrees: bool = True  # else its angles are radians
     names_axes: bool = False  # whether its names tell the axis: several stand in one text as it is
     axis_in_group: tuple[Row, ...] = ()  # what an axis is told where it moves with others
     group: tuple[Row, ...] = ()  # what the path of axes that move together is told

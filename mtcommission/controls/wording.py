@@ -1,16 +1,14 @@
-"""SI values in the units that an export speaks in."""
+"""Sentences and values in the letters that every control reads."""
 
 from __future__ import annotations
 
 import re
 from itertools import pairwise
-from math import isfinite, pi
+from math import isfinite
 from unicodedata import combining, normalize
 
 from mtcommission.base.messages.message import Message
 from mtcommission.base.messages.quantities import SUPERSCRIPTS, THIN_SPACE
-
-MILLI, MICRO = 1e-3, 1e-6
 
 LETTERS = str.maketrans(
     {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "°": " deg"}
@@ -25,38 +23,17 @@ CAPITAL = re.compile("[ÄÖÜ](?=[A-ZÄÖÜ])|(?<=[A-ZÄÖÜ])[ÄÖÜ]")
 
 _RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
 
-DEGREE, TURN = pi / 180.0, 2.0 * pi
 
-
-def show_value(value: float, unit: str, *, in_degrees: bool) -> Message:
-    """Return an SI value with a unit that people read.
-
-    Examples
-    --------
-    >>> from mtcommission.base.messages.catalogue import Catalogue
-    >>> Catalogue("de").say(show_value(4.848e-5, "rad", in_degrees=True))
-    '0,002778 deg'
-    >>> show_value(float("inf"), "s", in_degrees=False)
-    Message('not-settled')
-    """
+def show_value(value: float, unit: str) -> Message:
+    """Return an SI value with a unit that people read; in words where there is none."""
     if not isfinite(value):
         return Message("not-settled")
-    if in_degrees and unit.split("/")[0] == "rad":
-        size, shown = DEGREE, unit.replace("rad", "deg", 1)
-    else:
-        sizes = {"m": (MICRO, "µm"), "rad": (MICRO, "µrad"), "s": (MILLI, "ms")}
-        size, shown = sizes.get(unit, (1.0, unit))
-    return Message("value-about", value=value / size, unit=shown)
+    return Message("value-of-unit", value=value, unit=unit)
 
 
 def name_control(key: str) -> Message:
     """Return maker and products of a control by its key."""
     return Message(f"control-{key}")
-
-
-def name_mode(key: str) -> Message:
-    """Return the name of a machining mode in signs that every control reads."""
-    return Message(f"export-mode-{key}")
 
 
 def to_ascii(text: str) -> str:

@@ -10,7 +10,7 @@ from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Control, Typed
 from mtcommission.controls.row import Row, Setting
-from mtcommission.controls.wording import name_control, name_mode, show_value, to_ascii
+from mtcommission.controls.wording import name_control, show_value, to_ascii
 from mtcommission.export.held import Judged
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate
@@ -33,7 +33,7 @@ def compose_header(
     name = name_control(control.key)
     yield Message("export-title", name=machine.name, axis_name=machine.axis, control=name)
     yield from say_origin(record.tool, record.created, [profile], machine.name, machine.axis)
-    yield from say_axis(subject, control, judged)
+    yield from say_axis(subject, judged)
     yield from say_notes(subject, control, judged, rows)
     yield from say_doubts([subject], [judged], record.warnings, rows, words)
 
@@ -51,9 +51,9 @@ def say_origin(
     yield Message("export-verify")
 
 
-def say_axis(subject: Subject, control: Control, judged: Judged) -> Iterator[Message]:
+def say_axis(subject: Subject, judged: Judged) -> Iterator[Message]:
     """Yield what the text does to the axis, and what it lacks."""
-    yield say_verdict(subject, control, judged)
+    yield say_verdict(judged)
     needs = subject.machine.requirements
     low, high = needs.payload
     yield Message(
@@ -70,31 +70,30 @@ def say_axis(subject: Subject, control: Control, judged: Judged) -> Iterator[Mes
     yield from say_ceiling(subject, judged)
 
 
-def say_verdict(subject: Subject, control: Control, judged: Judged) -> Message:
+def say_verdict(judged: Judged) -> Message:
     """Return what the text does, and which requirements that misses."""
-
-    def show(value: float, unit: str) -> Message:
-        return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
-
     verdict = judged.verdict
     said = Message(
         "export-judged",
         corners=len(judged.held.tuned.corners),
-        settling=show(verdict.settling_time, "s"),
-        residual=show(verdict.residual_deviation, subject.length),
+        settling=show_value(verdict.settling_time, "s"),
+        residual=show_value(verdict.residual_deviation, judged.held.machine.axis_units.length.si),
     )
     missed = [
         Message(
             "export-missed",
             name=check.requirement.message,
-            value=show(check.value, check.unit),
-            limit=show(check.limit, check.unit),
+            value=show_value(check.value, check.unit),
+            limit=show_value(check.limit, check.unit),
         )
         for check in verdict.assessment.checks
         if not check.is_met
     ]
     missed += [judged.lost_margins] if judged.lost_margins else []
-    without = [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
+    without = [
+        Message("export-mode-missed", mode=Message(f"machining-{mode.name}"))
+        for mode in judged.left_out
+    ]
     if not missed and not without:
         return Message("export-all-met", judged=said)
     told = reduce(
@@ -112,8 +111,8 @@ def _left_out(subject: Subject, verdict: Candidate) -> Message:
     return Message(
         "export-left-out",
         features=tuple(Message("export-feature", what=what) for what in subject.left_out),
-        before=show_value(before, "s", in_degrees=False),
-        after=show_value(after, "s", in_degrees=False),
+        before=show_value(before, "s"),
+        after=show_value(after, "s"),
         change=after / before - 1.0 if cost == "grows" else 0.0,
         cost=cost,
         kind=subject.kind.key,
@@ -129,10 +128,10 @@ def say_modes_left_out(subject: Subject, judged: Judged) -> Iterator[Message]:
 def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
     """Why a machining mode is left out, with its band and the one that could be met."""
     band, attainable = (
-        None if value is None else show_value(value, subject.length, in_degrees=True)
+        None if value is None else show_value(value, subject.length)
         for value in (mode.band, mode.attainable)
     )
-    name = name_mode(mode.name)
+    name = Message(f"machining-{mode.name}")
     if mode.meets_requirements:
         return Message("export-mode-fails", mode=name, band=band)
     if attainable:
@@ -149,8 +148,8 @@ def say_ceiling(subject: Subject, judged: Judged) -> Iterator[Message]:
             wanted=1e3 * wanted,
             ceiling=1e3 * ceiling,
             why=Message("ceiling-source", kind=subject.kind.key),
-            before=show_value(subject.settling_time, "s", in_degrees=False),
-            after=show_value(judged.verdict.settling_time, "s", in_degrees=False),
+            before=show_value(subject.settling_time, "s"),
+            after=show_value(judged.verdict.settling_time, "s"),
         )
 
 

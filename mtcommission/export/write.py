@@ -100,7 +100,7 @@ def _export(
         verdict=judged.verdict,
         is_met=judged.is_met,
         meets_requirements=judged.is_met and not judged.left_out,
-        judgement=say_verdict(subject, target, judged),
+        judgement=say_verdict(judged),
         doubts=(*say_modes_left_out(subject, judged), *say_ceiling(subject, judged)),
         text=compose_text(layout, header, lines),
     )

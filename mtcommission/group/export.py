@@ -381,7 +381,7 @@ def _say_contours(
     circles: Sequence[CircleOfText], line: float, record: GroupRecord
 ) -> Iterator[Message]:
     def show(value: float) -> Message:
-        return show_value(value, "m", in_degrees=False)
+        return show_value(value, "m")
 
     for one in circles:
         yield Message(
@@ -413,7 +413,7 @@ def _say_axes(
     """What the text does to each axis; what there is to mind once where it is true of all."""
     notes: dict[Message, list[str]] = {}
     for axis, subject, found, part in zip(record.axes, subjects, judged, parts, strict=False):
-        for sentence in say_axis(subject, target, found):
+        for sentence in say_axis(subject, found):
             yield Message("group-export-of", name=axis.name, said=sentence)
         for note in say_notes(subject, target, found, part.rows):
             if note.kind not in OF_ONE_AXIS:

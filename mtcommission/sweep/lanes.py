@@ -11,7 +11,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -63,7 +63,7 @@ class NoSchedulerError(Exception):
 
 def solve_pieces(
     works: Iterator[Work], engine: Engine, *, notice: Callable[[Message], None]
-) -> Iterator[tuple[Work, tuple[Answer, ...]]]:
+) -> Generator[tuple[Work, tuple[Answer, ...]]]:
     """Yield each piece of work with its answers, as they come in; what is dropped ends at once.
 
     A few pieces are under way: enough to keep every worker busy, few enough that memory stays flat.

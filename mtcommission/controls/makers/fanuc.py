@@ -15,13 +15,12 @@ from mtcommission.controls.kind import (
 )
 from mtcommission.controls.row import Row, Setting, Values, at_corners, doubted, si_of
 from mtcommission.controls.syntax import TABLE
-from mtcommission.controls.wording import MILLI
 
 
 def _rows(axis: Axis, _loop: Values) -> Iterator[Row]:
     gain = "gain-kv-name-and-unit"
     yield Row(Setting.RISE_TIME, "1620", unit="ms", step=1)
-    yield Row(Setting.JERK_TIME, "1774", unit="ms", step=axis.cycles(MILLI))
+    yield Row(Setting.JERK_TIME, "1774", unit="ms", step=axis.cycles(1e-3))
     yield doubted(Setting.POSITION_GAIN, "1825", unit="0.01/s", step=1, meaning=gain)
     yield doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", step=1)
     yield Row(Setting.RAPID, "1420", unit=f"{axis.small_unit}/min", is_elsewhere=True)

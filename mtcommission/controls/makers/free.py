@@ -58,7 +58,6 @@ def _state_space(axis: Axis, loop: Values) -> Iterator[Row]:
 neutral = partial(
     Control,
     layout=TABLE,
-    in_degrees=False,
     axis_in_group=(
         Row(Setting.WAIT, "wait", unit="ms", digits=9),
         at_corners("velocity step at corners", "m/s", "group-row-step"),

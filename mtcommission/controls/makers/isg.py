@@ -14,7 +14,6 @@ from mtcommission.controls.kind import (
 )
 from mtcommission.controls.row import Row, Setting, Values, at_corners, doubted, fixed
 from mtcommission.controls.syntax import NAMED_LIST
-from mtcommission.controls.wording import MICRO
 
 ACCELERATIONS = {
     "a_beschl": "limit-acceleration",
@@ -35,7 +34,7 @@ def _rows(axis: Axis, loop: Values) -> Iterator[Row]:
     slope = "getriebe[0].slope_profil"
     for name, meaning in ACCELERATIONS.items():
         yield axis.acceleration_row(f"{slope}.{name}", meaning, step=1)
-    step = axis.cycles(MICRO)
+    step = axis.cycles(1e-6)
     for name, meaning in RAMPS.items():
         yield Row(Setting.JERK_TIME, f"{slope}.{name}", unit="us", step=step, meaning=meaning)
     yield Row(

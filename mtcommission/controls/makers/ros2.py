@@ -40,5 +40,4 @@ CONTROL = Control(
     rows=_rows,
     layout=YAML,
     names_axes=True,
-    in_degrees=False,
 )

@@ -89,9 +89,7 @@ control-fluidnc = FluidNC
 control-marlin = Marlin
 control-ros2 = ROS 2 / MoveIt
 
-export-mode-surface = Oberfläche
-export-mode-accuracy = Genauigkeit
-export-mode-speed = Geschwindigkeit
+value-of-unit = { QUANTITY($value, $unit) }
 
 export-old = alt
 export-for-nc-program = Für das NC-Programm, nicht für die SPS: { $remark }

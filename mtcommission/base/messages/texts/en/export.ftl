@@ -95,10 +95,7 @@ control-fluidnc = FluidNC
 control-marlin = Marlin
 control-ros2 = ROS 2 / MoveIt
 
-# machining modes
-export-mode-surface = surface
-export-mode-accuracy = accuracy
-export-mode-speed = speed
+value-of-unit = { QUANTITY($value, $unit) }
 
 # parameters
 export-old = old
