@@ -147,7 +147,6 @@ class Control:
         "Time constant of the reference model in the integral branch; 0 = none.",
         "5 ms",
         default=0.0,
-        is_listed=False,
     )
     velocity_feedforward: float = keyed(
         of.FEEDFORWARDS,
@@ -155,7 +154,6 @@ class Control:
         "1.0",
         default=1.0,
         left_out=None,
-        is_listed=False,
     )
     acceleration_feedforward: float = keyed(
         of.FEEDFORWARDS,
@@ -163,24 +161,21 @@ class Control:
         "1.0",
         default=1.0,
         left_out=None,
-        is_listed=False,
     )
     jerk_feedforward: float = keyed(
         of.FEEDFORWARDS,
         "Weight, times feedforward_mass and force_lag.",
         "0.0",
         default=0.0,
-        is_listed=False,
     )
     feedforward_mass: float | None = keyed(
         of.MASSES,
         "Mass of the feed-forward; default: moving mass at mid payload.",
         "800 kg",
         default=None,
-        is_listed=False,
     )
     reference_delay: float | None = keyed(
-        of.DELAYS, "Delay of the reference path, or auto.", AUTO, default=None, is_listed=False
+        of.DELAYS, "Delay of the reference path, or auto.", AUTO, default=None
     )  # τ [s]; None: chosen so that feed-forward meets feedback
     position_cycle: float = keyed(
         of.CYCLES,
@@ -238,7 +233,6 @@ class Control:
         "15 Hz",
         key="minimum_bandwidth",
         default=0.0,
-        is_listed=False,
     )  # 0: none
 
     @property

@@ -56,14 +56,12 @@ class Drive:
         "Friction that any motion must overcome; not available for motion.",
         "0 N",
         default=0.0,
-        is_listed=False,
     )
     viscous_friction: float = keyed(
         of.DAMPINGS,
         "Friction per velocity, on the line of the drive.",
         "0 N s/m",
         default=0.0,
-        is_listed=False,
     )
     lead: float | None = keyed(
         of.LEADS,
@@ -76,14 +74,12 @@ class Drive:
         "Turns of the motor per turn of screw, pinion or rotary axis.",
         "1",
         default=1.0,
-        is_listed=False,
     )
     encoder_resolution: float = keyed(
         of.RESOLUTIONS,
         "Smallest step of the measured position.",
         "0.1 um",
         default=0.0,
-        is_listed=False,
     )  # 0: not stated
 
     @property

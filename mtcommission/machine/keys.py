@@ -8,7 +8,7 @@ keys and the list of data follow from that.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from math import inf
 from typing import Any
@@ -52,7 +52,6 @@ class Key:
     factor: float = 1.0  # value of the field per value of the key, SI
     left_out: Any = MISSING  # the field where the key is left out; MISSING: it must be given
     table: str = ""  # table in which it stands, where the field's dataclass is of several
-    is_listed: bool = True  # whether the sheet lists it among the data where nobody states it
 
     @property
     def example_toml(self) -> str:
@@ -103,25 +102,22 @@ def list_keys(kind: type[Any], table: str = "") -> Iterator[tuple[str, Field[Any
             yield about.key or one.name, one, about
 
 
-def list_quantities(
-    data: Any, place: str, axis: AxisUnits, *, given: Collection[str] = ()
-) -> Iterator[tuple[str, float, str]]:
+def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[str, float, str]]:
     """Yield key, value and SI unit of every quantity, elements of arrays by their names.
 
-    ``place``: where the dataclass stands in the profile, e.g. ``"plant"``; ``given``: the keys that
-    the profile states, so that those that are not listed otherwise are.
+    ``place``: where the dataclass stands in the profile, e.g. ``"plant"``.
     """
     for key, one, about in list_keys(type(data)):
         value, here, reader = getattr(data, one.name), f"{place}.{key}", about.reader
-        if value is None or not (about.is_listed or here in given):
+        if value is None:
             continue
         if isinstance(reader, AxisRange):
             yield here, value / about.factor, reader.on(axis).dimension.si or "-"
         elif isinstance(reader, Table):
-            yield from list_quantities(value, here, axis, given=given)
+            yield from list_quantities(value, here, axis)
         elif isinstance(reader, Array) and isinstance(reader.inner, Table):
             for part in value:
-                yield from list_quantities(part, f"{here}.{part.name}", axis, given=given)
+                yield from list_quantities(part, f"{here}.{part.name}", axis)
 
 
 # Reading a table

@@ -115,7 +115,6 @@ class Requirements:
         "Radius of gyration of the payload about the rotary joint.",
         "0.3 m",
         default=0.0,
-        is_listed=False,
     )  # 0 leaves the inertia alone
     peaks: tuple[Peak, ...] = keyed(
         Signals(PerSignal.BOUND, lambda name, bound: Peak(name=name, bound=bound)),
@@ -123,9 +122,7 @@ class Requirements:
         '{ v_phi = "5 mrad/s" }',
         default=(),
     )
-    modes: Modes = keyed(
-        Table(Modes), "Band of each machining mode.", left_out=EMPTY, is_listed=False
-    )
+    modes: Modes = keyed(Table(Modes), "Band of each machining mode.", left_out=EMPTY)
 
     @classmethod
     def complete(

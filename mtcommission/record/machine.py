@@ -160,14 +160,14 @@ def _rows(
     if drive.follows:
         yield "drive.kind", drive.kind.value, ""
         motor = PositionSource(max_acceleration=drive.max_force, max_velocity=drive.max_velocity)
-    if drive.lead:
-        given = given | {"drive.gear"}
+    own = ["drive.max_velocity", *(["drive.gear"] if drive.lead else [])]
+    shown = {*given, *machine.assumed, *own}
     tables = [("control", machine.control), ("plant", machine.mechanics), ("drive", motor)]
     tables += [(f"moves[{number}]", move) for number, move in enumerate(machine.moves, start=1)]
     for place, part in [*tables, ("requirements", needs)]:
-        also = given if place != "control" else ()
-        for key, value, unit in list_quantities(part, place, axis, given=also):
-            if not key.endswith(".dwell") or value or isfinite(drive.continuous_force):
+        for key, value, unit in list_quantities(part, place, axis):
+            is_reserve = ".reserve." in key and "requirements.reserve" in shown
+            if place == "plant" or key in shown or is_reserve:
                 yield key, value, unit
     yield "requirements.payload (least)", needs.payload[0], axis.mass.si
     yield "requirements.payload (largest)", needs.payload[1], axis.mass.si
