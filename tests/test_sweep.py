@@ -239,11 +239,11 @@ def test_rows_written_by_a_sweep_are_cases_of_the_next(tmp_path: Path) -> None:
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     write_table(table, tmp_path, WORDS)
     lines = (tmp_path / "rows.csv").read_text(encoding="utf-8").splitlines()
-    cut = "\n".join(",".join(line.split(",")[2:5]) for line in lines)
+    cut = "\n".join(",".join(line.split(",")[1:4]) for line in lines)
     again = plan_of(read_cases(cut, where="cut"))
     assert again.keys == keys
     frame = read_table(again, run_sweep(again, folder=tmp_path / "again")).frame
-    assert frame.drop("inputs").equals(table.frame.drop("inputs"))
+    assert frame.equals(table.frame)
 
 
 def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame) -> None:
@@ -257,7 +257,6 @@ def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame) -> None:
         assert row["switches"] == len(alone.switching_times)
     assert undisturbed["certified"].all()
     assert undisturbed["relative_gap"].max() < 1e-9
-    assert undisturbed["inputs"].n_unique() == undisturbed.height
 
 
 def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
@@ -670,7 +669,7 @@ def test_lines_of_the_document_do_what_they_say(
     )
     axis = read_axis(names["forces"], where="--vary")
     command_rows = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "b")).frame
-    assert frame.drop("inputs").equals(command_rows.drop("inputs"))
+    assert frame.equals(command_rows)
 
 
 def test_the_library_takes_what_the_command_takes(tmp_path: Path) -> None:

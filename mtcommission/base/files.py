@@ -7,7 +7,6 @@ keeps its mode, a new one has that of the umask; devices and pipes are written i
 from __future__ import annotations
 
 import os
-import re
 import stat
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,6 +16,9 @@ from typing import BinaryIO
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.base.messages.message import Message
+
+OWN_STREAMS = {"/dev/stdout": 1, "/dev/stderr": 2}
+"""Descriptors by name: they may lead into a file that holds more than what is written now."""
 
 
 def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
@@ -155,7 +157,10 @@ def _replacing(path: Path, content: bytes | Callable[[BinaryIO], object]) -> Ite
     """Fill a new file beside one, which takes its place at the end, if nothing fails in between."""
     fill = content if callable(content) else lambda file: file.write(content)
     if _is_stream(path):
-        with os.fdopen(_open_stream(path), "wb") as file:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        own = OWN_STREAMS.get(str(path))
+        with path.open("wb") if own is None else os.fdopen(os.dup(own), "wb") as file:
             fill(file)
         yield
         return
@@ -177,25 +182,4 @@ def _replacing(path: Path, content: bytes | Callable[[BinaryIO], object]) -> Ite
 
 def _is_stream(path: Path) -> bool:
     """Whether a name stands for a device, a pipe or a socket, which nothing may replace."""
-    if _own_stream(path) >= 0:
-        return True
-    return path.exists() and not path.is_file() and not path.is_dir()
-
-
-def _own_stream(path: Path) -> int:
-    """The descriptor that a name such as ``/dev/stdout`` stands for, else -1.
-
-    It may lead into a file that holds more than what is written now, and must not replace it.
-    """
-    found = re.fullmatch(r"/dev/(stdout|stderr)|(?:/dev|/proc/self)/fd/(\d+)", str(path))
-    if found is None or not path.exists():
-        return -1
-    return {"stdout": 1, "stderr": 2}[found[1]] if found[1] else int(found[2])
-
-
-def _open_stream(path: Path) -> int:
-    if (own := _own_stream(path)) < 0:
-        return os.open(path, os.O_WRONLY)
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
-    return os.dup(own)
+    return str(path) in OWN_STREAMS or (path.exists() and not path.is_file() and not path.is_dir())

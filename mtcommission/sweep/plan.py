@@ -84,16 +84,12 @@ class Plan:
         return min(sizes, default=1) if self.is_paired else prod(sizes)
 
     @property
-    def base_digest(self) -> str:
-        """SHA-256 of what all cases share."""
-        bounds = [[bound.name, bound.value] for bound in self.bounds]
-        return _digest(__version__, self.profile_text, self.quantity.value, self.move, bounds)
-
-    @property
     def digest(self) -> str:
         """SHA-256 of all that the rows and their places depend on."""
+        bounds = [[bound.name, bound.value] for bound in self.bounds]
         axes = [[axis.keys, axis.rows] for axis in self.axes]
-        return _digest(self.base_digest, axes, self.is_paired, piece_size(self))
+        what = [self.profile_text, self.quantity.value, self.move, bounds, axes, self.is_paired]
+        return sha256(json.dumps([__version__, piece_size(self), *what]).encode()).hexdigest()
 
     def settings(self, index: int) -> Settings:
         """Return the varied values of one case; of a grid the last axis runs fastest."""
@@ -103,10 +99,6 @@ class Plan:
             index = index if self.is_paired else index // len(axis.rows)
             chosen[:0] = zip(axis.keys, axis.rows[place], strict=True)
         return tuple(chosen)
-
-
-def _digest(*parts: Any) -> str:
-    return sha256(json.dumps(parts).encode()).hexdigest()
 
 
 def piece_size(plan: Plan) -> int:

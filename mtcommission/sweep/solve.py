@@ -301,7 +301,6 @@ def columns(plan: Plan) -> tuple[Column, ...]:
             varied.append(Column(key, "" if has_words else unit, kind, varies=True))
     return (
         Column("case", kind="int"),
-        Column("inputs", kind="str"),
         *varied,
         *result_columns(plan.quantity, machine, plant),
         Column("outcome", kind="str"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -50,7 +49,7 @@ class SweepTable:
 
 
 def read_table(plan: Plan, store: Store) -> SweepTable:
-    """Return the rows of a plan's store: case, hash of its inputs, what varies, results, outcome.
+    """Return the rows of a plan's store: case, what varies, results, outcome.
 
     A piece that an interruption left twice appears once.
     """
@@ -60,18 +59,17 @@ def read_table(plan: Plan, store: Store) -> SweepTable:
         for piece, found in store.pieces()
         for place, answer in enumerate(found)
     }
-    digest, kinds = plan.base_digest, [column.kind for column in named[2:]]
+    kinds = [column.kind for column in named[1:]]
     nothing = (None,) * sum(column.of is not None for column in named)
     rows = []
     for case in sorted(answers):
         settings, answer = plan.settings(case), answers[case]
-        inputs = sha256(json.dumps([digest, settings]).encode()).hexdigest()
         varied = (
             text if kind == "str" else si_number(text)
             for (_, text), kind in zip(settings, kinds, strict=False)
         )
         cells = answer.cells or nothing
-        rows.append((case, inputs, *varied, *cells, answer.outcome, answer.message))
+        rows.append((case, *varied, *cells, answer.outcome, answer.message))
     schema = {column.name: TYPES[column.kind] for column in named}
     frame = pl.DataFrame(rows, schema=schema, orient="row")
     return SweepTable(columns=named, frame=frame, asked=_describe_request(plan))
@@ -152,7 +150,7 @@ GAP_DIGITS = 2
 """Of gaps, which are far below 1e-9: a tenth less to load."""
 UNPLOTTED = ("t_f_lower_bound", "relative_gap")
 """Proofs, which say yes or no; they stand in the table."""
-LEFT_OUT = ("inputs", "switching_times")
+LEFT_OUT = "switching_times"
 """Long texts of every row; they stand in the files."""
 SAID = ("yes", "no", "case", "over", "over-two", "numbers", "page", "chosen", "front", "map")
 """Texts that the script says; %1 and %2 stand for its values."""
@@ -202,7 +200,7 @@ def _page_data(plan: Plan, table: SweepTable, words: Catalogue) -> dict[str, Any
                 "result": column in results,
             }
             for column in table.columns
-            if column.name not in LEFT_OUT
+            if column.name != LEFT_OUT
         ],
         "words": {name: words.own("sweep-page", name) for name in SAID},
     }

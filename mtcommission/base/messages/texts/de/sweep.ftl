@@ -42,7 +42,6 @@ sweep-other-scheme = { $address } angegeben, muss eine Adresse sein, wie dask sc
 sweep-column-key = Veränderter Schlüssel des Profils.
 sweep-column-case = Nummer des Falls, ab 0; in einem Gitter läuft der letzte Schlüssel am schnellsten.
     .head = Fall
-sweep-column-inputs = SHA-256 von allem, wovon die Zeile abhängt: Version, Profil, Größe, veränderte Werte.
 sweep-column-t-f = Kürzeste Zeit der Bewegung bis zum völligen Stillstand (zeitoptimal); bei limits der langsamsten Bewegung.
     .head = t_f
 sweep-column-t-f-lower-bound = Schneller ist keine Steuerung: bewiesen mit der adjungierten Gleichung.

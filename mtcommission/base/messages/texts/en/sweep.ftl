@@ -44,7 +44,6 @@ sweep-other-scheme = got { $address }, must be an address as dask scheduler prin
 sweep-column-key = Varied key of the profile.
 sweep-column-case = Number of the case, from 0; of a grid the last key runs fastest.
     .head = Case
-sweep-column-inputs = SHA-256 of all that the row depends on: version, profile, quantity, varied values.
 sweep-column-t-f = Least time of the move to exact rest, time-optimal; of the slowest move for limits.
     .head = t_f
 sweep-column-t-f-lower-bound = No control is quicker than this: proved by the adjoint.
