@@ -21,7 +21,7 @@ from mtcommission.loop.model.controller import INTERPOLATED, Controller
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import peak_velocity
 from mtcommission.machine.plant.plant import build_plant, dominant_mode
-from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.setpoint_filter import SetpointFilter, list_misfits
 from mtcommission.record.read_back import AxisRecord, close_as_held, read_held, read_limits
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -122,14 +122,9 @@ class Subject:
         choice = self.kind.find_filter(item.kind) if item else None
         if item is None or choice is None:
             return None
-        least, most = choice.possible_times(self.controller.position_cycle)
-        if not all(least <= time <= most for time in item.averages):
-            return None
-        if not item.frequency_hz:
-            return item
-        if not choice.least_frequency_hz <= item.frequency_hz <= choice.most_frequency_hz:
-            return None
-        return replace(item, damping_ratio=choice.nearest_damping(item.damping_ratio))
+        own = replace(item, damping_ratio=choice.nearest_damping(item.damping_ratio))
+        misfits = list_misfits(own, self.kind, position_cycle=self.controller.position_cycle)
+        return None if any(misfits) else own
 
     @property
     def own_delay(self) -> float:

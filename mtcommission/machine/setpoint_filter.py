@@ -39,8 +39,6 @@ KEYS: Mapping[str, tuple[str, ...]] = {
 ENDLESS = ("second_order", "band_stop")
 """Kinds that controls have, and behind which a setpoint never ends."""
 
-UNITS = {"time": "s", "second_time": "s", "frequency": "Hz"}
-
 MOST_TAPS = 64
 WHOLE = 1e-6
 """By how much the sum of taps may miss 1: their last printed digit."""
@@ -150,6 +148,15 @@ CHOSEN_FILTER = Word({AUTO: AUTO, "none": None}, _Filter(), "got-no-filter")
 HELD_FILTER = Word({"none": None}, _Filter(), "got-no-filter")
 
 
+SETTINGS = (
+    ("time", "time", "s"),
+    ("second_time", "second_time", "s"),
+    ("frequency", "frequency_hz", "Hz"),
+    ("damping", "damping_ratio", ""),
+)
+"""Of averages and shapers: key, field and unit."""
+
+
 def list_misfits(
     item: SetpointFilter | None, kind: ControlKind, *, position_cycle: float
 ) -> Iterator[Misfit]:
@@ -162,18 +169,11 @@ def list_misfits(
         got = describe(item.kind)
         yield "", Message("control-without-filter", got=got, control=kind.key, has=there)
         return
-    values = {
-        "time": item.time,
-        "second_time": item.second_time,
-        "frequency": item.frequency_hz,
-        "damping": item.damping_ratio,
-    }
     ranges = _ranges(choice, position_cycle)
-    for key in KEYS[item.kind]:
-        low, high = ranges.get(key, (0.0, 0.0))
-        if key in ranges and not low <= values[key] <= high:
-            said, unit = f"control-filter-{key.removeprefix('second_')}", UNITS.get(key, "")
-            value = values[key]
+    for key, name, unit in SETTINGS:
+        value, (low, high) = getattr(item, name), ranges[key]
+        if key in KEYS[item.kind] and not low <= value <= high:
+            said = f"control-filter-{key.removeprefix('second_')}"
             yield key, Message(said, got=value, unit=unit, low=low, high=high, control=kind.key)
 
 
