@@ -175,7 +175,7 @@ def test_machining_modes_stand_on_page_1_as_in_the_export(language: str) -> None
     modes = {"[2]": "speed", "[3]": "accuracy", "[4]": "surface"}
     for index, mode in modes.items():
         name = f"N32300 $MA_MAX_AX_ACCEL{index}"
-        said = Catalogue(language).text(f"export-mode-{mode}")
+        said = Catalogue(language).text(f"machining-{mode}")
         assert (name in rows) == (said not in _page_one(record, language)[0].detail)
         if name in rows:
             assert said in rows[name][-1]

@@ -219,19 +219,6 @@ distance = 0.5
     assert control.minimum_bandwidth_hz == 15.0
 
 
-def test_what_is_left_out_has_the_defaults_of_the_interface() -> None:
-    machine = parse_profile(MANIPULATOR, where="p.toml")
-    assert (machine.drive.continuous_force, machine.drive.static_load) == (inf, 0.0)
-    assert machine.requirements.max_settling_time == inf
-    assert machine.requirements.payload == (0.0, 0.0)
-    assert machine.control.position_gain is None
-    assert machine.control.reference_delay is None
-    assert (machine.control.position_cycle, machine.control.velocity_cycle) == (2e-3, 125e-6)
-    assert machine.control.state_feedback is StateFeedback.OFF
-    assert machine.control.force_filters == ()
-    assert machine.motion is Motion.LINEAR
-
-
 def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
     text = (
         MODAL.replace('axis = "X"', 'axis = "C"\nmotion = "rotary"')
@@ -332,37 +319,6 @@ def test_drive_train_contour_and_todays_values_reach_the_machine() -> None:
         integral_time=0.02,
         setpoint_filter=SetpointFilter(kind="moving_average", time=8e-3),
     )
-
-
-@pytest.mark.parametrize(
-    ("control", "table", "expected"),
-    [
-        (
-            "sinumerik",
-            'kind = "two_moving_averages", time = "20 ms", second_time = "9 ms"',
-            SetpointFilter(kind="two_moving_averages", time=0.02, second_time=9e-3),
-        ),
-        (
-            "klipper",
-            'kind = "2hump_ei", frequency = "48 Hz", damping = "3 %"',
-            SetpointFilter(kind="2hump_ei", frequency_hz=48.0, damping_ratio=0.03),
-        ),
-        (
-            "state-space",
-            'kind = "fir", taps = [0.25, 0.5, 0.25], spacing = "2 ms"',
-            SetpointFilter(kind="fir", taps=(0.25, 0.5, 0.25), spacing=2e-3),
-        ),
-        ("heidenhain", 'kind = "none"', None),
-    ],
-)
-def test_every_kind_of_setpoint_filter_is_read(
-    control: str, table: str, expected: SetpointFilter | None
-) -> None:
-    """Otherwise a control is simulated without what it does."""
-    text = f'[control]\nkind = "{control}"\nsetpoint_filter = {{ {table} }}\n'
-    found = parse_profile(MANIPULATOR + text, where="p.toml").control
-    assert found.setpoint_filter == expected
-    assert not found.seeks_setpoint_filter
 
 
 def test_a_setpoint_filter_is_sought_unless_it_is_said() -> None:

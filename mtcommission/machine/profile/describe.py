@@ -146,9 +146,7 @@ def _ask(
                 default=about.default,
                 is_required=is_required,
                 allowed=reader.on(axis) if isinstance(reader, AxisRange) else None,
-                words=tuple(reader.meanings)
-                if isinstance(reader, Word) and not reader.other
-                else (),
+                words=reader.choices if isinstance(reader, Word) else (),
             )
             found.append(question)
     return found
