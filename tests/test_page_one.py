@@ -192,9 +192,8 @@ def test_the_verdict_of_page_1_is_that_of_the_export() -> None:
     head, _ = _page_one(record)
     assert head.verdict == "Requirements met, BUT INCOMPLETE"
     assert head.is_met
-    assert "LEFT OUT: no limits keep the tool within the band of machining mode surface, 8 µm" in (
-        head.detail
-    )
+    left_out = "the band of machining mode Surface (finishing), 8\u202fµm"
+    assert f"LEFT OUT: no limits keep the tool within {left_out}" in head.detail
     rude = {"acceleration": 14.0, "jerk": 1.4e4, "jerk_time": 1e-3}
     head, _ = _page_one(_record(SCREW, "sinumerik", promised=True, **rude))
     assert not head.is_met
