@@ -30,6 +30,7 @@ from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Motion
+from mtcommission.machine.mechanics import SOURCE
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile, profile_text_hash
 from mtcommission.machine.profile.shipped import read_shipped
@@ -412,7 +413,7 @@ def exportable_record(text: str) -> Json:
     record["machine"] |= {
         "name": machine.name,
         "axis": machine.axis,
-        "drive": machine.drive.kind.value,
+        "drive": SOURCE if machine.drive.follows else "servo",
     }
     record["data"] = to_plain(list_data(machine, build_plant(machine), text))
     follows = machine.drive.follows

@@ -9,7 +9,7 @@ from functools import partial
 from math import ceil, inf
 from typing import Any, NoReturn
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import LINEAR, AxisUnits
 from mtcommission.controls.kind import LOW_PASS, NOTCH, SHAPERS, ControlKind, PositionLoop
@@ -95,7 +95,7 @@ class Axis:
 
 
 def _refuse(kind: str, **values: Any) -> NoReturn:
-    raise InputError([Fault(where="--control", message=Message(kind, **values))])
+    raise InputError.at("--control", Message(kind, **values))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from enum import Enum
 from functools import cache, partial
 from typing import Any, TypeAlias
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import NUMBER
 from mtcommission.base.units.symbols import read_unit
@@ -181,7 +181,7 @@ def on_path(limit: str, name: str, unit: str, meaning: str = "", **more: Any) ->
 
 def unreadable(row: str) -> InputError:
     """Return the fault of a row that nothing can be made of."""
-    return InputError([Fault(where="export", message=Message("export-unreadable", row=row))])
+    return InputError.at("export", Message("export-unreadable", row=row))
 
 
 def round_number(

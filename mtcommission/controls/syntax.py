@@ -144,7 +144,7 @@ HEADS = ("parameter", "new-value", "unit", "old-value", "meaning")
 
 
 def _write_table(entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    rows = [tuple(to_ascii(words.text(f"export-head-{what}")) for what in HEADS)]
+    rows = [tuple(to_ascii(words.text(what)) for what in HEADS)]
     for entry in entries:
         meaning = f"{entry.meaning(words)}{'' if entry.row.is_verified else f' {DOUBT}'}"
         rows.append((entry.row.name, entry.value, entry.row.unit, entry.old or BLANK, meaning))

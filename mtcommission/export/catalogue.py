@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kinds import KINDS, STATE_SPACE
@@ -33,4 +33,4 @@ def find_control_key(name: str) -> str:
     if key in CONTROL_KEYS:
         return key
     message = Message("export-no-control", given=repr(name), hint=propose(key, CONTROL_KEYS))
-    raise InputError([Fault(where="--control", message=message)])
+    raise InputError.at("--control", message)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Control, complete
 from mtcommission.controls.row import Key, Row, Setting, Values, unreadable
@@ -131,7 +131,7 @@ def choose_limits(
     unlike = {tuple(values.items()): values for values in typed()}
     if not unlike:
         message = Message("export-too-small", acceleration=subject.limits.acceleration)
-        raise InputError([Fault(where="--control", message=message)])
+        raise InputError.at("--control", message)
     nearest, *others = unlike.values()
     tried = [judge(nearest)]
     promised = mode.meets_requirements if mode else subject.record.assessment.met

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
 
-from mtcommission.base.errors import ComputationError, Fault, InputError
+from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
 from mtcommission.controls.row import Key, Setting, Values, unreadable
@@ -247,7 +247,7 @@ def hold(subject: Subject, values: Values) -> Held:
             why=error.message,
             kind=subject.kind.key,
         )
-        raise InputError([Fault(where="--control", message=message)]) from error
+        raise InputError.at("--control", message) from error
     return Held(machine=machine, tuned=tuned, values=values)
 
 

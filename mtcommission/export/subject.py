@@ -12,7 +12,7 @@ from math import inf, isfinite, pi
 
 import numpy as np
 
-from mtcommission.base.errors import Fault, InputError
+from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.controls.control import Axis
 from mtcommission.controls.kind import ControlKind, PositionLoop
@@ -166,7 +166,7 @@ def build_subject(record: AxisRecord, kind: ControlKind) -> Subject:
         recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )
     if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
-        raise InputError([Fault(where="record", key="loop", message=Message("export-other-loop"))])
+        raise InputError.at("record", Message("export-other-loop"), key="loop")
     return Subject(
         record=record,
         kind=kind,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from itertools import pairwise
 from math import inf
 from typing import Any
@@ -20,13 +19,6 @@ from mtcommission.machine.moves import Move, largest_velocity
 from mtcommission.machine.readers import Array, as_typed
 
 
-class DriveKind(Enum):
-    """How the motor moves the axis."""
-
-    SERVO = "servo"
-    POSITION_SOURCE = "position_source"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drive:
     """[drive]: the motor as the axis feels it.
@@ -35,7 +27,7 @@ class Drive:
     then its acceleration: that stands for every force here, in m/s², and the moving mass is 1.
     """
 
-    kind: DriveKind = DriveKind.SERVO  # a force behind a loop, or an open-loop axis
+    follows: bool = False  # whether the motor follows its setpoint, without a loop to tune
     force_lag: float = keyed(of.LAGS, "Time constant of the force loop, T.", "2.5 ms")
     """[s]; 0 of a position source."""
     max_force: float = keyed(of.FORCES, "Largest force, F_max.", "2 kN")
@@ -81,11 +73,6 @@ class Drive:
         "0.1 um",
         default=0.0,
     )  # 0: not stated
-
-    @property
-    def follows(self) -> bool:
-        """Whether the motor follows its setpoint: a position source, without a loop to tune."""
-        return self.kind is DriveKind.POSITION_SOURCE
 
     @property
     def motion_force(self) -> float:
@@ -179,7 +166,7 @@ class PositionSource:
             reached = (one.acceleration for one in curve if one.velocity <= fastest)
             left = min(left, float(np.interp(fastest, known, values)), *reached)
         return Drive(
-            kind=DriveKind.POSITION_SOURCE,
+            follows=True,
             force_lag=0.0,
             max_force=left,
             max_velocity=limit,

@@ -12,6 +12,7 @@ from mtcommission.machine.drive import PositionSource
 from mtcommission.machine.identified import Identification
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.mechanics import SOURCE
 from mtcommission.machine.plant.plant import Plant, kalman_rank
 from mtcommission.machine.profile.read import find_key_lines
 from mtcommission.machine.readers import KeyPath, show_key
@@ -46,12 +47,12 @@ class MachineEntry:
     motion: str
     source: str
     kind: str = of("mechanics.kind")
-    drive: str = of("drive.kind")
+    drive: str = of(lambda machine: SOURCE if machine.drive.follows else "servo")
 
     @property
     def follows(self) -> bool:
         """Whether the motor follows its setpoint."""
-        return self.drive != "servo"
+        return self.drive == SOURCE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,7 +159,7 @@ def _rows(
     if len(machine.control.kind.position_loops) > 1 and not drive.follows:
         yield "control.position_loop", machine.control.position_loop.value, ""
     if drive.follows:
-        yield "drive.kind", drive.kind.value, ""
+        yield "drive.kind", SOURCE, ""
         motor = PositionSource(max_acceleration=drive.max_force, max_velocity=drive.max_velocity)
     own = ["drive.max_velocity", *(["drive.gear"] if drive.lead else [])]
     shown = {*given, *machine.assumed, *own}

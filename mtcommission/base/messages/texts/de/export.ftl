@@ -93,11 +93,7 @@ value-of-unit = { QUANTITY($value, $unit) }
 
 export-old = alt
 export-for-nc-program = Für das NC-Programm, nicht für die SPS: { $remark }
-export-head-parameter = Parameter
-export-head-new-value = neuer Wert
-export-head-unit = Einheit
-export-head-old-value = alter Wert
-export-head-meaning = Bedeutung
+unit = Einheit
 limit-acceleration = Beschleunigung
 limit-deceleration = Verzögerung
 limit-jerk = Ruck

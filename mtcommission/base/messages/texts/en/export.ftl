@@ -100,11 +100,7 @@ value-of-unit = { QUANTITY($value, $unit) }
 # parameters
 export-old = old
 export-for-nc-program = For the NC program, not for the PLC: { $remark }
-export-head-parameter = Parameter
-export-head-new-value = new value
-export-head-unit = unit
-export-head-old-value = old value
-export-head-meaning = meaning
+unit = Unit
 limit-acceleration = acceleration
 limit-deceleration = deceleration
 limit-jerk = jerk
