@@ -26,7 +26,6 @@ from benchmarks.population import random_machine
 from mtcommission.base.errors import ComputationError
 from mtcommission.loop.tuning.tuned import TUNING, TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from tests.machines import random_modal_machine
 
@@ -53,13 +52,13 @@ def from_population(seed: int) -> Machine:
 
 def in_corners(seed: int) -> Machine:
     machine = random_modal_machine(seed, n_modes=1 + seed % 4)
-    sensor = tuple(TcpSensor)[seed // 4 % 2]
+    has_sensor = seed // 4 % 2 == 1
     return replace(
         machine,
         requirements=replace(
             machine.requirements, frequency_spread=0.05, payload=(0.0, 0.2 * moving_mass(machine))
         ),
-        control=replace(machine.control, tcp_sensor=sensor),
+        control=replace(machine.control, has_tcp_sensor=has_sensor),
     )
 
 

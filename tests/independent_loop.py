@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
@@ -305,7 +305,7 @@ class Biquad:
 
     def __init__(self, item: ForceFilter, cycle: float) -> None:
         w, d, c = item.natural_frequency, item.damping, 2 / cycle
-        if item.kind is FilterKind.LOW_PASS:
+        if item.kind == "low_pass":
             top, bottom = (0.0, 0.0, w * w), (1.0, 2 * d * w, w * w)
         else:
             top, bottom = (1.0, 2 * d * w, w * w), (1.0, 2 * item.width * w, w * w)

@@ -17,7 +17,7 @@ import yaml
 
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.model.controller import NO_OBSERVER, Controller
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine, Motion, corners, vary
 from mtcommission.machine.plant.plant import build_plant
 from tests.independent_loop import judge, profile_of, run, shaper
@@ -298,7 +298,7 @@ def controller_of(reading: Reading, machine: Machine) -> Controller:
         velocity_cycle=T_v,
         cycles=round(T_p / T_v),
         force_filters=tuple(
-            ForceFilter(kind=FilterKind(kind), natural_frequency=2.0 * pi * f, damping=damping)
+            ForceFilter(kind=kind, natural_frequency=2.0 * pi * f, damping=damping)
             for kind, f, damping in reading.filters
         ),
         sensors=("encoder",),

@@ -21,7 +21,7 @@ from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.tuning.gains import design_observer, feedback_gains, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import read_profile
 from mtcommission.study.loops import LoopChoice
@@ -38,8 +38,8 @@ PROFILES = [
 
 SEEDS = range(24)
 
-NOTCH = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 150.0, damping=0.2)
-LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 900.0, damping=0.7)
+NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 150.0, damping=0.2)
+LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 900.0, damping=0.7)
 
 
 def member(seed: int) -> Machine:
@@ -49,7 +49,7 @@ def member(seed: int) -> Machine:
     return quiet_copy(
         machine,
         state_feedback=StateFeedback.OFF,
-        tcp_sensor=TcpSensor.POSITION if seed % 3 == 1 else TcpSensor.NONE,
+        has_tcp_sensor=seed % 3 == 1,
         force_filters=filters,
         reference_model_time=machine.drive.force_lag if seed % 5 == 0 else 0.0,
         reference_delay=0.4 * machine.control.position_cycle if seed % 7 == 3 else None,

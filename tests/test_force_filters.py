@@ -25,7 +25,7 @@ from mtcommission.loop.tuning.tuned import (
     close_loop,
     corner_plants,
 )
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.machine.profile.shipped import read_shipped
@@ -54,9 +54,7 @@ def loops() -> tuple[LoopFamily, TunedLoop, LoopFamily, TunedLoop]:
 
 def test_width_and_damping_make_depth_and_delay() -> None:
     """A notch of another depth than the sheet says would be typed in."""
-    item = ForceFilter(
-        kind=FilterKind.NOTCH, natural_frequency=2 * pi * 72.0, damping=0.06, width=0.2
-    )
+    item = ForceFilter(kind="notch", natural_frequency=2 * pi * 72.0, damping=0.06, width=0.2)
     top, bottom = filter_polynomials(item)
 
     def response(omega: float) -> complex:

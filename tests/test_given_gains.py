@@ -13,7 +13,7 @@ from mtcommission.base.messages.message import Message
 from mtcommission.loop.tuning.family import cascade_family, propose_cascades
 from mtcommission.loop.tuning.gains import symmetrical_optimum
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.plant.modal import Modal
@@ -163,9 +163,7 @@ def test_only_what_is_not_given_is_searched() -> None:
 
 
 def low_pass(frequency_hz: float) -> ForceFilter:
-    return ForceFilter(
-        kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * frequency_hz, damping=0.7
-    )
+    return ForceFilter(kind="low_pass", natural_frequency=2 * pi * frequency_hz, damping=0.7)
 
 
 def test_filters_that_soften_the_loop_or_shake_a_mode_are_warned_about() -> None:

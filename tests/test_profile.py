@@ -10,7 +10,7 @@ import pytest
 
 from mtcommission.base.errors import Fault, InputError
 from mtcommission.controls.kinds import KINDS
-from mtcommission.machine.control import FilterKind, StateFeedback, TcpSensor, Today
+from mtcommission.machine.control import StateFeedback, Today
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.moves import Positioning, VelocityStep
 from mtcommission.machine.plant.modal import Modal
@@ -207,14 +207,14 @@ distance = 0.5
     assert (control.jerk_feedforward, control.feedforward_mass) == (0.5, 800.0)
     assert control.reference_delay == 3e-3
     assert (control.position_cycle, control.velocity_cycle) == (1e-3, 250e-6)
-    assert control.tcp_sensor is TcpSensor.POSITION
+    assert control.has_tcp_sensor
     assert control.state_feedback is StateFeedback.GIVEN
     gains = {gain.state: gain.value for gain in control.state_gains}
     assert gains == {"v_phi": 1e4, "phi": -2e5}
     assert control.setpoint_filter == SetpointFilter(kind="moving_average", time=0.02)
     assert not control.seeks_setpoint_filter
     (notch,) = control.force_filters
-    assert (notch.kind, notch.damping) == (FilterKind.NOTCH, 0.1)
+    assert (notch.kind, notch.damping) == ("notch", 0.1)
     assert notch.natural_frequency == pytest.approx(2 * pi * 72)
     assert control.minimum_bandwidth_hz == 15.0
 

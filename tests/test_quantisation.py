@@ -12,7 +12,7 @@ from benchmarks.population import random_machine
 from mtcommission.controls.kind import PositionLoop
 from mtcommission.loop.disturbance import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Positioning
 from tests.independent_loop import profile_of, quiet_copy, run
@@ -20,8 +20,8 @@ from tests.machines import paper_machine
 
 Array = NDArray[np.float64]
 
-NOTCH = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 150.0, damping=0.2)
-LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 900.0, damping=0.7)
+NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 150.0, damping=0.2)
+LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 900.0, damping=0.7)
 
 TRAVEL = Positioning(distance=3e-3, max_velocity=0.05)
 

@@ -11,7 +11,7 @@ import pytest
 
 from mtcommission.commission.commission import commission
 from mtcommission.controls.kind import PositionLoop
-from mtcommission.machine.control import FilterKind, ForceFilter, TcpSensor
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.profile.read import read_profile
 from mtcommission.machine.setpoint_filter import moving_average
@@ -24,14 +24,14 @@ from tests.recorded_loop import judge_record, simulate_record
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 
-NOTCH = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 150.0, damping=0.2)
-LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 900.0, damping=0.7)
+NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 150.0, damping=0.2)
+LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 900.0, damping=0.7)
 
 
 def machine_of(name: str) -> Machine:
     """Between them every position loop and all that a loop may have."""
     if name == "state feedback in the control":
-        return quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION)
+        return quiet_copy(paper_machine(), has_tcp_sensor=True)
     modal = read_profile(PROFILES / "modal-two-modes.toml")
     modal = replace(modal, moves=modal.moves[:1])
     if name == "filters, interpolated":

@@ -16,7 +16,6 @@ from mtcommission.loop.respond import extremes, free_motion, lay_grid, outputs_a
 from mtcommission.loop.simulate import LoopResponse, drive_loop, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
@@ -52,7 +51,7 @@ MACHINES = {
         paper_machine(),
         setpoint_filter=SetpointFilter(kind="2hump_ei", frequency_hz=31.0, damping_ratio=0.02),
     ),
-    "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "two encoders": quiet_copy(paper_machine(), has_tcp_sensor=True),
     "interpolated": quiet_copy(paper_machine(), position_loop=PositionLoop.INTERPOLATED),
     "drive": quiet_copy(
         paper_machine(), position_loop=PositionLoop.DRIVE, setpoint_filter=moving_average(7e-3)

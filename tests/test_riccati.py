@@ -12,14 +12,14 @@ from benchmarks.population import random_machine
 from mtcommission.loop.tuning import gains
 from mtcommission.loop.tuning.gains import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import StateFeedback, TcpSensor
+from mtcommission.machine.control import StateFeedback
 from mtcommission.machine.profile.read import read_profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 
 MACHINES = {
     "paper": paper_machine(),
-    "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "two encoders": quiet_copy(paper_machine(), has_tcp_sensor=True),
     "belt": read_profile(Path("tests/data/belt-servo.toml")),
     "one mode": random_modal_machine(3, n_modes=1),
     "population": random_machine(3),

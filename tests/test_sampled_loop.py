@@ -15,7 +15,7 @@ from mtcommission.loop.model.assembly import delay_weights, discretise
 from mtcommission.loop.simulate import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine, moving_mass, vary
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
 from mtcommission.machine.plant.manipulator import Manipulator
@@ -30,15 +30,15 @@ Array = NDArray[np.float64]
 
 STEP = VelocityStep(velocity_step=0.1)
 TRAVEL = Positioning(distance=0.005, max_velocity=0.15)
-NOTCH = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 72.0, damping=0.1)
-LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 600.0, damping=0.7)
+NOTCH = ForceFilter(kind="notch", natural_frequency=2 * pi * 72.0, damping=0.1)
+LOW_PASS = ForceFilter(kind="low_pass", natural_frequency=2 * pi * 600.0, damping=0.7)
 
 VARIANTS: dict[str, dict[str, object]] = {
     "state feedback and observer": {},
     "cascade alone": {"state_feedback": StateFeedback.OFF},
-    "second encoder": {"tcp_sensor": TcpSensor.POSITION},
+    "second encoder": {"has_tcp_sensor": True},
     "second encoder, cascade alone": {
-        "tcp_sensor": TcpSensor.POSITION,
+        "has_tcp_sensor": True,
         "state_feedback": StateFeedback.OFF,
     },
     "force filters": {"force_filters": (NOTCH, LOW_PASS)},
@@ -112,7 +112,7 @@ def test_random_machines_agree_in_a_corner(seed: int) -> None:
     )
     machine = quiet_copy(
         replace(machine, requirements=needs),
-        tcp_sensor=TcpSensor.POSITION if seed % 2 else TcpSensor.NONE,
+        has_tcp_sensor=seed % 2,
         position_loop=list(PositionLoop)[seed % 3],
     )
     tuned = tune_loop(machine)

@@ -23,7 +23,7 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.machine import Corner, Machine, vary
 from mtcommission.machine.mechanics import MachineState
 from mtcommission.machine.moves import Move
@@ -255,7 +255,7 @@ def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_pat
     slowest = min(mode.natural_frequency for mode in bench.plant.modes)
     notches = [
         ForceFilter(
-            kind=FilterKind.NOTCH,
+            kind="notch",
             natural_frequency=slowest * float(10 ** rng.uniform(-0.8, 0.8)),
             damping=width * float(10 ** rng.uniform(-1.5, -0.1)),
             width=width,

@@ -9,13 +9,20 @@ from typing import Any
 
 from mtcommission.base.errors import ComputationError, InputError
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.kind import FIR, MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
+from mtcommission.controls.kind import (
+    FIR,
+    MOVING_AVERAGE,
+    NOTCH,
+    SHAPERS,
+    TWO_AVERAGES,
+    PositionLoop,
+)
 from mtcommission.controls.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.limits.judge import Candidate, evaluate
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, describe_margins, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback, StateGain
+from mtcommission.machine.control import Control, ForceFilter, StateFeedback, StateGain
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.record.limits import ModeLimitsEntry
@@ -100,11 +107,11 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
     values |= filter_of(subject)
     for number, item in enumerate(loop.force_filters[: kind.force_filters], start=1):
         values |= {
-            (Setting.FILTER_KIND, str(number)): item.kind.value,
+            (Setting.FILTER_KIND, str(number)): item.kind,
             (Setting.FILTER_FREQUENCY, str(number)): item.natural_frequency / (2.0 * pi),
             (Setting.FILTER_DAMPING, str(number)): item.damping,
         }
-        if item.kind is FilterKind.NOTCH:
+        if item.kind == NOTCH:
             values[Setting.FILTER_WIDTH, str(number)] = item.width
     return values
 
@@ -286,7 +293,7 @@ def _control(values: Values, subject: Subject) -> Control:
         state_gains=fed_back,
         force_filters=tuple(
             ForceFilter(
-                kind=FilterKind(values[Setting.FILTER_KIND, i]),
+                kind=str(values[Setting.FILTER_KIND, i]),
                 natural_frequency=2.0 * pi * _number(values, Setting.FILTER_FREQUENCY, i),
                 damping=_number(values, Setting.FILTER_DAMPING, i),
                 width=_number(values, Setting.FILTER_WIDTH, i, missing=1.0),

@@ -12,8 +12,8 @@ from math import inf, isinf, log, pi
 from mtcommission.base.messages.catalogue import NAME, Catalogue
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import convert_to
-from mtcommission.controls.kind import ControlKind
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.controls.kind import LOW_PASS, ControlKind
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.identified import MOST_MISFIT
 from mtcommission.machine.machine import Machine, Motion, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
@@ -267,7 +267,7 @@ def say_filter(item: SetpointFilter | None, words: Catalogue) -> str:
 def name_filter(item: ForceFilter) -> Message:
     """Return what a filter of the set force is called, with its numbers."""
     frequency = item.natural_frequency / (2.0 * pi)
-    if item.kind is FilterKind.LOW_PASS:
+    if item.kind == LOW_PASS:
         return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)
     return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits
-from mtcommission.controls.kind import ControlKind, Jerk, PositionLoop
+from mtcommission.controls.kind import LOW_PASS, NOTCH, ControlKind, Jerk, PositionLoop
 from mtcommission.controls.kinds import GENERIC, KINDS
 from mtcommission.machine import readers as of
 from mtcommission.machine.keys import Misfit, Table, keyed
@@ -48,13 +48,6 @@ UNSEEN = 0.1
 """Share of a velocity cycle below which a ramp is a step to the drive."""
 
 
-class TcpSensor(Enum):
-    """Second encoder near the tool."""
-
-    NONE = "none"
-    POSITION = "position"
-
-
 class StateFeedback(Enum):
     """How the state-space extension gets its gains."""
 
@@ -71,18 +64,11 @@ class StateGain:
     value: float  # set force per unit of that state's deviation [N/unit]
 
 
-class FilterKind(Enum):
-    """Kinds of set-force filter."""
-
-    NOTCH = "notch"
-    LOW_PASS = "low_pass"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceFilter:
     """One filter in the set-force path, an element of force_filters of [control]."""
 
-    kind: FilterKind = keyed(word_of(FilterKind), "Kind of filter.", "notch")
+    kind: str = keyed(word_of((NOTCH, LOW_PASS)), "Kind of filter.", NOTCH)
     natural_frequency: float = keyed(
         of.FREQUENCIES, "Frequency of the filter.", "72 Hz", key="frequency", factor=2.0 * pi
     )  # [rad/s]
@@ -191,8 +177,12 @@ class Control:
         default=125e-6,
         left_out=None,
     )
-    tcp_sensor: TcpSensor = keyed(
-        word_of(TcpSensor), "Second encoder near the tool.", "none", default=TcpSensor.NONE
+    has_tcp_sensor: bool = keyed(
+        Word({"none": False, "position": True}),
+        "Second encoder near the tool.",
+        "none",
+        key="tcp_sensor",
+        default=False,
     )
     state_feedback: StateFeedback = StateFeedback.OFF  # auto, off, or given by ``state_gains``
     state_gains: tuple[StateGain, ...] = keyed(
@@ -322,7 +312,7 @@ class Control:
             yield "reference_delay", message
         if self.state_feedback is not StateFeedback.OFF and not kind.state_feedback:
             yield "state_feedback", Message("control-without-state-feedback", control=name)
-        if self.tcp_sensor is not TcpSensor.NONE and not kind.state_feedback:
+        if self.has_tcp_sensor and not kind.state_feedback:
             yield "tcp_sensor", Message("control-without-observer", control=name)
         count, most = len(self.force_filters), kind.force_filters
         if count > most:

@@ -13,7 +13,6 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import condense
 from mtcommission.loop.simulate import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import VelocityStep
 from mtcommission.machine.plant.plant import build_plant
@@ -87,7 +86,7 @@ def loop_rows(cases: Cases) -> tuple[list[Row], list[Row]]:
     move = machine.moves[0]
     hints = [condense(move, motion, velocity=plant.velocity) for motion in motions]
     loop = solve_loop(machine, hints)
-    sensed = replace(machine, control=replace(machine.control, tcp_sensor=TcpSensor.POSITION))
+    sensed = replace(machine, control=replace(machine.control, has_tcp_sensor=True))
     feedback = [
         _active_damping(cases, loop, solve_loop(sensed)),
         *_setpoints(cases, loop),

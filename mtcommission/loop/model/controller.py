@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.base.messages.message import Message
-from mtcommission.controls.kind import PositionLoop
-from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.controls.kind import LOW_PASS, PositionLoop
+from mtcommission.machine.control import ForceFilter
 from mtcommission.machine.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -155,7 +155,7 @@ def list_delays(controller: Controller) -> list[PathDelay]:
 def filter_delay(item: ForceFilter) -> float:
     """Return the low-frequency delay of a set-force filter [s]."""
     zeta, omega = item.damping, item.natural_frequency
-    if item.kind is FilterKind.LOW_PASS:
+    if item.kind == LOW_PASS:
         return 2.0 * zeta / omega
     return 2.0 * (item.width - zeta) / omega
 
@@ -168,7 +168,7 @@ def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
     """
     zeta, omega = item.damping, item.natural_frequency
     damped = np.array([1.0, 2 * zeta * omega, omega**2])
-    if item.kind is FilterKind.LOW_PASS:
+    if item.kind == LOW_PASS:
         return np.array([0.0, 0.0, omega**2]), damped
     return damped, np.array([1.0, 2 * item.width * omega, omega**2])
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mtcommission.base.errors import ComputationError, Outcome
 from mtcommission.base.messages.message import Message
+from mtcommission.controls.kind import LOW_PASS, NOTCH
 from mtcommission.loop.analysis import GainGrid, lay_grids
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.gains import (
@@ -37,7 +38,7 @@ from mtcommission.loop.tuning.tuned import (
     close_loop,
     corner_plants,
 )
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.control import ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine
 
 Array = NDArray[np.float64]
@@ -239,14 +240,13 @@ def _candidates(family: LoopFamily, before: _Sketch) -> Iterator[ForceFilter]:
         if mode.measured_gain:
             for place, width in product(SEARCH.notch_places, SEARCH.notch_widths):
                 omega, zeta = place * mode.natural_frequency, SEARCH.notch_depth * width
-                notch = FilterKind.NOTCH
-                yield ForceFilter(kind=notch, natural_frequency=omega, damping=zeta, width=width)
+                yield ForceFilter(kind=NOTCH, natural_frequency=omega, damping=zeta, width=width)
     away = [np.abs(1.0 + grid.open_loop(before.controller)) for grid in before.family.grids]
     worst = int(np.argmin([distance.min() for distance in away]))
     weakest = float(family.grids[worst].omega[away[worst].argmin()])
-    low_pass, zeta = FilterKind.LOW_PASS, SEARCH.low_pass_damping
+    zeta = SEARCH.low_pass_damping
     for factor in SEARCH.low_passes:
-        yield ForceFilter(kind=low_pass, natural_frequency=factor * weakest, damping=zeta)
+        yield ForceFilter(kind=LOW_PASS, natural_frequency=factor * weakest, damping=zeta)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -30,7 +30,6 @@ from mtcommission.controls.row import round_number
 from mtcommission.loop.model.assembly import discretise
 from mtcommission.loop.model.controller import Controller, Observer, filter_delay
 from mtcommission.loop.tuning.tuned import CLASSIC, TUNING, Shape
-from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.machine.plant.plant import Plant, PlantMode
 
@@ -66,7 +65,7 @@ def build_cascade(
         velocity_cycle=given.velocity_cycle,
         cycles=round(given.position_cycle / given.velocity_cycle),
         force_filters=given.force_filters,
-        sensors=("encoder", "tcp") if given.tcp_sensor is TcpSensor.POSITION else ("encoder",),
+        sensors=("encoder", "tcp") if given.has_tcp_sensor else ("encoder",),
         state_gains=np.zeros(plant.order),
     )
     tau = given.reference_delay
