@@ -4,10 +4,13 @@
 """
 
 import os
+import sys
+from collections.abc import Callable
 
 import pytest
 from hypothesis import settings
 
+from mtcommission import cli
 from mtcommission.base.messages import ENGLISH
 from mtcommission.cli.language import LOCALE, choose
 
@@ -25,3 +28,22 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 def _english() -> None:
     """A command that spoke German leaves its language behind in the process."""
     choose(ENGLISH)
+
+
+Result = tuple[int, str, str]
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run one command in this process; returns exit code, output and error output."""
+
+    def call(*arguments: object) -> Result:
+        monkeypatch.setattr(sys, "argv", ["mtcommission", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+        captured = capsys.readouterr()
+        assert "Traceback" not in captured.err + captured.out
+        return int(stopped.value.code or 0), captured.out, captured.err
+
+    return call

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,29 +29,12 @@ from mtcommission.machine.plant.plant import Plant, build_plant
 from mtcommission.machine.profile.shipped import read_shipped
 from mtcommission.optimal.bounded import solve_bounded_time_optimal
 from mtcommission.optimal.control import Bang, Bound, Interior, TimeOptimum, TouchPoint
+from tests.conftest import Run
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
 BELT = str(PROFILES / "printer-belt.toml")
-
-Result = tuple[int, str, str]
-Run = Callable[..., Result]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Run one command in this process; returns exit code, output and error output."""
-
-    def call(*arguments: str | Path) -> Result:
-        monkeypatch.setattr(sys, "argv", ["mtcommission", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        captured = capsys.readouterr()
-        assert "Traceback" not in captured.err + captured.out
-        return int(stopped.value.code or 0), captured.out, captured.err
-
-    return call
 
 
 def test_help_answers_without_the_heavy_libraries() -> None:

@@ -36,6 +36,7 @@ from mtcommission.record.machine import ACCEPTED_DEFAULT, Profile
 from mtcommission.record.record import Record, build_record, load_record
 from mtcommission.record.shape import dump_json, to_entry
 
+from .conftest import Run
 from .second_reader import ini_file, lines, simulate_file
 from .sheet_record import Json, on_json
 
@@ -565,39 +566,26 @@ def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(
 
 
 def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
-    linear_motor: Case,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    linear_motor: Case, tmp_path: Path, run: Run
 ) -> None:
-    from mtcommission import cli
-
-    record = tmp_path / "record.json"
+    record, out = tmp_path / "record.json", tmp_path / "axis.txt"
     record.write_text(json.dumps(linear_motor.record), "utf-8")
-
-    def run(*arguments: str | Path) -> int:
-        monkeypatch.setattr("sys.argv", ["mtcommission", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        return int(stopped.value.code or 0)
-
-    out = tmp_path / "axis.txt"
-    assert run("export", record, "--control", "sinumerik", "-o", out) == 0
+    assert run("export", record, "--control", "sinumerik", "-o", out)[0] == 0
     assert "\np1462=" in out.read_text("utf-8")
-    assert run("export", record, "--control", "sinumerik", "--csv", "-o", out) == 0
+    assert run("export", record, "--control", "sinumerik", "--csv", "-o", out)[0] == 0
     assert "\n,p1462,ms,," in out.read_text("utf-8")
-    capsys.readouterr()
-    assert run("export", "--control", "?") == 0  # nobody has a record yet who asks this
-    listed = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in listed] == list(CONTROL_KEYS)
-    assert run("export", "--control", "isg") == 2
-    assert "got no record" in capsys.readouterr().err
-    assert run("export", record, "--control", "sinumerick") == 2
-    assert 'did you mean "sinumerik"' in capsys.readouterr().err
-    assert run("export", tmp_path / "none.json", "--control", "isg") == 2
+    _, listed, _ = run("export", "--control", "?")  # nobody has a record yet who asks this
+    assert [line.split()[0] for line in listed.splitlines()] == list(CONTROL_KEYS)
     record.write_text("{}", "utf-8")
-    assert run("export", record, "--control", "isg") == 2
-    assert "Traceback" not in capsys.readouterr().err
+    for words, said in (
+        (["--control", "isg"], "got no record"),
+        ([record, "--control", "sinumerick"], 'did you mean "sinumerik"'),
+        ([tmp_path / "none.json", "--control", "isg"], "no such file"),
+        ([record, "--control", "isg"], "record.json"),
+    ):
+        code, _, error = run("export", *words)
+        assert code == 2
+        assert said in error
 
 
 def test_the_list_of_controls_comes_without_the_libraries_of_the_loop() -> None:

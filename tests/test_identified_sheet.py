@@ -32,11 +32,9 @@ from mtcommission.sheet.identified import identified
 from mtcommission.sheet.loop import bode
 from mtcommission.sheet.responses import second_page
 from mtcommission.study.improvements import value_tool_sensor
+from tests.conftest import Run
 from tests.sheet_record import example_record
-from tests.test_cli import Run, run
 from tests.test_identify import table_file
-
-__all__ = ["run"]
 
 REST = """
 [drive]

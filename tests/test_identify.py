@@ -27,9 +27,7 @@ from mtcommission.record.machine import list_data
 from mtcommission.wizard.files import gather as known_before
 from mtcommission.wizard.script import list_questions
 from tests import identify_files as made
-from tests.test_cli import Run, run
-
-__all__ = ["run"]
+from tests.conftest import Run
 
 
 def _how(*, tool_ratio: float | None = None) -> Writing:

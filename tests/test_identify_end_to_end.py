@@ -25,9 +25,7 @@ from mtcommission.machine.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
 from tests import measured_example
-from tests.test_cli import Run, run
-
-__all__ = ["run"]
+from tests.conftest import Run
 
 TRUE = """\
 schema = 1

@@ -13,9 +13,7 @@ import numpy as np
 import pytest
 
 from tests import identify_files as made
-from tests.test_cli import Run, run
-
-__all__ = ["run"]
+from tests.conftest import Run
 
 LINES = np.geomspace(2.0, 500.0, 400)
 

@@ -21,9 +21,7 @@ from mtcommission.identify.measurement import (
     Signal,
 )
 from tests import identify_files as made
-from tests.test_cli import Run, run
-
-__all__ = ["run"]
+from tests.conftest import Run
 
 INERTIA, MOTOR, FREQUENCY, DAMPING = 0.14, 0.076, 59.0, 0.04
 """Of the two masses [kg m²], and of the mode between them [Hz; -]."""

@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
-from mtcommission import cli
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.moves import Move, Positioning, VelocityStep
@@ -21,6 +20,7 @@ from mtcommission.optimal.control import Bound, TimeOptimum, propagate, sample_t
 from mtcommission.optimal.open_loop import solve_jerk_limited
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
+from tests.conftest import Run
 from tests.test_at_once import axis, random_axis
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -173,15 +173,11 @@ def test_other_bounds_hold_besides() -> None:
 
 
 def test_command_line_says_the_limit_and_where_it_belongs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    run: Run,
 ) -> None:
-    def call(profile: str, *more: str) -> tuple[object, str]:
-        arguments = ["optimal", str(PROFILES / profile), "--kind", "time", *more]
-        monkeypatch.setattr("sys.argv", ["mtcommission", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        said = capsys.readouterr()
-        return ended.value.code, (said.out + said.err).replace("\u202f", " ")
+    def call(profile: str, *more: str) -> tuple[int, str]:
+        code, out, error = run("optimal", PROFILES / profile, "--kind", "time", *more)
+        return code, (out + error).replace("\u202f", " ")
 
     code, said = call("printer-belt.toml", "--jerk", "20000", "--move", "2")
     assert not code

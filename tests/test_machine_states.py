@@ -17,9 +17,7 @@ from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from tests import identify_files as made
-from tests.test_cli import Run, run
-
-__all__ = ["run"]
+from tests.conftest import Run
 
 PROFILE = (Path(__file__).parent.parent / "profiles" / "ball-screw.toml").read_text("utf-8")
 FAR = """

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import pytest
 
-from mtcommission import cli
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages.message import Message
 from mtcommission.base.units.quantities import AxisUnits, Dimension
@@ -30,6 +29,7 @@ from mtcommission.machine.readers import MASSES, RATIOS, STIFFNESSES
 from mtcommission.record.record import load_record
 from mtcommission.verify.prediction import rebuild
 from mtcommission.wizard.script import find_question, list_questions
+from tests.conftest import Run
 from tests.recorded_traces import Spoilt, record_moves, write_csv
 from tests.test_verify import limits_of
 
@@ -129,13 +129,6 @@ def kind(monkeypatch: pytest.MonkeyPatch) -> None:
     register(Belt)
 
 
-def call(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
-    monkeypatch.setattr("sys.argv", ["mtcommission", *words])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    return int(ended.value.code or 0)
-
-
 def test_its_class_alone_gives_plant_corners_and_remarks() -> None:
     machine = parse_profile(PROFILE, where="belt.toml")
     plant = build_plant(vary(machine, Corner(frequency_factor=1.1)))
@@ -170,22 +163,23 @@ def test_its_faults_have_line_and_remedy_and_schema_and_questions_know_it() -> N
 
 
 def test_it_goes_through_check_run_export_and_verify(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
     """A load that is heavier than its profile says comes back in the keys of this kind."""
     monkeypatch.chdir(tmp_path)
     Path("belt.toml").write_text(PROFILE, encoding="utf-8")
-    assert call(monkeypatch, "check", "belt.toml") == 0
-    assert f"{OMEGA / (2 * pi):.2f}" in capsys.readouterr().out
-    assert call(monkeypatch, "run", "belt.toml", "-o", "out", "--no-pdf") == 0
+    code, said, _ = run("check", "belt.toml")
+    assert code == 0
+    assert f"{OMEGA / (2 * pi):.2f}" in said
+    assert run("run", "belt.toml", "-o", "out", "--no-pdf")[0] == 0
     assert "plant.belt_stiffness" in Path("out/sheet.html").read_text(encoding="utf-8")
-    assert call(monkeypatch, "export", "out/record.json", "--control", "generic") == 0
+    assert run("export", "out/record.json", "--control", "generic")[0] == 0
     record = load_record(Path("out/record.json"))
     rebuilt = rebuild(record)
     how = Spoilt(payload=20.0, noise=1e-7, step=5e-4)
     write_csv(Path("move.csv"), record_moves(rebuilt, limits_of(record), how))
     words = ("verify", "out/record.json", "move.csv", "--refine", "new.toml")
-    assert call(monkeypatch, *words) == 1
+    assert run(*words)[0] == 1
     text = Path("new.toml").read_text(encoding="utf-8")
     new = parse_profile(text, where="new.toml").mechanics
     assert isinstance(new, Belt)
@@ -196,7 +190,7 @@ def test_it_goes_through_check_run_export_and_verify(
 
 
 def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("belt.toml").write_text(PROFILE, encoding="utf-8")
@@ -209,20 +203,21 @@ def test_identify_writes_a_modal_plant_in_its_place_and_says_so(
     Path("sweep.csv").write_text("\n".join(["f [Hz],re,im", *rows]), encoding="utf-8")
     words = ("--sensor", "encoder", "--input", "force", "--output", "position")
     profile = ("--profile", "belt.toml", "-o", "new.toml")
-    assert call(monkeypatch, "identify", "sweep.csv", *words, *profile) == 0
-    assert 'take the place of kind = "belt"' in " ".join(capsys.readouterr().out.split())
+    code, said, _ = run("identify", "sweep.csv", *words, *profile)
+    assert code == 0
+    assert 'take the place of kind = "belt"' in " ".join(said.split())
     new = parse_profile(Path("new.toml").read_text(encoding="utf-8"), where="new.toml").mechanics
     assert new.kind == "modal"
     assert new.moving_mass == pytest.approx(80.0, rel=0.01)
 
 
 def test_the_wizard_asks_for_it_from_its_schema(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
     """It took every kind but one for the manipulator of the paper."""
     monkeypatch.chdir(tmp_path)
     Path("belt.toml").write_text(PROFILE, encoding="utf-8")
-    assert call(monkeypatch, "wizard", "--yes", "-o", "belt.toml") == 0
+    assert run("wizard", "--yes", "-o", "belt.toml")[0] == 0
     assert Path("belt.toml").read_text(encoding="utf-8") == PROFILE
     answers = {"wizard.way": "belt"}
     assert "belt" in find_question("wizard.way", {}).choices

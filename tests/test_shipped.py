@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
 import pytest
 
-from mtcommission import cli
 from mtcommission.base.errors import InputError
 from mtcommission.base.messages import LANGUAGES
 from mtcommission.base.messages.catalogue import Catalogue
@@ -23,22 +21,9 @@ from mtcommission.machine.machine import Motion
 from mtcommission.machine.plant.modal import Modal
 from mtcommission.machine.profile import shipped
 from mtcommission.machine.profile.shipped import describe_shipped, read_shipped, shipped_names
+from tests.conftest import Run
 
 NAMES = shipped_names()
-
-Run = Callable[..., int]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    def call(*arguments: str) -> int:
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr("sys.argv", ["mtcommission", *arguments])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        return int(stopped.value.code or 0)
-
-    return call
 
 
 def test_there_are_machines_of_different_kinds() -> None:
@@ -116,20 +101,22 @@ def test_the_printer_is_what_its_comment_derives() -> None:
     assert machine.drive.max_velocity == pytest.approx(1.25)
 
 
-def test_list_show_and_copy(run: Run, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert run("profiles", "list") == 0
-    listed = capsys.readouterr().out
+def test_list_show_and_copy(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, listed, _ = run("profiles", "list")
+    assert code == 0
     assert [line for line in listed.splitlines() if not line.startswith(" ")] == list(NAMES)
-    assert run("profiles", "show", "rotary-table") == 0
-    shown = capsys.readouterr().out
+    _, shown, _ = run("profiles", "show", "rotary-table")
     assert tomllib.loads(shown)["machine"]["motion"] == "rotary"
-    assert run("profiles", "copy", "rotary-table") == 0
+    assert run("profiles", "copy", "rotary-table")[0] == 0
     assert (tmp_path / "rotary-table.toml").read_text("utf-8") == shown
-    assert run("profiles", "copy", "rotary-table") == 2
-    assert "exists already" in capsys.readouterr().err
-    assert run("profiles", "copy", "rotary-table.toml", "mine.toml") == 0
-    assert run("profiles", "show", "rotary-tabel") == 2
-    assert 'did you mean "rotary-table"' in capsys.readouterr().err
+    code, _, error = run("profiles", "copy", "rotary-table")
+    assert code == 2
+    assert "exists already" in error
+    assert run("profiles", "copy", "rotary-table.toml", "mine.toml")[0] == 0
+    code, _, error = run("profiles", "show", "rotary-tabel")
+    assert code == 2
+    assert 'did you mean "rotary-table"' in error
 
 
 def test_profiles_inside_the_package_are_found_first(

@@ -32,7 +32,6 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from mtcommission.base.errors import ComputationError, InputError, Outcome
 from mtcommission.base.messages.catalogue import Catalogue
 from mtcommission.base.messages.message import Message
-from mtcommission.cli import main
 from mtcommission.machine.plant.plant import build_plant
 from mtcommission.machine.profile.read import parse_profile
 from mtcommission.optimal.control import Bound
@@ -54,6 +53,7 @@ from mtcommission.sweep.request import check_plan, read_cases, read_plan
 from mtcommission.sweep.solve import Answer, Work, columns, solve_case
 from mtcommission.sweep.store import LOCK, NAME, hold_folder
 from mtcommission.sweep.table import print_sweep, read_table, summarise, write_table
+from tests.conftest import Run
 from tests.machines import paper_machine
 
 PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
@@ -530,24 +530,15 @@ def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
     ],
 )
 def test_what_no_case_can_use_is_refused_before_anything_is_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], message: str
+    tmp_path: Path, run: Run, options: list[str], message: str
 ) -> None:
     """A misprint must not cost a night of rows that all say the same."""
     folder = tmp_path / "rows"
-    with pytest.raises(SystemExit) as ended:
-        run_command(["sweep", str(PAPER), *options, "-o", str(folder)])
-    assert ended.value.code == 2
-    told = capsys.readouterr().err
+    code, _, told = run("sweep", PAPER, *options, "-o", folder)
+    assert code == 2
     assert message in told
     assert len(told.splitlines()) == 1
     assert not folder.exists() or not any(folder.iterdir())
-
-
-def run_command(line: list[str]) -> None:
-    """The command line in this process."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["mtcommission", *line])
-        main()
 
 
 @pytest.mark.parametrize(
@@ -672,7 +663,7 @@ def test_lines_of_the_document_do_what_they_say(
     assert frame.equals(command_rows)
 
 
-def test_the_library_takes_what_the_command_takes(tmp_path: Path) -> None:
+def test_the_library_takes_what_the_command_takes(tmp_path: Path, run: Run) -> None:
     """Limits, a table of cases and a later move are there from Python, too, with the same rows."""
     profile = Path(__file__).parent / "data" / "belt-servo.toml"
     table = tmp_path / "cases.csv"
@@ -680,9 +671,8 @@ def test_the_library_takes_what_the_command_takes(tmp_path: Path) -> None:
     options = ["--cases", str(table), "--limit", "F=25", "--move", "2", "--vary"]
     varied = "plant.modes[1].damping_ratio=0.04,0.06"
     folder = tmp_path / "command"
-    with pytest.raises(SystemExit) as ended:
-        run_command(["sweep", str(profile), *options, varied, "--paired", "-o", str(folder)])
-    assert ended.value.code == 0
+    code, _, _ = run("sweep", profile, *options, varied, "--paired", "-o", folder)
+    assert code == 0
     found = sweep(
         profile,
         folder=tmp_path / "library",

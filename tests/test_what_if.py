@@ -37,8 +37,8 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.sheet.what_if import Panel, print_answers, what_if
+from tests.conftest import Run
 
-from .test_cli import Run, run  # noqa: F401
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
@@ -414,7 +414,7 @@ addEventListener("load", () => {
 
 @needs_browser
 def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
-    run: Run,  # noqa: F811
+    run: Run,
     tmp_path: Path,
 ) -> None:
     """What an engineer copies from the page is simulated with exactly these values."""
